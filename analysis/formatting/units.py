@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
-from granwave.lammps_inputs.case.supports import HalfSpace, Plate, SupportBar
+from granwave.lammps_inputs.case.supports import Damper, HalfSpace, Plate, SupportBar
 
 # Keys of continuum cases, whose schema belongs to their solver; a test compares both.
 CONTINUUM_UNITS = {
@@ -20,7 +20,7 @@ CONTINUUM_UNITS = {
     "run.frame_interval": "s",
 }
 _BOTTOM = "boundary.bottom."
-_SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
+_SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def unit_of(key: str) -> str:

@@ -81,6 +81,8 @@ def bottom_label(case: Case) -> str:
     if support.plate:
         damped = ", damped" if support.plate.damping else ""
         return f"plate of {support.plate.mass:g} kg, {time_label(period_of(support.plate))}{damped}"
+    if support.damper:
+        return f"damper of {support.damper.damping:g} N s/m"
     if support.half_space:
         radius = support.half_space.radius
         return f"{name} half-space" + (f", disc of {1e3 * radius:g} mm" if radius else "")

@@ -320,7 +320,7 @@ class Boundary:
         default=None,
     )
     sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
-    bottom_support: Support | None = None  # of a moving bottom plane: plate, half_space or bar = {...}
+    bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
         "coefficient of Coulomb friction of the walls; that of the contacts by default",

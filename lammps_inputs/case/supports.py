@@ -1,6 +1,7 @@
-"""Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``half_space`` or ``bar``.
+"""Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space`` or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
+damper       a massless plate on a damper, which bears the static force: an end that absorbs waves
 half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
              4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
 bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
@@ -39,6 +40,13 @@ class Plate:
     mass: float = number("mass of the plate", unit="kg", above=0, usual=MASS)
     stiffness: float = number("stiffness of the spring between plate and ground", unit="N/m", above=0)
     damping: float = number("constant of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Damper:
+    """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
+
+    damping: float = number("force on the ground, beyond the static one, over the plate's velocity", unit="N s/m", above=0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -127,20 +135,21 @@ class BarConstants:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Support:
-    """Support of the bottom plane: exactly one of plate, half-space and bar."""
+    """Support of the bottom plane: exactly one of plate, damper, half-space and bar."""
 
     plate: Plate | None = None
+    damper: Damper | None = None
     half_space: HalfSpace | None = None
     bar: SupportBar | None = None
 
     @property
     def kind(self) -> str:
         """Name of the support, as in the case file."""
-        return "plate" if self.plate else "half_space" if self.half_space else "bar"
+        return next(name for name in SUPPORTS if getattr(self, name))
 
     @property
     def bears(self) -> bool:
-        """True if the support can bear a static load: it has a spring to the ground."""
+        """True if the support can bear a static load, by a spring to the ground or as a damper."""
         return self.bar is None or self.bar.end == "fixed"
 
     def constants(self, material: Material | None, footprint: float) -> NodeConstants | BarConstants:
@@ -149,12 +158,14 @@ class Support:
         Parameters
         ----------
         material
-            Material of the surface; a plate needs none.
+            Material of the surface; a plate and a damper need none.
         footprint
             Radius of the packing's footprint, m.
         """
         if self.plate:
             return NodeConstants(self.plate.mass, self.plate.stiffness, self.plate.damping)
+        if self.damper:
+            return NodeConstants(0.0, 0.0, self.damper.damping)
         assert material is not None
         if self.half_space:
             radius = self.half_space.radius or footprint
@@ -177,6 +188,8 @@ class Support:
         """
         if self.plate:
             return _OF_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
+        if self.damper:
+            return _OF_DECAY * self.damper.damping / contacts
         assert material is not None
         if self.half_space:
             return _OF_DECAY * self.half_space.damping(material, self.half_space.radius or footprint) / contacts
@@ -189,7 +202,7 @@ class Support:
         )
 
 
-SUPPORTS: dict[str, type] = {"plate": Plate, "half_space": HalfSpace, "bar": SupportBar}
+SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
@@ -204,7 +217,7 @@ def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[
     material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
     if not chosen:
         return material, None
-    if "material" not in table and chosen[0] != "plate":
+    if "material" not in table and chosen[0] not in ("plate", "damper"):
         errors.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
     section = read_table(SUPPORTS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
     return material, None if section is None else Support(**{chosen[0]: section})

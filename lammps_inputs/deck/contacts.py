@@ -202,6 +202,8 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
     if wall.support is None or material != materials_of_last_layer(assembly)[0]:
         return []
     constants = wall.support.constants(wall.material, footprint_radius(assembly))
+    if wall.support.damper:
+        return ["support", "damper", num(wall.support.damper.damping)]
     if isinstance(constants, NodeConstants):
         return ["support", *(num(value) for value in (constants.mass, constants.stiffness, constants.damping))]
     end = constants.end if isinstance(constants.end, str) else num(constants.end)

@@ -3,6 +3,7 @@
 
      support MASS STIFFNESS DAMPING                  M u" + C u' + K u = F, or with MASS 0  C u' + K u = F
      support bar ELEMENTS MASS STIFFNESS END         lumped masses joined by springs; END = free | fixed | impedance
+     support damper DAMPING                          F = F0 + C u', with the force F0 that it bears when the run begins
      support free MASS VELOCITY                      M u" = F, u' = -VELOCITY at the start: a plate that moves towards the spheres
 
    u is the outward displacement of the plane, away from the spheres; F >= 0 is their normal force on it. Both kinds are a chain
@@ -38,7 +39,8 @@ class Support {
   Support(const std::vector<std::string> &words, std::size_t &used)
   {
     const bool bar = !words.empty() && words[0] == "bar", plate = !words.empty() && words[0] == "free";
-    used = bar ? 5 : 3;
+    bears_ = !words.empty() && words[0] == "damper";
+    used = bar ? 5 : bears_ ? 2 : 3;
     if (words.size() < used) refuse("it has " + std::to_string(words.size()) + " words");
     if (bar) {
       const double elements = number(words[1], "ELEMENTS"), total = number(words[2], "MASS");
@@ -61,6 +63,10 @@ class Support {
       mass_ = {number(words[1], "MASS of a free plate")};
       if (mass_[0] == 0.0) refuse("MASS of a free plate must be positive, found '" + words[1] + "'");
       launch_ = number(words[2], "VELOCITY of a free plate");
+    } else if (bears_) {
+      mass_ = {0.0};
+      ground_damping_ = number(words[1], "DAMPING of a damper");
+      if (ground_damping_ == 0.0) refuse("DAMPING of a damper must be positive, found '" + words[1] + "'");
     } else {
       mass_ = {number(words[0], "MASS")};
       ground_stiffness_ = number(words[1], "STIFFNESS");
@@ -93,7 +99,7 @@ class Support {
     before_ = speed_.back();
     const double first = place_.front(), last = place_.back();
     if (massless()) {
-      const double ahead = 1.5 * force_ - 0.5 * earlier_, half = 0.5 * ground_stiffness_;
+      const double ahead = 1.5 * force_ - 0.5 * earlier_ - borne_, half = 0.5 * ground_stiffness_;
       place_[0] = (first * (ground_damping_ / dt - half) + ahead) / (ground_damping_ / dt + half);
     } else {
       kick(dt);
@@ -109,9 +115,10 @@ class Support {
   void push(double force)
   {
     if (!started_) earlier_ = force;
+    if (!started_ && bears_) borne_ = force;
     started_ = true;
     force_ = force;
-    if (massless()) speed_[0] = (force_ - ground_stiffness_ * place_[0]) / ground_damping_;
+    if (massless()) speed_[0] = (force_ - borne_ - ground_stiffness_ * place_[0]) / ground_damping_;
   }
 
   void finish(double dt)
@@ -143,14 +150,14 @@ class Support {
   double velocity() const { return speed_.front(); }
   double work() const { return work_; }
   double damped() const { return damped_; }
-  double force_on_ground() const { return ground_stiffness_ * place_.back() + ground_damping_ * speed_.back(); }
+  double force_on_ground() const { return borne_ + ground_stiffness_ * place_.back() + ground_damping_ * speed_.back(); }
   double energy() const
   {
     double sum = ground_stiffness_ * place_.back() * place_.back();
     for (std::size_t i = 0; i < place_.size(); i++) sum += mass_[i] * speed_[i] * speed_[i];
     for (std::size_t i = 0; i + 1 < place_.size(); i++)
       sum += stiffness_ * (place_[i + 1] - place_[i]) * (place_[i + 1] - place_[i]);
-    return 0.5 * sum;
+    return 0.5 * sum + borne_ * place_.back();
   }
 
   /* Add force times velocity, and force^2 over mass, of all nodes; forces without the damper. */
@@ -185,10 +192,11 @@ class Support {
     std::vector<double> all{started_ ? 1.0 : 0.0, force_, earlier_, work_, damped_};
     all.insert(all.end(), place_.begin(), place_.end());
     all.insert(all.end(), speed_.begin(), speed_.end());
+    if (bears_) all.push_back(borne_);
     return all;
   }
 
-  std::size_t state_size() const { return N_STATE + 2 * place_.size(); }
+  std::size_t state_size() const { return N_STATE + 2 * place_.size() + (bears_ ? 1 : 0); }
 
   void restore(const double *all)
   {
@@ -199,6 +207,7 @@ class Support {
     damped_ = all[4];
     std::copy_n(all + N_STATE, place_.size(), place_.begin());
     std::copy_n(all + N_STATE + place_.size(), speed_.size(), speed_.begin());
+    if (bears_) borne_ = all[N_STATE + 2 * place_.size()];
   }
 
   bool massless() const { return mass_[0] == 0.0; }
@@ -213,7 +222,9 @@ class Support {
   double ground_stiffness_ = 0.0, ground_damping_ = 0.0;
   double launch_ = 0.0;                   // speed of a free plate at the start, towards the spheres
   double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that of the previous step
+  double borne_ = 0.0;                    // constant force of the ground on a damper
   double work_ = 0.0, damped_ = 0.0;
+  bool bears_ = false;
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
 
@@ -238,7 +249,7 @@ class Support {
   {
     throw std::invalid_argument("support: " + what +
                                 "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), "
-                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE, or support free MASS VELOCITY");
+                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE, support damper DAMPING, or support free MASS VELOCITY");
   }
 
   static double number(const std::string &word, const std::string &what)

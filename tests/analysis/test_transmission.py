@@ -102,6 +102,28 @@ def test_a_matched_end_reflects_little(tmp_path):
     assert outcome.summary["absorbed_fraction"] > 0.5 and outcome.summary["energy_balance_error"] < 1e-5
 
 
+def test_a_row_on_a_damper(tmp_path):
+    """The damper bears the 20 N; behind the contact with its plate it takes waves of the row's impedance."""
+    impedance = 255.0
+    changes = {"packing.size": 20, "boundary.bottom": {"damper": {"damping": impedance}}, "absorb": [],
+               "run.end_time": 4e-3,
+               "load": {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 4e3, "ramp": 5e-4}}  # fmt: skip
+    outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found, assembly = transmission_of(result), result.assembly
+        pressed = result["walls/bottom/force"]
+        lost = result["energy/support_lost"][-1] / result.energy_input
+    assert pressed[0] == pytest.approx(20, rel=1e-4) and np.abs(pressed / 20 - 1).max() < 0.05
+    assert outcome.summary["energy_balance_error"] < 1e-5 and lost > 0.7
+    stiffness, mass, omega = static_stiffness(assembly), assembly.case.sphere_mass, 2j * math.pi * 4e3
+    at_plate = 2 * stiffness  # Hertz: K of a rigid plane is 2 sqrt(2) times that of two spheres, and k ~ K^(2/3)
+    end = omega * mass + 1 / (1 / impedance + omega / at_plate) + stiffness / omega
+    step = np.exp(2j * math.asin(abs(omega) / 2 * math.sqrt(mass / stiffness)))
+    due = abs((stiffness / omega * step - end) / (stiffness / omega / step - end))
+    size = np.abs(found.velocity[:18])
+    assert (size.max() - size.min()) / (size.max() + size.min()) == pytest.approx(due, abs=0.01)
+
+
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
