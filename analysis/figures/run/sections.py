@@ -295,7 +295,9 @@ def draw_discs(
     if sticks is not None and (long := sticks.any(axis=1)).any():
         corners = _corners(np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2)
         axes.add_collection(
-            PolyCollection(corners * _MILLI, facecolors=faces[long], edgecolors=edges[long], linewidths=widths[long])
+            PolyCollection(
+                list(corners * _MILLI), facecolors=faces[long], edgecolors=edges[long], linewidths=widths[long]
+            )
         )
         size = np.where(long, 0.0, size)
     discs = EllipseCollection(
