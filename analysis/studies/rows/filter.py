@@ -170,6 +170,7 @@ def rows(group: Group) -> Iterator[Row]:
             for run in group.runs:
                 if run.is_elastic_source and run.at(gamma, approach) and math.isclose(run.density, density):
                     yield from _peak_rows(run, said, peaks)
+                    break
     for run in _source_runs(group):
         yield from _decay_rows(run)
     yield from _valleys(group)
@@ -178,7 +179,8 @@ def rows(group: Group) -> Iterator[Row]:
 
 
 def _source_runs(group: Group) -> list[FilterRun]:
-    return sorted((run for run in group.runs if run.is_source), key=lambda run: (run.approach, run.gamma))
+    found = {(run.approach, run.gamma): run for run in group.runs if run.is_source}
+    return [found[key] for key in sorted(found)]
 
 
 def _label(run: FilterRun) -> str:
@@ -249,13 +251,11 @@ def _rows_with_yield(group: Group) -> Iterator[Row]:
         if run.law == "hertz" or not twins:
             continue
         name = f"{_label(run)}, {run.law}, {run.velocity:g} m/s"
-        for contact in (31, 101, 201):
+        for contact in (21, 31, 61, 101):
             yield Row(f"Peak force at contact {contact}, {name}", "N", None, float(run.peaks[contact - 1]),
                       "not in the source", f"Elastic: {twins[0].peaks[contact - 1]:.4g} N.")  # fmt: skip
-        yield Row(f"Decay per contact, {name}", "1e-3", None, _KILO * run.decay, "not in the source",
-                  f"Elastic: {_KILO * twins[0].decay:.3g}e-3.", digits=3)  # fmt: skip
         yield Row(f"Force of a wall after the wave over that before, {name}", "", None, run.kept, "not in the source",
-                  "What the wave has left of the precompression, and with it of the filter; elastic: "
+                  "What the wave has left of the precompression of the whole row, and with it of the filter; elastic: "
                   f"{twins[0].kept:.3g}.", digits=3)  # fmt: skip
 
 
@@ -272,7 +272,7 @@ def pictures(group: Group) -> Iterator[Picture]:
 
 
 def _peaks(group: Group) -> Iterator[Picture]:
-    shown = [run for gamma, approach in PEAKS for run in group.runs if run.is_source and run.at(gamma, approach)]
+    shown = [run for gamma, approach in PEAKS for run in _source_runs(group) if run.at(gamma, approach)]
     if not shown:
         return
     figure, axes = panels(2.8)
