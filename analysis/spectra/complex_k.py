@@ -18,7 +18,7 @@ from scipy.linalg import eig
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.stiffness import Stiffness
 
-MOST_UNKNOWNS = 240  # of the linear problem
+MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
 _WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
 _WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
 _SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil

@@ -12,6 +12,7 @@ from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 _LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e-7
 _ANGLES, _GRID = 180, 61
+_MOST_FREEDOMS = 48  # of a cell whose whole spectrum is found at all points of the grid
 _RIGID = 1e-9  # (c k)^2 over the largest omega^2 times (k a)^2
 
 
@@ -72,7 +73,7 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | None:
     """Return slowness and frequencies over a plane; None for large cells, and if the packing does not repeat there."""
     network, (a, b) = stiffness.network, PLANES[plane]
-    if network.n_freedoms > DENSE_UP_TO // 4 or len(network.periods) < 2:
+    if network.n_freedoms > _MOST_FREEDOMS or len(network.periods) < 2:
         return None
     inside = network.periods.T @ np.linalg.pinv(network.periods.T)
     if not np.allclose(inside[[a, b]][:, [a, b]], np.eye(2), atol=1e-9):
