@@ -235,7 +235,10 @@ class ScaledLaw {
     const double a = normalised(overlap);
     return force_ / overlap_ * (overlap >= h.peak ? law_->loading_slope(a, h.extra) : turning(h).slope(a));
   }
-  double tangent_stiffness(double overlap, const Turning &t) const { return force_ / overlap_ * t.slope(normalised(overlap)); }
+  double tangent_stiffness(double overlap, const Turning &t) const
+  {
+    return force_ / overlap_ * t.slope(normalised(overlap));
+  }
 
   /* Slope of the force at the start of unloading. */
   double unloading_stiffness(const LawHistory &h) const

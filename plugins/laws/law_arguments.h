@@ -33,7 +33,7 @@ struct LawArguments {
   bool same_options(const LawArguments &other) const
   {
     return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential &&
-        loss == other.loss;
+           loss == other.loss;
   }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }

@@ -179,9 +179,9 @@ void ComputeGranHystereticContact::compute_vector()
   invoked_vector = update->ntimestep;
   double mine[N_CONTACT + 1] = {};    // the last element counts the processors that have the pair
   pair->visit_pair(first, second, [&](const Report &report) {
-    const double row[N_CONTACT + 1] = {
-        report.overlap,          report.force,           report.dent.peak,    report.elastic, report.dissipated,
-        report.tangential_force, report.frictional_loss, report.viscous_loss, 1.0};
+    const double row[N_CONTACT + 1] = {report.overlap,         report.force,        report.dent.peak,
+                                       report.elastic,         report.dissipated,   report.tangential_force,
+                                       report.frictional_loss, report.viscous_loss, 1.0};
     std::copy_n(row, N_CONTACT + 1, mine);
   });
   double sum[N_CONTACT + 1];

@@ -115,7 +115,8 @@ void FixWallGranHysteretic::init()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
-  if (loss && !atom->rmass_flag) error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
+  if (loss && !atom->rmass_flag)
+    error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
   if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])

@@ -131,8 +131,9 @@ void PairGranHysteretic::init_style()
     release_contacts();    // its list lacks these variables
   has_friction = any;
   if (has_loss && fix_history && n_extra > fix_history->history.layout().n_extra)
-    error->all(FLERR, "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
-                      "loss: give all laws before the first run");
+    error->all(FLERR,
+               "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
+               "loss: give all laws before the first run");
   has_loss = any_loss;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,

@@ -81,7 +81,17 @@ class PairGranHysteretic : public Pair {
      dent by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };    // in pvector
+  enum {
+    DISSIPATED,
+    YIELDED,
+    BEYOND_LAW,
+    BEYOND_HALF,
+    LARGEST_FORCE,
+    TANGENTIAL,
+    FRICTIONAL,
+    VISCOUS,
+    N_TOTALS
+  };    // in pvector
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */

@@ -278,8 +278,7 @@ void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const do
   const BlockView view(layout, block);
   std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
   if (has_friction) c.spring[k] = view.spring;
-  if (has_friction || has_loss)
-    c.has_spring[k] = view.spring.compliance > 0.0 || (has_loss && viscous(k)->step > 0.0);
+  if (has_friction || has_loss) c.has_spring[k] = view.spring.compliance > 0.0 || (has_loss && viscous(k)->step > 0.0);
   if (!has_initial_dents) return;
   c.initial[k] = view.initial;
   c.reached[k] = view.reached;

@@ -52,29 +52,6 @@ inline void PairGranHysteretic::release_spring(int k)
   contacts.has_spring[k] = has_loss && viscous(k)->step > 0.0;
 }
 
-granwave::ViscousHistory *PairGranHysteretic::viscous(int k)
-{
-  return &granwave::viscous_history(contacts.extra.data() + std::size_t(k + 1) * contacts.n_extra -
-                                    granwave::ViscousHistory::SIZE);
-}
-
-/* End the spring of a pair that has parted, and its viscous force. */
-
-void PairGranHysteretic::release_contact(int k)
-{
-  Contacts &c = contacts;
-  if (has_loss && viscous(k)->step > 0.0) {
-    const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
-    const int i = c.row[row], j = c.partner[k];
-    const double *const *const x = atom->x;
-    const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-    const double apart = distance(i, j, delx * delx + dely * dely + delz * delz);
-    viscous(k)->release(atom->radius[i] + atom->radius[j] - apart);
-  }
-  if (has_friction) release(c.spring[k]);
-  c.has_spring[k] = 0;
-}
-
 /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
 
 inline void PairGranHysteretic::raise_reached(int k, double overlap)
@@ -193,47 +170,6 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
     }
 }
 
-/* Add the viscous forces of touching pairs to the normal forces. Where a run is continued they are those of its last step, so
-   that it is identical to an uninterrupted one; there are none in a minimization. */
-
-void PairGranHysteretic::compute_viscous(Batch &batch)
-{
-  Contacts &c = contacts;
-  const double *const v = atom->v[0], *const mass = atom->rmass;
-  const bool moves = update->whichflag == 1;
-  for (int m = 0; m < batch.size; m++) {
-    const PairParameters &p = *batch.pair[m];
-    if (!p.loss) continue;
-    const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
-    granwave::ViscousHistory &history = *viscous(k);
-    const double overlap = batch.overlap[m], force = batch.force[m];
-    if (!moves) {
-      history.forget_state();
-      continue;
-    }
-    c.has_spring[k] = 1;
-    if (!springs_advance && history.continues(overlap, TouchingPairs::ROUNDING * p.radsum)) {
-      batch.force[m] = force + history.force;
-      continue;
-    }
-    double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
-    if (p.contact.yielded(c.peak[k]))
-      stiffness = overlap >= c.peak[k]
-                      ? p.contact.tangent_stiffness(overlap, law_history(k))
-                      : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
-    // the body of a flat face is much heavier than the sphere
-    const double effective_mass = p.radius_i == 0.0   ? mass[j]
-                                  : p.radius_j == 0.0 ? mass[i]
-                                                      : mass[i] * mass[j] / (mass[i] + mass[j]);
-    const double coefficient = p.loss.coefficient(stiffness, effective_mass);
-    double approach = 0.0;    // from the velocities
-    for (int d = 0; d < 3; d++) approach -= batch.del[m][d] * (v[3 * i + d] - v[3 * j + d]);
-    approach /= batch.r[m];
-    batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, approach, update->dt)
-                                              : history.start(overlap, force, coefficient, approach, update->dt));
-  }
-}
-
 /* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
 
 void PairGranHysteretic::compute_tangential(Batch &batch)
@@ -290,8 +226,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     }
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic =
-        has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
+    double elastic = has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
