@@ -281,7 +281,7 @@ class TestOverrides:
         ({"sensor": [{"name": "A", "id": 1000}]}, "sensor.1.id: found 1000, expected an id from 1 to"),
         ({"striker": [{"touches": []}]}, "striker.1.touches: found [], expected an id from 1 up"),
         ({"striker": [{"velocity": [0, 0, 1]}]}, "striker.1.touches: missing"),
-        ({"output__history": 10}, "output.history: found 10 for fcc, expected 0: only chains have one"),
+        ({"output__history": 10}, "output.history: found 10 for fcc, expected 0: only chains and [[line]]s have one"),
         ({"boundary__bottom": {"matter": "steel"}}, "boundary.bottom.matter: unknown key; did you mean material?"),
         ({"boundary__bottom": {"material": "stele"}}, 'boundary.bottom.material: found "stele", expected one of'),
         ({"boundary__bottom": "soft"}, "boundary.bottom: found"),

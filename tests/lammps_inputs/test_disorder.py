@@ -27,6 +27,7 @@ from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.packing.packing import Packing, build_packing
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import run_case
@@ -42,11 +43,13 @@ BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc withou
 
 
 def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
-    size = size or SIZES.get(kind, ANY_SIZE)
+    size = size or SIZES.get(kind, ANY_SIZE[: len(KINDS[kind].axes)])
+    equal = is_plane_crystal(kind) and tables.get("boundary", {}).get("sides") == "periodic"
     packing = {
         "kind": kind,
         "size": list(size) if len(size) > 1 else size[0],
         "diameter": D,
+        **({"top_row": "equal"} if equal else {}),
         **tables.pop("packing", {}),
     }
     return case_from_dict({"name": "test", "packing": packing, "material": "brass", **tables})
@@ -102,7 +105,9 @@ class TestDiameters:
         band = 3e-4
         case = case_of(kind, packing={"diameter_scatter": band}, boundary={"sides": sides})
         packing = build_packing(case)
-        np.testing.assert_array_equal(packing.positions, build_packing(case_of(kind)).positions)
+        np.testing.assert_array_equal(
+            packing.positions, build_packing(case_of(kind, boundary={"sides": sides})).positions
+        )
         gaps = all_gaps(packing)
         assert gaps.min() >= 0
         pairs = assemble(case_of(kind, boundary={"sides": sides})).contacts() - 1

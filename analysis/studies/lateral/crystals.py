@@ -130,7 +130,7 @@ def _verified(run: LateralRun, which: int) -> Iterator[Row]:
         ("rebound", "Speed at which the plate rebounds", "m/s", -run.value("plate_velocity_m_s"), 2),
     ]
     soft = (
-        "There the tangential spring stays as stiff as at P = 0.01 E* R, here it follows the contact; with the former a "
+        "There the tangential spring stays as stiff as at P = 0.01 E* R, here it follows the contact; with that a "
         "second solver gives 8.8 and 4.5 1/m for BCC."
     )
     for key, quantity, unit, ours, digits in found:
