@@ -151,9 +151,9 @@ class Figures:
         default=COLUMN,
     )
     formats: tuple[str, ...] = custom(
-        "files of each figure besides the PNG and the CSV of its data; each form doubles the time of drawing",
+        "files of each figure besides the PNG and the CSV of its data; each form adds to the time of drawing",
         _parse_formats,
-        default=(),
+        default=("pdf",),
     )
     film: Literal["none", "mp4", "gif", "webp"] = choice(
         f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "

@@ -46,7 +46,9 @@ class Plate:
 class Damper:
     """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
 
-    damping: float = number("force on the ground, beyond the static one, over the plate's velocity", unit="N s/m", above=0)
+    damping: float = number(
+        "force on the ground, beyond the static one, over the velocity of the plate", unit="N s/m", above=0
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -38,7 +38,8 @@ def drawn(directory, case, **options):
     analyse(synthetic.write_run(directory, case, **options))
     folder = directory / "figures"
     names = {path.stem for path in folder.glob("*.png")}
-    assert {path.stem for path in folder.glob("*.csv")} == names
+    for suffix in ("pdf", "csv"):
+        assert {path.stem for path in folder.glob(f"*.{suffix}")} == names
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     return names
 

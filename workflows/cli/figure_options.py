@@ -18,7 +18,7 @@ OPTIONS = {
     "force_limits": ("LOW,HIGH", "ends of the colour scale of forces, in the unit of the figure"),
     "dissipation_limits": ("LOW,HIGH", "ends of the colour scale of dissipation, over the energy input"),
     "width": ("METRES", "width of a figure of one column (default: 0.08636)"),
-    "formats": ("NAME,...", "files besides PNG and CSV: pdf, svg, or pdf,svg (default: none)"),
+    "formats": ("NAME,...", "files besides PNG and CSV: pdf, svg, pdf,svg or none (default: pdf)"),
 }
 #: Those of films.
 FILM_OPTIONS = ("plane", "colour_map", "force_limits", "dissipation_limits")

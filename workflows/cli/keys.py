@@ -293,8 +293,8 @@ _TOP = (
 #: Values that a key accepts besides those of its validator, read by code of their own.
 _ALSO = {
     (CASE, "boundary.bottom"): (
-        "; or {material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, {half_space = ...} or {bar = ...} for one "
-        "that moves: tables [boundary.bottom.plate] and so on"
+        "; or {material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, {half_space = ...} or "
+        "{bar = ...} for one that moves: tables [boundary.bottom.plate] and so on"
     ),
     (CASE, "boundary.sides"): (
         "; or {material = ...} for walls of a material, {tube = {radius = ...}} for a tube, or both"

@@ -45,7 +45,7 @@ def test_a_run_leaves_everything(finished):
         assert (finished / name).exists(), name
     figures = finished / "figures"
     for picture in figures.glob("*.png"):
-        assert not picture.with_suffix(".pdf").exists() and picture.with_suffix(".csv").exists()
+        assert picture.with_suffix(".pdf").exists() and picture.with_suffix(".csv").exists()
     assert len(list(figures.glob("*.png"))) >= 8 and (figures / "timestep.png").exists()
     values = summary(finished)
     assert 0 < values["timestep_smallest_s"] <= values["timestep_s"] <= values["timestep_largest_s"]
