@@ -233,6 +233,8 @@ def _largest(result: Result, name: str) -> float:
 
 def _contacts(result: Result) -> Summary:
     def beyond(share: float) -> int | None:
+        if result.assembly.has_cylinders:
+            return int(np.count_nonzero(result.beyond_law(share)))
         if not result.has_law_limit:
             return None
         columns = result.blocks("contacts/peak_overlap", "contacts/effective_radius")

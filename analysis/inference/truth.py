@@ -19,6 +19,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
+_OF_SPHERE = 0.4  # moment of inertia over m R^2
 _REST = 1e-6  # of the largest contact force: a force beside those of contacts that is smaller is rounding
 
 
@@ -174,7 +175,7 @@ class Run:
         """Enter the forces of walls into ``true``; return what is left of the forces on each grain: (n, d), N.
 
         The normal forces were recorded. Tangential forces follow from the rest of a grain's force and torque, in which
-        LAMMPS counts them with a lever of radius minus half the overlap.
+        LAMMPS counts them with a lever of radius minus half the overlap, of cylinders minus the overlap.
         """
         names = list(self.wall_fixes)
         normal = {name: sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
@@ -191,7 +192,8 @@ class Run:
         for grain in np.unique(contacts.first[loaded]).tolist():
             own = loaded[contacts.first[loaded] == grain]
             tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
-            moments = np.concatenate([_moments(contacts, m, grains.radius[grain]) for m in own.tolist()], axis=1)
+            radius = grains.radius[grain] if self.dimension == 3 else None
+            moments = np.concatenate([_moments(contacts, m, radius) for m in own.tolist()], axis=1)
             scale = grains.radius[grain]
             matrix = np.concatenate([tangents, moments / scale])
             found, _, rank, _ = np.linalg.lstsq(
@@ -207,11 +209,14 @@ class Run:
         return left
 
 
-def _moments(contacts: Contacts, number: int, radius: float) -> Array:
-    """Return the moments about a grain of unit tangential forces at a wall, in columns: (1 or 3, d - 1), m."""
+def _moments(contacts: Contacts, number: int, radius: float | None) -> Array:
+    """Return the moments about a grain of unit tangential forces at a wall, in columns: (1 or 3, d - 1), m.
+
+    The lever ends at the wall, of spheres (with a radius) half-way into the overlap.
+    """
     arm = contacts.arm[number]
     apart = float(np.linalg.norm(arm))
-    lever = (radius + apart) / 2 * arm / apart
+    lever = arm if radius is None else (radius + apart) / 2 * arm / apart
     tangents = contacts.basis[number][:, 1:]
     if len(lever) == 2:
         return np.array([lever[0] * tangents[1] - lever[1] * tangents[0]])
@@ -285,7 +290,8 @@ def read_run(result: Result) -> Run:
         moved=moved,
         friction=(max(frictions), max(at_walls)),
     )
-    inertia = (0.5 if plane else 0.4) * density * run.volume * radius**2
+    # torques of cylinders are recorded as the integration of spheres takes them (fix gran/cylinder)
+    inertia = _OF_SPHERE * density * run.volume * radius**2
     torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in run.frames])
     return dataclasses.replace(run, angular_acceleration=torque / inertia[:, None])
 

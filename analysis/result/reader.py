@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 
+_PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
 
 
@@ -269,10 +270,24 @@ class Result(_Spheres):
         return self.rows(np.stack([self["contacts/i"], self["contacts/j"]], axis=1))
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
-        """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,)."""
+        """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,).
+
+        A contact along a line has one with any law: 0.2 R* is 0.1 R of equal cylinders.
+        """
+        limited = np.full(len(self["contacts/i"]), self.has_law_limit)
         if not self.has_law_limit:
-            return np.zeros(len(self["contacts/i"]), dtype=bool)
-        return self["contacts/peak_overlap"] > share * self["contacts/effective_radius"]
+            if not self.assembly.has_cylinders:
+                return limited
+            limited = self.along_lines
+        return limited & (self["contacts/peak_overlap"] > share * self["contacts/effective_radius"])
+
+    @property
+    def along_lines(self) -> NDArray[np.bool_]:
+        """True for contacts of parallel cylinders: (n_contacts,)."""
+        axes = np.array([one.axis if one else (0.0, 0.0, 0.0) for one in self.assembly.grain_shapes()])
+        first, second = axes[self.ends].transpose(1, 0, 2)
+        across = np.linalg.norm(np.cross(first, second), axis=1)
+        return first.any(axis=1) & second.any(axis=1) & (across < _PARALLEL)
 
     def has(self, name: str) -> bool:
         """Return True if a data set exists and has non-zero values."""

@@ -270,8 +270,8 @@ class LoadShape {
   Form form_ = Form::harmonic;
   double amplitude_ = 0.0, period_ = 1.0;
   Rows rows_;
-  std::vector<double> before_;           // integral up to each row
-  std::vector<SmoothForm> smooth_;       // one of a smooth form
+  std::vector<double> before_;        // integral up to each row
+  std::vector<SmoothForm> smooth_;    // one of a smooth form
 };
 
 }    // namespace granwave

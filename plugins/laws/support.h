@@ -247,9 +247,10 @@ class Support {
 
   [[noreturn]] static void refuse(const std::string &what)
   {
-    throw std::invalid_argument("support: " + what +
-                                "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), "
-                                "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE, support damper DAMPING, or support free MASS VELOCITY");
+    throw std::invalid_argument(
+        "support: " + what +
+        "; expected support MASS STIFFNESS DAMPING (MASS may be 0 with DAMPING), "
+        "support bar ELEMENTS MASS STIFFNESS free|fixed|IMPEDANCE, support damper DAMPING, or support free MASS VELOCITY");
   }
 
   static double number(const std::string &word, const std::string &what)

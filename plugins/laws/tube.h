@@ -60,8 +60,8 @@ class Tube {
 
  private:
   double radius_;
-  std::unordered_map<double, double> found_;      // by radius of the spheres
-  double last_radius_ = 0.0, last_ = 0.0;         // of the sphere asked for last: neighbours are mostly alike
+  std::unordered_map<double, double> found_;    // by radius of the spheres
+  double last_radius_ = 0.0, last_ = 0.0;       // of the sphere asked for last: neighbours are mostly alike
 
   static double from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
 };

@@ -17,7 +17,8 @@ using granwave::Cylinder;
 namespace {
 
 constexpr int RESTART_FORMAT = 1, WORDS = 5;    // of each type
-constexpr const char *USAGE = "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
+constexpr const char *USAGE =
+    "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
 
 }    // namespace

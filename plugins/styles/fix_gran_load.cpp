@@ -29,7 +29,8 @@ namespace {
 constexpr int RESTART_FORMAT = 1;
 constexpr const char *USAGE =
     "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of harmonic AMPLITUDE "
-    "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
+    "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST "
+    "LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
     "DURATION RAMP SEED, table FILE";
 
 /* Numbers of a shape: their names, and how many may be left out. */
@@ -84,7 +85,8 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     }
     const bool ends = form == "sweep" || form == "noise";
     if (ends && 2.0 * numbers[4] > numbers[3])
-      error->all(FLERR, "Illegal fix {}: the ramp must be at most half the duration, found {} of {}", STYLE, arg[10], arg[9]);
+      error->all(FLERR, "Illegal fix {}: the ramp must be at most half the duration, found {} of {}", STYLE, arg[10],
+                 arg[9]);
     try {
       shape = LoadShape::named(form, numbers);
     } catch (const std::invalid_argument &fault) {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from granwave.analysis.measures.lines.record import lines_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows.cli.parser import main
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case
 from tests.helpers.plane_twin import Discs, crystal
@@ -32,7 +34,7 @@ def made(place: Path, end: float = 4e-4, **changes: Any) -> Path:
         "boundary": {"sides": "wall"},
         "line": LINES,
         "run": {"end_time": end, "frames": 2},
-        "output": {"history": RECORDED},
+        "output": {"history": RECORDED, "contact_forces": True},
     }  # fmt: skip
     tables = {
         name: table | changes.get(name, {}) if isinstance(table, dict) else table for name, table in tables.items()
@@ -83,6 +85,20 @@ def test_a_line_is_measured(run: Path) -> None:
         assert result.unit("lines/down/lateral_force") == "N"
     assert down.straight and down.distance / D == pytest.approx([0, np.sqrt(3), 2 * np.sqrt(3)])
     assert np.all(np.diff(down.arrival) > 0) and 150 < (down.front_speed or 0) < 250
+
+
+def test_inferred_forces_are_those_of_the_run(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The plate, rough side walls and the floor are walls of the measurement; cylinders have their own inertia."""
+    assert main(["infer", str(run), "--no-figures", "--json", "-o", str(tmp_path / "infer")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["n_contacts"] > 30 and found["true_force_error"] < 1e-11
+
+
+def test_contacts_deeper_than_a_tenth_of_the_radius_are_counted(run: Path) -> None:
+    with Result(run) as result:
+        deep = result["contacts/peak_overlap"] > 0.05 * D / 2
+        assert result.along_lines.all() and deep.any()
+        assert np.array_equal(result.beyond_law(0.1), deep)
 
 
 def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
