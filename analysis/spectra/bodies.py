@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, no_supports
-from granwave.analysis.spectra.pair_laws import PairLaws, Touches
+from granwave.analysis.spectra.pair_laws import PairLaws, Part
+from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.packing.walls import Wall
 
-INERTIA = 0.4  # of a sphere, over m R^2
+_OF_SPHERE, _OF_CYLINDER = 0.4, 0.5  # moments of inertia over m R^2, the second about the axis
 _NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
 _UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what the search for balance left
 
@@ -35,7 +36,7 @@ class Bodies:
     radius, mass
         (n,), m and kg.
     kind
-        Places of their materials in ``laws.materials``: (n,).
+        Places of their materials and shapes in ``laws.bodies``: (n,).
     moves
         As in `Network`.
     periods
@@ -46,6 +47,8 @@ class Bodies:
         Constant forces: (n, 3), N.
     stress
         Load on the cell: forces times lengths for each strain that is free, ``{(2, 2): N m}``; compression positive.
+    touched
+        Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
     """
 
     case: Case
@@ -60,6 +63,57 @@ class Bodies:
     walls: tuple[Wall, ...]
     dead_load: Array
     stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
+    touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
+
+    @property
+    def inertia(self) -> Array:
+        """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
+        factor = np.array([_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes])[self.kind]
+        return np.asarray(factor * self.mass * self.radius**2)
+
+    def at_wall(self, wall: Wall, position: Array, gap: float) -> Ints:
+        """Find the rows of the grains whose gap to a wall is less than ``gap``, m.
+
+        The ends of cylinders do not touch.
+        """
+        near = wall.gaps(position, self.radius) < gap
+        if wall.name in self.touched:
+            near &= self.touched[wall.name]
+        if self.laws.has_cylinders and not wall.tube:
+            ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
+            near &= ~np.array(ends)[self.kind]
+        return np.flatnonzero(near)
+
+    def separations(self, first: Ints, second: Ints, step: Array) -> tuple[Array, Array, Array | None]:
+        """Return how pairs of rows are apart, from vectors between their centres (n, 3), m.
+
+        Returns
+        -------
+        apart
+            Vectors from the first to the second whose lengths are the distances that overlaps count from: (n, 3), m.
+        beyond
+            True where the nearest places are beyond the end of a cylinder, and nothing touches: (n,).
+        turns
+            As in `Springs`.
+        """
+        if not self.laws.has_cylinders:
+            return step, np.zeros(len(first), dtype=bool), None
+        apart, beyond, turns = np.empty_like(step), np.empty(len(first), dtype=bool), np.empty((len(first), 3, 3))
+        shapes = self.laws.shapes
+        code = self.kind[first] * len(shapes) + self.kind[second]
+        for each in np.unique(code).tolist():
+            rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
+            apart[rows], past = nearest_vectors(step[rows], *pair)
+            beyond[rows] = past > 0
+            normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
+            turns[rows] = turning_projection(normal, *pair)
+        return apart, beyond, turns
+
+    @property
+    def _reach(self) -> Array:
+        """Radii of spheres around the grains: (n,), m."""
+        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
+        return np.where(half > 0, np.hypot(self.radius, half), self.radius)
 
     @property
     def spacing(self) -> float:
@@ -76,7 +130,7 @@ class Bodies:
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        reach = 2 * float(self.radius.max()) + gap
+        reach = 2 * float(self._reach.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
         found = [(pairs.min(axis=1), pairs.max(axis=1), np.zeros((len(pairs), len(periods)), dtype=np.int64))]
@@ -93,7 +147,8 @@ class Bodies:
         step = position[second] + shifts @ periods - position[first] if len(periods) else (
             position[second] - position[first]
         )  # fmt: skip
-        close = np.linalg.norm(step, axis=1) - self.radius[first] - self.radius[second] <= gap
+        apart, beyond, _ = self.separations(first, second, step)
+        close = (np.linalg.norm(apart, axis=1) - self.radius[first] - self.radius[second] <= gap) & ~beyond
         return first[close], second[close], shifts[close]
 
     def network(
@@ -115,22 +170,16 @@ class Bodies:
         slack = _NEGLIGIBLE * self.spacing
         first, second, image = self.near(position, periods, -slack)
         step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
-        distance = np.linalg.norm(step, axis=1)
-        overlap = self.radius[first] + self.radius[second] - distance
-        most = overlap if peak is None else np.maximum(overlap, peak(first, second))
-        radius = self.radius[first] * self.radius[second] / (self.radius[first] + self.radius[second])
-        force, stiffness, tangential = _small(
-            self.laws.pairs(self.kind[first], self.kind[second]), overlap, most, radius
-        )
-        lever = np.stack([self.radius[first], self.radius[second]], axis=1) - overlap[:, None] / 2
-        springs = Springs(first, second, image, step / distance[:, None], distance, force, stiffness, tangential, lever)
+        apart, _, turns = self.separations(first, second, step)
+        springs = self.springs(first, second, image, apart, turns, None if peak is None else peak(first, second))
+        force, stiffness = springs.force, springs.stiffness
         supports = self._supports(position, wall_peak)
         largest = max(force.max(initial=0.0), supports.force.max(initial=0.0))
         network = Network(
             self.ids,
             self.position,
             self.mass,
-            INERTIA * self.mass * self.radius**2,
+            self.inertia,
             self.moves,
             self.periods,
             springs.where((force > _UNLOADED * largest) & (stiffness > 0)),
@@ -138,16 +187,42 @@ class Bodies:
         )
         return network.without_idle()
 
+    def springs(
+        self, first: Ints, second: Ints, image: Ints, apart: Array, turns: Array | None, peak: Array | None = None
+    ) -> Springs:
+        """Return the springs of pairs of rows.
+
+        Parameters
+        ----------
+        image
+            As in `Springs`.
+        apart, turns
+            As `separations` returns them.
+        peak
+            Largest overlaps so far: (n,), m; by default those of the state.
+        """
+        distance = np.linalg.norm(apart, axis=1)
+        radii = np.stack([self.radius[first], self.radius[second]], axis=1)
+        overlap = radii.sum(axis=1) - distance
+        most = overlap if peak is None else np.maximum(overlap, peak)
+        laws = self.laws.pairs(self.kind[first], self.kind[second], radii)
+        force, stiffness, tangential = _small(laws, overlap, most)
+        return Springs(
+            first, second, image, apart / distance[:, None], distance, force, stiffness, tangential,
+            radii - overlap[:, None] / 2, turns,
+        )  # fmt: skip
+
     def _supports(self, position: Array, wall_peak: Callable[[str, Ints], Array] | None) -> Supports:
         slack, tables = _NEGLIGIBLE * self.spacing, []
         for wall in self.walls:
             if wall.held_layer:
                 continue
-            grain = np.flatnonzero(wall.gaps(position, self.radius) < -slack)
+            grain = self.at_wall(wall, position, -slack)
             overlap = -wall.gaps(position[grain], self.radius[grain])
             most = overlap if wall_peak is None else np.maximum(overlap, wall_peak(wall.name, grain))
-            radius = wall.effective_radii(self.radius[grain])
-            force, stiffness, tangential = _small(self.laws.wall(wall, self.kind[grain]), overlap, most, radius)
+            force, stiffness, tangential = _small(
+                self.laws.wall(wall, self.kind[grain], self.radius[grain]), overlap, most
+            )
             normal = np.zeros((len(grain), 3))
             around, turning = np.zeros((len(grain), 3)), np.zeros(len(grain))
             if wall.tube:
@@ -173,12 +248,10 @@ class Bodies:
         )
 
 
-def _small(
-    laws: Sequence[tuple[Touches, Ints]], overlap: Array, peak: Array, radius: Array
-) -> tuple[Array, Array, Array]:
+def _small(laws: Sequence[Part], overlap: Array, peak: Array) -> tuple[Array, Array, Array]:
     found = np.zeros((3, len(overlap)))
-    for law, rows in laws:
-        found[:, rows] = law.small(overlap[rows], peak[rows], radius[rows])
+    for law, rows, scale in laws:
+        found[:, rows] = law.small(overlap[rows], peak[rows], scale)
     return found[0], found[1], found[2]
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,11 +24,13 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, held_ids
-from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.shape import Shape
 
+_ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
 
 
@@ -95,7 +99,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         return _of_file(assembly)
     if lattice.kind == "chain":
         return _of_chain(assembly, endless=endless)
-    if assembly.sites is None and not case.hold:
+    if assembly.sites is None and not _holds_some(case):
         vectors, spheres = primitive_vectors(lattice.rule)
         nx, ny, nz = lattice.shape
         if nz < spheres and not endless:
@@ -140,8 +144,13 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
 
 def _inner(case: Case, period: int, n: int) -> Ints:
     """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
-    start = period * (n // (2 * period)) if case.hold else 0
+    start = period * (n // (2 * period)) if _holds_some(case) else 0
     return np.arange(start, start + period) if start + period <= n else np.arange(period)
+
+
+def _holds_some(case: Case) -> bool:
+    """True if some grains are held or guided, and others not."""
+    return any(hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size) for hold in case.holds.values())
 
 
 def _of_file(assembly: Assembly) -> UnitCell:
@@ -198,14 +207,14 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
     n = assembly.lattice.n_spheres
     inside = assembly.ids <= n
     ids = assembly.ids[inside]
-    materials = tuple(species.material for species in assembly.species if species.role == "sphere")
-    if assembly.sites is None:
-        kind = np.full(len(ids), materials.index(assembly.material), dtype=np.int64)
+    sites = assembly.sites
+    if sites is None:
+        kinds, kind = [(assembly.material, case.packing.of_grain)], np.zeros(len(ids), dtype=np.int64)
     else:
-        own = np.array([materials.index(one) for one in assembly.sites.materials])
-        kind = own[assembly.sites.kind[assembly.sites.present]].astype(np.int64)
-    held = np.zeros((len(ids), 6), dtype=bool)
-    for entry in case.hold:
+        there, kind = np.unique(sites.body[sites.present], return_inverse=True)
+        kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
+    held = _no_turns([shape for _, shape in kinds], case)[kind]
+    for entry in case.holds.values():
         chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
         for axis in entry.axes:
             held[chosen, "xyz".index(axis)] = True
@@ -214,9 +223,11 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
     moves = ~held & _moving("xyz", case)
     part = slice(None) if rows is None else rows
     position = assembly.positions()[inside][part]
+    around = walls(assembly)
+    chosen = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
         case,
-        PairLaws(case, materials),
+        PairLaws(case, tuple(kinds)),
         ids[part],
         position,
         assembly.sphere_diameters()[inside][part] / 2,
@@ -224,9 +235,32 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
         kind[part],
         moves[part],
         np.empty((0, 3)),
-        walls(assembly),
+        around,
         np.zeros_like(position),
+        touched={name: one[ids - 1][part] for name, one in chosen.items() if one is not None},
     )
+
+
+def _no_turns(shapes: Sequence[Shape], case: Case) -> NDArray[np.bool_]:
+    """Degrees of freedom that grains of these shapes lack: cylinders turn about their axis alone, (n, 6).
+
+    Raises
+    ------
+    InputError
+        There is friction, and the axis of a cylinder is not along x, y or z.
+    """
+    found = np.zeros((len(shapes), 6), dtype=bool)
+    for row, shape in enumerate(shapes):
+        if shape is None:
+            continue
+        along = np.abs(shape.vector) > 1 - _ALONG
+        if case.has_friction and not along.any():
+            raise InputError(
+                f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an axis "
+                "along x, y or z, or contact.friction = 0"
+            )
+        found[row, 3:] = ~along
+    return found
 
 
 def _directions(assembly: Assembly) -> str:
@@ -244,10 +278,19 @@ def _moving(directions: str, case: Case) -> NDArray[np.bool_]:
 def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
     case, stage = assembly.case, assembly.case.precompression
-    if stage is None or stage.kind == "walls":
+    if stage is None:
         return {}
     n_periods, area = len(cell.periods), 0.0
     along_z = float(np.abs(cell.periods[:, 2]).max())
+    if stage.moves_walls:
+        if stage.force is None:
+            return {}
+        if n_periods > 1 or along_z == 0:
+            raise InputError(
+                f"{case.name}: precompression.force: found {stage.force:g} N beside walls on a packing that does not "
+                "repeat along z alone, expected one that does"
+            )
+        return {(2, 2): stage.force * along_z}
     if n_periods == 3:
         volume = abs(float(np.linalg.det(cell.periods)))
     elif n_periods == 2:

@@ -3,10 +3,11 @@
 A contact of the grains i and j, with the unit vector e from i to j, the distance d of their centres, the static force F
 and the normal and tangential stiffnesses k_n and k_t, stores for small displacements u and rotations q
 
-    E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |P (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j q_j) x e|^2
+    E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |T (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j q_j) x e|^2
 
-with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact. A contact
-with a plane has no such term; in a tube of radius R it is + F/(2 (R - r)) times the square of the motion around the
+with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact: T = P for
+spheres, T = P - a a at the side of a cylinder with the axis a, along which nothing turns (d is then the distance from
+the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is + F/(2 (R - r)) times the square of the motion around the
 axis.
 
 The numbers may come from a packing (`granwave.analysis.spectra.packing`), or from anything else that acts like springs.
@@ -45,6 +46,8 @@ class Springs:
         Normal and tangential stiffnesses: (n,), N/m.
     lever
         Lever arms of both grains: (n, 2), m.
+    turns
+        Projections T, see the module: (n, 3, 3); None: all contacts are of spheres.
     """
 
     first: Ints
@@ -56,13 +59,22 @@ class Springs:
     stiffness: Array
     tangential: Array
     lever: Array
+    turns: Array | None = None
 
     def __len__(self) -> int:
         return len(self.first)
 
     def where(self, kept: NDArray[np.bool_]) -> Springs:
         """Return the contacts that are kept, (n,)."""
-        return Springs(**{field.name: getattr(self, field.name)[kept] for field in dataclasses.fields(self)})
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        return Springs(**{name: None if value is None else value[kept] for name, value in values.items()})
+
+    @property
+    def turning(self) -> Array:
+        """Projections T on the motions that turn a contact: (n, 3, 3)."""
+        if self.turns is not None:
+            return self.turns
+        return np.asarray(np.eye(3) - self.normal[:, :, None] * self.normal[:, None, :])
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -1,15 +1,17 @@
 """Forces, stiffnesses and energies of many contacts at once, by the laws of the plugin.
 
-A law at an effective radius R* follows from that at R* = 1 m: overlaps grow with R*, forces with R*^2, stiffnesses with
-R*, energies with R*^3.
+A law of a contact in a point at an effective radius R* follows from that at R* = 1 m: overlaps grow with R*, forces
+with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and powers of the overlap, have no such scale:
+each size has a law of its own, which stands in the same formulas at a scale of 1 m.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from functools import cached_property
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,39 +19,51 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.packing.walls import wall_friction
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.material import Material
+    from granwave.lammps_inputs.case.shape import Shape
     from granwave.lammps_inputs.packing.walls import Wall
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 _STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Touches:
-    """Contacts of one pair of materials with the same law.
+    """Contacts with the same law.
 
     Attributes
     ----------
     law
-        The law at an effective radius of 1 m.
+        The law at the scale of 1 m, see the module.
     friction
         Coefficient of friction.
     dent
         Largest earlier overlap over R*.
+    scaled
+        True if the law grows with R*, False if it is that of one size.
     """
 
     law: ContactLaw
     friction: float
     dent: float
+    scaled: bool = True
 
-    def evaluate(self, overlap: Array, radius: Array) -> tuple[Array, Array, Array]:
-        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are first reached."""
-        a = np.maximum(overlap, 0.0) / radius
+    def evaluate(self, overlap: Array, scale: Array) -> tuple[Array, Array, Array]:
+        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are first reached.
+
+        Parameters
+        ----------
+        scale
+            Effective radii; 1 for laws that are not scaled: (n,), m.
+        """
+        a = np.maximum(overlap, 0.0) / scale
         peak = np.maximum(a, self.dent)
         force = self.law.force(a, peak)
         work = self.law.elastic_energy(a, peak) + self.law.dissipated_energy(peak)
@@ -60,36 +74,47 @@ class Touches:
             slope[loading] = (self.law.loading_force(one * (1 + _STEP)) - self.law.loading_force(one * (1 - _STEP))) / (
                 2 * _STEP * one
             )
-        return radius**2 * force, radius * slope, radius**3 * work
+        return scale**2 * force, scale * slope, scale**3 * work
 
-    def small(self, overlap: Array, peak: Array, radius: Array) -> tuple[Array, Array, Array]:
+    def small(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array, Array]:
         """Return force, N, and normal and tangential stiffness of small motions, N/m, at a state with a past.
 
         Parameters
         ----------
         overlap, peak
             Overlaps now and the largest so far: (n,), m.
-        radius
-            Effective radii: (n,), m.
+        scale
+            As in `evaluate`.
         """
-        a = np.maximum(overlap, 0.0) / radius
-        most = np.maximum.reduce([a, peak / radius, np.full_like(a, self.dent)])
+        a = np.maximum(overlap, 0.0) / scale
+        most = np.maximum.reduce([a, peak / scale, np.full_like(a, self.dent)])
         tangential = self.law.tangential_stiffness(a, most) if self.friction else np.zeros_like(a)
-        return radius**2 * self.law.force(a, most), radius * self._unloading(a, most), radius * tangential
+        return scale**2 * self.law.force(a, most), scale * self._unloading(a, most), scale * tangential
 
     def _unloading(self, a: Array, peak: Array) -> Array:
         """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* = 1."""
+        if not self.scaled:  # no power of the overlap, or one of its own; elastic
+            return np.where(a > 0, self.law.tangent_stiffness(a, a), 0.0)
         above = a - self.law.residual_overlap(peak)
         slope: Array = self.law.unloading_exponent(peak) * self.law.force(a, peak) / np.where(above > 0, above, 1.0)
         return np.where(above > 0, slope, 0.0)
 
 
+Part = tuple[Touches, Ints, Array]  # a law, the rows that it belongs to, and their scales (n_rows,), m
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class PairLaws:
-    """Laws of all pairs of materials of a case, and of its walls."""
+    """Laws of all pairs of grains of a case, and of its walls.
+
+    Attributes
+    ----------
+    bodies
+        Kinds of grains: material and shape.
+    """
 
     case: Case
-    materials: tuple[Material, ...]
+    bodies: tuple[tuple[Material, Shape], ...]
 
     def __post_init__(self) -> None:
         """Refuse dents that differ from place to place.
@@ -106,15 +131,79 @@ class PairLaws:
                 "run the case, and give the directory of the run"
             )
 
-    @cached_property
-    def _known(self) -> dict[tuple[int, int], Touches]:
-        found = {}
-        for n, first in enumerate(self.materials):
-            for m, second in enumerate(self.materials[n:], start=n):
-                contact = self.case.contact_between(first, second)
-                law = law_between(contact, (first, second), (2.0, 2.0))
-                found[n, m] = Touches(law, contact.friction, self._dent(law))
+    @property
+    def shapes(self) -> list[Shape]:
+        """Shapes by kind."""
+        return [shape for _, shape in self.bodies]
+
+    @property
+    def has_cylinders(self) -> bool:
+        """True if there are cylinders."""
+        return any(self.shapes)
+
+    def pairs(self, one: Ints, other: Ints, radii: Array) -> list[Part]:
+        """Return the laws of pairs of kinds (n,), each with its rows and their scales.
+
+        Parameters
+        ----------
+        radii
+            Radii of both grains: (n, 2), m.
+        """
+        swap = one > other
+        low, high = np.where(swap, other, one), np.where(swap, one, other)
+        radii = np.where(swap[:, None], radii[:, ::-1], radii)
+        found: list[Part] = []
+        code = low * len(self.bodies) + high
+        for each in np.unique(code).tolist():
+            n, m = divmod(each, len(self.bodies))
+            found += self._of_kinds(n, m, np.flatnonzero(code == each), radii)
         return found
+
+    def _of_kinds(self, n: int, m: int, rows: Ints, radii: Array) -> list[Part]:
+        (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
+        geometry = cylinder_pair(shape, partner) if shape or partner else None
+        if self.case.contact_between(first, second).entry.is_power or (geometry is not None and geometry.parallel):
+            return self._by_size(rows, radii, lambda one, other: self._fixed(n, m, one, other))
+        if geometry is None:
+            scale = radii[rows, 0] * radii[rows, 1] / (radii[rows, 0] + radii[rows, 1])
+        else:
+            sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
+            scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
+        return [(self._in_a_point(n, m), rows, scale)]
+
+    @staticmethod
+    def _by_size(rows: Ints, radii: Array, law: Callable[[float, float], Touches]) -> list[Part]:
+        """Return a law for each pair of radii."""
+        sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
+        parts = [(law(*size), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
+        return [(touches, own, np.ones(len(own))) for touches, own in parts]
+
+    @cached_property
+    def _known(self) -> dict[Any, Touches]:
+        return {}
+
+    def _in_a_point(self, n: int, m: int) -> Touches:
+        """Law of two kinds in a point, at R* = 1 m."""
+        if (n, m) not in self._known:
+            first, second = self.bodies[n][0], self.bodies[m][0]
+            contact = self.case.contact_between(first, second)
+            law = law_between(contact, (first, second), (2.0, 2.0))
+            self._known[n, m] = Touches(law, contact.friction, self._dent(law))
+        return self._known[n, m]
+
+    def _fixed(self, n: int, m: int, one: float, other: float) -> Touches:
+        """Law of two kinds of these radii, m, along a line or by a power."""
+        if (n, m, one, other) not in self._known:
+            (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
+            contact = self.case.contact_between(first, second)
+            law = law_between(contact, (first, second), (one, other), shapes=(shape, partner),
+                              plane_strain=self._plane_strain)  # fmt: skip
+            self._known[n, m, one, other] = Touches(law, contact.friction, 0.0, scaled=False)
+        return self._known[n, m, one, other]
+
+    @property
+    def _plane_strain(self) -> bool:
+        return self.case.contact.line == "plane-strain"
 
     def _dent(self, law: ContactLaw) -> float:
         """Initial dent over R*."""
@@ -128,20 +217,31 @@ class PairLaws:
         own = law_between(self.case.contact, (self.case.material, self.case.material), (2 * radius, 2 * radius))
         return largest_dent(self.case, own) / radius
 
-    def pairs(self, one: NDArray[np.int64], other: NDArray[np.int64]) -> list[tuple[Touches, NDArray[np.int64]]]:
-        """Return the laws of pairs of materials (n,), each with the rows that it belongs to."""
-        low, high = np.minimum(one, other), np.maximum(one, other)
-        found = [(law, np.flatnonzero((low == n) & (high == m))) for (n, m), law in self._known.items()]
-        return [(law, rows) for law, rows in found if len(rows)]
-
-    def wall(self, wall: Wall, kind: NDArray[np.int64]) -> list[tuple[Touches, NDArray[np.int64]]]:
-        """Return the laws of grains of materials (n,) at a wall, each with the rows that it belongs to."""
-        found = []
-        for n, material in enumerate(self.materials):
+    def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
+        """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
+        found: list[Part] = []
+        for n, (material, shape) in enumerate(self.bodies):
             rows = np.flatnonzero(kind == n)
-            if len(rows):
-                law = law_between(self.case.contact_between(material, wall.material), (material, wall.material),
-                                  (1.0, math.inf))  # fmt: skip
-                friction = wall_friction(self.case, wall, material)
-                found.append((Touches(law, friction, self._dent(law)), rows))
+            if not len(rows):
+                continue
+            if shape is not None or self.case.contact_between(material, wall.material).entry.is_power:
+                radii = np.stack([radius, np.full_like(radius, math.inf)], axis=1)
+                found += self._by_size(rows, radii, partial(self._fixed_at_wall, wall, n))
+            else:
+                scale = wall.effective_radii(radius[rows])
+                found.append((self._at_wall(wall, n, (1.0, math.inf), scaled=True), rows, scale))
         return found
+
+    def _fixed_at_wall(self, wall: Wall, n: int, radius: float, flat: float) -> Touches:
+        return self._at_wall(wall, n, (radius, flat), scaled=False)
+
+    def _at_wall(self, wall: Wall, n: int, radii: tuple[float, float], *, scaled: bool) -> Touches:
+        key = (wall.name, n, radii, scaled)
+        if key not in self._known:
+            material, shape = self.bodies[n]
+            contact = self.case.contact_between(material, wall.material)
+            law = law_between(contact, (material, wall.material), radii, shapes=(shape, None),
+                              plane_strain=self._plane_strain)  # fmt: skip
+            friction = wall_friction(self.case, wall, material)
+            self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
+        return self._known[key]

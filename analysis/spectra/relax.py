@@ -109,13 +109,14 @@ class _Problem:
         position, periods = self.state(x)
         first, second, image = bodies.near(position, periods, _MARGIN * bodies.spacing)
         step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
-        distance = np.linalg.norm(step, axis=1)
-        normal = step / distance[:, None]
-        overlap = bodies.radius[first] + bodies.radius[second] - distance
-        radius = bodies.radius[first] * bodies.radius[second] / (bodies.radius[first] + bodies.radius[second])
+        apart, _, _ = bodies.separations(first, second, step)
+        distance = np.linalg.norm(apart, axis=1)
+        normal = apart / distance[:, None]
+        radii = np.stack([bodies.radius[first], bodies.radius[second]], axis=1)
+        overlap = radii.sum(axis=1) - distance
         values = np.zeros((3, len(first)))
-        for law, rows in bodies.laws.pairs(bodies.kind[first], bodies.kind[second]):
-            values[:, rows] = law.evaluate(overlap[rows], radius[rows])
+        for law, rows, scale in bodies.laws.pairs(bodies.kind[first], bodies.kind[second], radii):
+            values[:, rows] = law.evaluate(overlap[rows], scale)
         shifts = image @ bodies.periods if len(periods) else np.zeros((len(first), 3))
         stretch = self._stretch(first, second, normal, shifts)
         tables = [(values, stretch)]
@@ -149,7 +150,7 @@ class _Problem:
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
         first, second, image = bodies.near(bodies.position, bodies.periods, gap)
         shifts = image @ bodies.periods if len(bodies.periods) else np.zeros((len(first), 3))
-        step = bodies.position[second] + shifts - bodies.position[first]
+        step, _, _ = bodies.separations(first, second, bodies.position[second] + shifts - bodies.position[first])
         tables = [self._stretch(first, second, step / np.linalg.norm(step, axis=1)[:, None], shifts)]
         tables += [self._at_wall(wall, bodies.position)[1] for wall in bodies.walls if not wall.held_layer]
         gradient = np.zeros(self.n)
@@ -179,11 +180,10 @@ class _Problem:
         """Force, slope and work of the contacts with a wall, and the derivatives of their distances."""
         bodies = self.bodies
         gaps = wall.gaps(position, bodies.radius)
-        grain = np.flatnonzero(gaps < _MARGIN * bodies.spacing)
+        grain = bodies.at_wall(wall, position, _MARGIN * bodies.spacing)
         values = np.zeros((3, len(grain)))
-        radius = wall.effective_radii(bodies.radius[grain])
-        for law, rows in bodies.laws.wall(wall, bodies.kind[grain]):
-            values[:, rows] = law.evaluate(-gaps[grain[rows]], radius[rows])
+        for law, rows, scale in bodies.laws.wall(wall, bodies.kind[grain], bodies.radius[grain]):
+            values[:, rows] = law.evaluate(-gaps[grain[rows]], scale)
         outward = np.zeros((len(grain), 3))
         if wall.tube:
             reach = np.maximum(np.hypot(*position[grain].T[:2]), 1e-300)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.bodies import INERTIA, Bodies
+from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.cells import UnitCell, cell_bodies, packing_bodies, unit_cell
 from granwave.analysis.spectra.network import Array, Ints, Network
 from granwave.analysis.spectra.relax import relax
@@ -237,20 +237,13 @@ def _mean_cell(result: Result) -> State:
 
 def _network_of_means(unit: Bodies, keys: Ints, direction: Array, overlap: Array, peak: Array) -> Network:
     """Springs of a cell, from mean vectors (n, 3), m, overlaps and largest overlaps (n,), m."""
-    from granwave.analysis.spectra.bodies import _small
-    from granwave.analysis.spectra.network import Springs
-
     first, second, image = keys[:, 0], keys[:, 1], keys[:, 2:]
-    distance = np.linalg.norm(direction, axis=1)
-    radius = unit.radius[first] * unit.radius[second] / (unit.radius[first] + unit.radius[second])
-    laws = unit.laws.pairs(unit.kind[first], unit.kind[second])
-    force, stiffness, tangential = _small(laws, overlap, peak, radius)
-    lever = np.stack([unit.radius[first], unit.radius[second]], axis=1) - overlap[:, None] / 2
-    springs = Springs(
-        first, second, image, direction / distance[:, None], distance, force, stiffness, tangential, lever
-    )
-    inertia = INERTIA * unit.mass * unit.radius**2
-    return Network(unit.ids, unit.position, unit.mass, inertia, unit.moves, unit.periods, springs).without_idle()
+    _, _, turns = unit.separations(first, second, direction)
+    # the mean overlap, which the length of the mean vector differs from by rounding
+    length = unit.radius[first] + unit.radius[second] - overlap
+    apart = direction * (length / np.linalg.norm(direction, axis=1))[:, None]
+    springs = unit.springs(first, second, image, apart, turns, peak)
+    return Network(unit.ids, unit.position, unit.mass, unit.inertia, unit.moves, unit.periods, springs).without_idle()
 
 
 def _unit_bodies(bodies: Bodies, cell: UnitCell) -> Bodies:
@@ -258,7 +251,7 @@ def _unit_bodies(bodies: Bodies, cell: UnitCell) -> Bodies:
     rows = cell.rows
     part = {name: getattr(bodies, name)[rows] for name in ("ids", "position", "radius", "mass", "kind", "dead_load")}
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(rows), 6))
-    return dataclasses.replace(bodies, **part, moves=moves, periods=cell.periods, walls=())
+    return dataclasses.replace(bodies, **part, moves=moves, periods=cell.periods, walls=(), touched={})
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:

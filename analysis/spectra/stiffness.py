@@ -43,11 +43,11 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
     springs = network.springs
     normal, turn = springs.normal, _cross(springs.normal)
     across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
-    none = np.zeros_like(turn)
+    none, turns = np.zeros_like(turn), springs.turning
     found = []
     for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
         stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
-        turning = np.concatenate([side * across, none], axis=2)
+        turning = np.concatenate([side * turns, none], axis=2)
         slip = np.concatenate([side * across, -lever[:, None, None] * turn], axis=2)
         found.append([stretch, turning, slip])
     return found[0], found[1]

@@ -302,7 +302,9 @@ def with_added_grains(
         np.concatenate([own.velocity, still]),
         shape,
     )
-    return PackingSection(kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period)
+    return PackingSection(
+        kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period, cell=packing.cell
+    )
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:

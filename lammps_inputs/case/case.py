@@ -36,7 +36,7 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
-from granwave.lammps_inputs.case.packing import PackingSection, read_packing
+from granwave.lammps_inputs.case.packing import PackingSection, check_cell, read_packing
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
 from granwave.lammps_inputs.case.shape import mass_of
@@ -227,6 +227,8 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
         periodic = boundary is not None and boundary.sides == "periodic"
         packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
         parts[MATERIALS] = tuple(materials.values())
+    if packing is not None:
+        check_cell(packing, errors)
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts

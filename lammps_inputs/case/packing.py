@@ -161,7 +161,8 @@ class PackingSection:
         "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
     )
     cell: tuple[tuple[float, float, float], ...] | None = custom(
-        "vectors after which the grains of a file repeat, for granwave bands; by default those of the file, if it has",
+        "vectors after which the grains of a file, or [[grains]] with their lattice, repeat, for granwave bands; by "
+        "default those of the file, if it has",
         _parse_cell,
         unit="m",
         default=None,
@@ -226,7 +227,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     if table.get("kind") != FILE:
-        for name in ("file", "grains", "period", "cell"):
+        for name in ("file", "grains", "period"):  # a cell may come with [[grains]]: see `check_cell`
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
@@ -256,6 +257,14 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def check_cell(packing: PackingSection, errors: ErrorList) -> None:
+    """Refuse a cell of a lattice, which has its own."""
+    if packing.cell is not None and packing.kind != FILE:
+        errors.add(
+            "packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; found {show(packing.kind)} alone'
+        )
 
 
 def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSection | None:

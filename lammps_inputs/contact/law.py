@@ -47,7 +47,6 @@ def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = 
         (assembly.material_of(sphere), partner),
         (assembly.diameter_of(sphere) / 2, math.inf),
         (assembly.shape_of(sphere), None),
-        plane_strain=assembly.plane_strain,
     )
 
 
@@ -56,10 +55,8 @@ def _law(
     materials: tuple[Material, Material | None],
     radii: tuple[float, float],
     shapes: tuple[Shape, Shape],
-    *,
-    plane_strain: bool = False,
 ) -> ContactLaw:
-    contact = case.contact_between(*materials)
+    contact, plane_strain = case.contact_between(*materials), case.contact.line == "plane-strain"
     return law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
 
 
@@ -71,6 +68,7 @@ def law_between(
     checked: bool = True,
     shapes: tuple[Shape, Shape] = (None, None),
     plane_strain: bool = False,
+    effective_radius: float | None = None,
 ) -> ContactLaw:
     """Return the law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
 
@@ -82,6 +80,8 @@ def law_between(
         Shapes of the bodies; None for spheres and flats.
     plane_strain
         True if contacts along lines are in plane strain, False if bodies are half-spaces.
+    effective_radius
+        Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and shapes: in a tube.
     """
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
@@ -89,7 +89,9 @@ def law_between(
     constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
     if contact.exponent is not None:
         constants["exponent"] = contact.exponent
-    if any(shapes):
+    if effective_radius is not None:
+        constants["effective_radius"] = effective_radius
+    elif any(shapes) and not contact.entry.is_power:
         constants |= _of_cylinders({"youngs_modulus": moduli, "poisson_ratio": ratios}, radii, shapes, plane_strain)
     return ContactLaw(
         youngs_modulus=moduli,

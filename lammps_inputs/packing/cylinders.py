@@ -90,8 +90,24 @@ def separations(
 
 def _separation(between: NDArray[np.float64], first: Shape, second: Shape) -> tuple[NDArray[np.float64], ...]:
     """Return distances and places beyond the ends for vectors between centres, from the second to the first."""
+    apart, beyond = nearest_vectors(between, first, second)
+    return np.linalg.norm(apart, axis=1), beyond
+
+
+def nearest_vectors(
+    between: NDArray[np.float64], first: Shape, second: Shape
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the parts of vectors between centres, (n, 3), along which the distances of two bodies count.
+
+    Returns
+    -------
+    apart
+        Vectors between centres or axes where these are nearest, in the same sense: (n, 3), m.
+    beyond
+        Distances of those places from the end of a cylinder, negative between its ends: (n,), m.
+    """
     if first is None and second is None:
-        return np.linalg.norm(between, axis=1), np.full(len(between), -np.inf)
+        return between, np.full(len(between), -np.inf)
     if first is None or second is None:
         one = first or second
         assert one is not None
@@ -104,12 +120,26 @@ def _separation(between: NDArray[np.float64], first: Shape, second: Shape) -> tu
     on_first = (cosine * b - a) / sine**2
     on_second = b + cosine * on_first
     beyond = np.maximum(np.abs(on_first) - first.length / 2, np.abs(on_second) - second.length / 2)
-    return np.abs(between @ across) / sine, beyond
+    return (between @ across / sine)[:, None] * (across / sine), beyond
 
 
-def _from_axis(between: NDArray[np.float64], one: Cylinder, half: float) -> tuple[NDArray[np.float64], ...]:
+def turning_projection(normal: NDArray[np.float64], first: Shape, second: Shape) -> NDArray[np.float64]:
+    """Return the projections on the motions that turn a contact with these unit vectors, (n, 3): (n, 3, 3).
+
+    All motions across the normal turn that of spheres; those along an axis do not, and nothing turns crossed axes.
+    """
+    found = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+    axes = [one.vector for one in (first, second) if one is not None]
+    if len(axes) == 2 and np.linalg.norm(np.cross(*axes)) > _PARALLEL:
+        return np.zeros_like(found)
+    return found - np.outer(axes[0], axes[0]) if axes else found
+
+
+def _from_axis(
+    between: NDArray[np.float64], one: Cylinder, half: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     along = between @ one.vector
-    return np.linalg.norm(between - along[:, None] * one.vector, axis=1), np.abs(along) - half
+    return between - along[:, None] * one.vector, np.abs(along) - half
 
 
 def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:

@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.workflows.python.contacts import contact_energy, contact_force, contact_overlap, contact_stiffness
 from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
 from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
 from granwave.workflows.python.spectra import bands, modes, transmission
@@ -38,6 +39,10 @@ __all__ = [
     "ScanRuns",
     "bands",
     "case",
+    "contact_energy",
+    "contact_force",
+    "contact_overlap",
+    "contact_stiffness",
     "load",
     "modes",
     "run",

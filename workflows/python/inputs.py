@@ -47,7 +47,7 @@ def _tables(source: CaseLike) -> tuple[dict[str, Any], Path]:
         path = library.find_for(str(home(source)), GRANULAR.verb, CONTINUUM.verb)
         return read_toml(path), path
     if isinstance(source, Mapping):
-        return with_absolute_paths(_plain(source), Path()), _OWN_NAMES["case"]
+        return with_absolute_paths(plain(source), Path()), _OWN_NAMES["case"]
     if hasattr(source, "to_dict"):
         return source.to_dict(), _OWN_NAMES["case"]
     raise InputError(f"case: found {show(source)}, expected a name, the path of a file, a mapping or a case")
@@ -72,7 +72,7 @@ def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) ->
     given = {str(name): value for name, value in (changes or {}).items()}
     if twice := sorted(set(dotted) & set(given)):
         raise InputError(f"{name}: given twice, in the mapping and as a keyword" for name in twice)
-    return parse_overrides(_plain(given | dotted))
+    return parse_overrides(plain(given | dotted))
 
 
 def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any], *, here: bool) -> Any:
@@ -96,22 +96,22 @@ def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any]
         comment = "# The case was given in Python:\n#\n" + "".join(
             f"# {line}\n" for line in tomli_w.dumps(template).splitlines()
         )
-    data = with_absolute_paths(_plain(data), Path())
+    data = with_absolute_paths(plain(data), Path())
     return scan_from_dict(
         data, _OWN_NAMES["scan"], changes, here=here, text=comment + tomli_w.dumps(data), template=template
     )
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Convert a value to those of TOML: numbers and arrays of numpy, paths and tuples; others stay as they are."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if hasattr(value, "tolist") and hasattr(value, "dtype"):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     return value
 
 

@@ -1,0 +1,232 @@
+"""Contact of two bodies that are described by themselves, without a packing: sphere, cylinder, plane, tube.
+
+A body is a table such as ``{"shape": "cylinder", "diameter": 0.005, "length": 0.01, "axis": "y", "material": "brass"}``.
+The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
+
+point   spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube: any law, with the
+        radius of the sphere that is as stiff on a plane (general elliptic contact)
+line    cylinders on planes, and parallel ones: law hertz for half-spaces that give way over the length, law line for
+        plane strain
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from granwave._contact_laws import ContactLaw, elliptic_radius
+from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material
+from granwave.lammps_inputs.case.schema import ErrorList, choice, number, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.sections import ALL_LAWS, LAW_CONSTANTS, LINE, NO_FORCE, Contact
+from granwave.lammps_inputs.case.shape import Cylinder, Shape, Vector, axis_field, length_field
+from granwave.lammps_inputs.contact.law import law_between
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.cylinders import cylinder_pair
+
+_LOG = logging.getLogger(__name__)
+
+LAW_NAMES = (*(name for name in ALL_LAWS if name != NO_FORCE), LINE)
+_SHAPES = ("sphere", "cylinder", "plane", "tube")
+_WALLS = ("plane", "tube")
+_SIZE = "diameter"
+_KEYS = {"sphere": (_SIZE,), "cylinder": (_SIZE, "length", "axis"), "plane": (), "tube": (_SIZE,)}
+_ANY_DENSITY = 1000.0  # kg/m^3, where none is given: forces do not depend on it
+_EXAMPLE = 'two bodies such as {"shape": "sphere", "diameter": 0.01, "material": "steel"} and {"shape": "plane"}'
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Table:
+    """Keys of a body, without its material."""
+
+    shape: str = choice("shape of the body", _SHAPES)
+    diameter: float | None = number("diameter of a sphere, cylinder or tube", unit="m", above=0, default=None)
+    radius: float | None = number("radius, in place of the diameter", unit="m", above=0, default=None)
+    length: float | None = length_field()
+    axis: Vector | None = axis_field()
+
+
+@dataclasses.dataclass(frozen=True)
+class Body:
+    """One of two bodies in contact.
+
+    Attributes
+    ----------
+    shape
+        ``sphere``, ``cylinder``, ``plane`` or ``tube``.
+    radius
+        Radius, m; infinite for a plane.
+    cylinder
+        Length and axis; None for other shapes.
+    material
+        None if rigid.
+    """
+
+    shape: str
+    radius: float
+    cylinder: Shape
+    material: Material | None
+
+
+def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str, Any]) -> ContactLaw:
+    """Return the law between two bodies, as tables (see the module) or the name of a shape without sizes (``plane``).
+
+    Parameters
+    ----------
+    law
+        One of `LAW_NAMES`.
+    options
+        Options of the law, by the names of the keys of ``[contact]``.
+
+    Raises
+    ------
+    InputError
+        A body, the law or an option is wrong, or the law does not describe the contact of these shapes.
+    """
+    errors = ErrorList("contact")
+    contact = _read_law(law, options, errors)
+    found = _read_bodies(bodies, errors, elastic=contact is not None and not contact.yields,
+                         needs_material=contact is None or not contact.entry.is_power)  # fmt: skip
+    if errors.lines or contact is None or found is None:
+        raise InputError(errors.lines)
+    one, other = found
+    if one.shape in _WALLS:
+        one, other = other, one
+    effective_radius = None
+    if other.shape == "tube":
+        effective_radius = float(elliptic_radius(1 / one.radius, 1 / one.radius - 1 / other.radius))
+    _refuse_unknown_contact(law, contact, one, other)
+    try:
+        return law_between(
+            contact,
+            (one.material, other.material),  # type: ignore[arg-type]  # with a power law both may be rigid
+            (one.radius, math.inf if other.shape in _WALLS else other.radius),
+            shapes=(one.cylinder, other.cylinder),
+            plane_strain=law == LINE,
+            effective_radius=effective_radius,
+        )
+    except ValueError as error:
+        raise InputError(f"contact: law {law}: {error}") from None
+
+
+def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contact | None:
+    if not isinstance(law, str) or law not in LAW_NAMES:
+        read_table(_LawName, {"law": law}, "", errors)
+        return None
+    entry = ALL_LAWS["hertz" if law == LINE else law]
+    known = [one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))]
+    before = len(errors.lines)
+    if known:
+        refuse_unknown(options, known, "", errors)
+    for name in () if known else options:
+        errors.add(name, f"found with law {law}, which has no options")
+    contact = read_table(
+        Contact, {"law": law, **{name: options[name] for name in known if name in options}}, "", errors
+    )
+    if entry.is_power:
+        for name in ("constant", "exponent"):
+            if name not in options:
+                errors.add(name, "missing; law power is F = constant overlap^exponent, N/m^exponent")
+    return contact if len(errors.lines) == before else None
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _LawName:
+    law: str = choice("contact law", LAW_NAMES)
+
+
+def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool) -> tuple[Body, Body] | None:
+    if isinstance(bodies, str | Mapping) or not isinstance(bodies, Sequence) or len(bodies) != 2:
+        errors.add("bodies", f"found {show(bodies)}, expected {_EXAMPLE}")
+        return None
+    read = [_read_body(table, f"bodies[{n}]", errors, elastic=elastic, needs_material=needs_material)
+            for n, table in enumerate(bodies)]  # fmt: skip
+    one, other = read
+    if one is None or other is None:
+        return None
+    walls = [body for body in read if body and body.shape in _WALLS]
+    if len(walls) == 2:
+        errors.add("bodies", f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them")
+    elif walls and walls[0].shape == "tube":
+        inside = other if one is walls[0] else one
+        if inside.shape == "cylinder":
+            errors.add("bodies", "found a cylinder in a tube, expected a sphere there, or a plane")
+        elif inside.radius >= walls[0].radius:
+            errors.add("bodies", f"found a sphere of radius {inside.radius:g} m in a tube of radius "
+                       f"{walls[0].radius:g} m, expected a smaller one")  # fmt: skip
+    return one, other
+
+
+def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_material: bool) -> Body | None:
+    if isinstance(table, str):
+        table = {"shape": table}
+    if not isinstance(table, Mapping):
+        errors.add(key, f"found {show(table)}, expected one of {_EXAMPLE}")
+        return None
+    before = len(errors.lines)
+    read = read_table(_Table, {name: value for name, value in table.items() if name != "material"}, key, errors)
+    if read is None:
+        return None
+    _check_keys(read, key, errors)
+    material = None
+    if table.get("material") is not None:
+        material = _read_material(table["material"], f"{key}.material", errors)
+        if material is not None and not elastic and material.yield_strength is None:
+            errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
+    elif read.shape not in _WALLS and needs_material:
+        errors.add(f"{key}.material", f"missing; a {read.shape} has one (planes and tubes without are rigid)")
+    if len(errors.lines) > before:
+        return None
+    radius = math.inf if read.shape == "plane" else read.radius or (read.diameter or 0.0) / 2
+    shape = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if read.shape == "cylinder" else None
+    return Body(read.shape, radius, shape, material)
+
+
+def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
+    """Check that a body has the sizes of its shape, and no others."""
+    takes = _KEYS[read.shape]
+    if _SIZE in takes:
+        if read.diameter is None and read.radius is None:
+            errors.add(f"{key}.diameter", f"missing; a {read.shape} has a diameter or a radius (m)")
+        if read.diameter is not None and read.radius is not None:
+            errors.add(f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them")
+    elif read.diameter is not None or read.radius is not None:
+        errors.add(
+            f"{key}.{'radius' if read.diameter is None else 'diameter'}", f"found with a {read.shape}, expected none"
+        )
+    for name in ("length", "axis"):
+        if name not in takes and getattr(read, name) is not None:
+            errors.add(f"{key}.{name}", f"found with a {read.shape}, expected only with a cylinder")
+    if "length" in takes and read.length is None:
+        errors.add(f"{key}.length", "missing; a cylinder has a length (m)")
+
+
+def _read_material(table: Any, key: str, errors: ErrorList) -> Material | None:
+    if isinstance(table, Material):
+        return table
+    if isinstance(table, Mapping) and not set(SELECTORS) & set(table):
+        table = {"density": _ANY_DENSITY, **table}
+    return read_material(table, errors, key)
+
+
+def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:
+    """Refuse a law that does not hold for a contact of these shapes; the first is no wall."""
+    if contact.entry.is_power:
+        return
+    pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None
+    if pair is not None and pair.nearly_parallel and other.shape == "cylinder":
+        raise InputError(
+            "contact: bodies: found cylinders whose axes are less than 1 degree from parallel, expected parallel ones, "
+            "or a larger angle"
+        )
+    along_line = one.cylinder is not None and (other.shape == "plane" or (pair is not None and pair.parallel))
+    if law == LINE and not along_line:
+        raise InputError(
+            f"contact: law: found line for a {one.shape} and a {other.shape}, which touch in a point; expected a "
+            "cylinder on a plane or beside a parallel one, or law hertz"
+        )
+    if contact.yields and along_line:
+        _LOG.warning("law %s: a %s and a %s touch along a line, and stay elastic as in runs: as law hertz",
+                     law, one.shape, other.shape)  # fmt: skip

@@ -1,0 +1,197 @@
+"""Forces, stiffnesses and energies of single contacts in Python, by the laws of the runs.
+
+gw.contact_force("hertz", [{"shape": "sphere", "diameter": 0.01, "material": "steel"}, {"shape": "plane"}], 1e-6)
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.contact.single import contact_between_bodies
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.python.inputs import plain
+
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+logger = logging.getLogger(__name__)
+
+Values = float | NDArray[np.float64]
+Body = str | Mapping[str, Any]
+
+_FIRST_GUESS = 1e-9  # m, from where the overlap of a force is sought
+_LARGEST = 1e3  # m
+
+
+def contact_force(
+    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+) -> Values:
+    """Return the force of a contact.
+
+    Parameters
+    ----------
+    law
+        ``hertz`` (in a point of any curvatures; along a line for half-spaces that give way over the length),
+        ``elastoplastic``, ``bilinear``, ``thornton``, ``line`` (along a line, plane strain) or ``power``.
+    bodies
+        Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or ``radius`` (m);
+        ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by default); ``material``: a name, or a
+        mapping as the table ``[material]``. Planes and tubes without a material are rigid; ``"plane"`` is short for a
+        rigid one.
+    overlap
+        Of any shape, m; no force where it is negative.
+    peak_overlap
+        Largest overlap so far, m, for laws that leave a dent; by default the overlap is reached for the first time.
+    options
+        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power, ``variant``,
+        ``yield_factor``, ``beta``, constants of the elasto-plastic law.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        Force of the shape of the overlap, N; compression positive.
+
+    Raises
+    ------
+    InputError
+        A body, the law, an option or an overlap is wrong; the message has a line for each fault.
+    """
+    contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
+    return _given(np.where(now > 0, contact.force(now, peak), 0.0))
+
+
+def contact_stiffness(
+    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+) -> Values:
+    """Return the slope of the force over the overlap: of loading at the peak, of unloading below it.
+
+    Parameters
+    ----------
+    law, bodies, overlap, peak_overlap, options
+        As in `contact_force`.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        N/m.
+
+    Raises
+    ------
+    InputError
+        As of `contact_force`.
+    """
+    contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
+    return _given(np.where(now > 0, contact.tangent_stiffness(now, peak), 0.0))
+
+
+def contact_energy(
+    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+) -> Values:
+    """Return the energy that a contact stores, which unloading gives back; what yielding took is not in it.
+
+    Parameters
+    ----------
+    law, bodies, overlap, peak_overlap, options
+        As in `contact_force`.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        J.
+
+    Raises
+    ------
+    InputError
+        As of `contact_force`.
+    """
+    contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
+    return _given(np.where(now > 0, contact.elastic_energy(now, peak), 0.0))
+
+
+def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **options: Any) -> Values:
+    """Return the overlap at which a contact that is loaded for the first time bears a force.
+
+    Parameters
+    ----------
+    law, bodies, options
+        As in `contact_force`.
+    force
+        Of any shape, N, from 0 up.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        Overlap of the shape of the force, m.
+
+    Raises
+    ------
+    InputError
+        As of `contact_force`; or a force is negative, or larger than any overlap gives.
+    """
+    contact, wanted = _contact(law, bodies, options), _numbers("force", force, "N")
+    if (wanted < 0).any():
+        raise InputError(f"contact: force: found {show(float(wanted.min()))}, expected 0 or more (N)")
+    low, high = np.zeros_like(wanted), np.full_like(wanted, _FIRST_GUESS)
+    while (short := contact.loading_force(high) < wanted).any():
+        low, high = np.where(short, high, low), np.where(short, 4 * high, high)
+        if high.max() > _LARGEST:
+            raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected one that an overlap below "
+                             f"{_LARGEST:g} m gives (N)")  # fmt: skip
+    while True:
+        middle = (low + high) / 2
+        if ((middle <= low) | (middle >= high)).all():
+            break
+        above = contact.loading_force(middle) >= wanted
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    found = np.where(wanted > 0, high, 0.0)
+    _warn_beyond(contact, law, found)
+    return _given(found)
+
+
+def _contact(law: str, bodies: Sequence[Body], options: Mapping[str, Any]) -> ContactLaw:
+    return contact_between_bodies(law, plain(bodies), plain(options))
+
+
+def _at(
+    law: str, bodies: Sequence[Body], overlap: ArrayLike, peak_overlap: ArrayLike | None, options: Mapping[str, Any]
+) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
+    """Return the law, the overlaps, 0 where there are gaps, and the largest so far, of one shape."""
+    contact, now = _contact(law, bodies, options), np.maximum(_numbers("overlap", overlap, "m"), 0.0)
+    peak = now if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")
+    try:
+        now, peak = np.broadcast_arrays(now, peak)
+    except ValueError:
+        raise InputError(
+            f"contact: peak_overlap: found the shape {peak.shape}, expected that of overlap, {now.shape}"
+        ) from None
+    if (peak < now).any():
+        raise InputError("contact: peak_overlap: found one below the overlap, expected the largest overlap so far (m)")
+    _warn_beyond(contact, law, peak)
+    return contact, now, peak
+
+
+def _numbers(name: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
+    try:
+        found = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"contact: {name}: found {show(values)}, expected a number or an array ({unit})") from None
+    if not np.isfinite(found).all():
+        raise InputError(f"contact: {name}: found a value that is not finite, expected numbers ({unit})")
+    return found
+
+
+def _warn_beyond(contact: ContactLaw, law: str, overlap: NDArray[np.float64]) -> None:
+    largest = overlap.max(initial=0.0)
+    if largest > contact.valid_overlap:
+        logger.warning("law %s: an overlap of %.3g m is beyond %.3g m, up to which it describes this contact",
+                       law, largest, contact.valid_overlap)  # fmt: skip
+
+
+def _given(values: NDArray[np.float64]) -> Values:
+    return float(values) if values.ndim == 0 else values
