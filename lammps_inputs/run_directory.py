@@ -46,6 +46,9 @@ CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the 
 COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
 RANK = "%"  # in the name of a dump, stands for the number of the rank that writes it
 STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
+# forces of contacts after the static stage: of pairs, of walls by the name of the fix, and the number of pairs
+INITIAL_FORCES_FILE, INITIAL_WALL_FORCES_FILE = "initial_forces.dump", "initial_forces_{}.dump"
+INITIAL_COUNT_FILE = "initial_forces.txt"  # where each rank writes its own
 MOVED_WALLS_FILE = "moved-walls.lmp"  # distances of walls that were moved to a force
 
 # Of a scan, of a suite of scans, and of a point beside its run.

@@ -18,6 +18,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     FRAMES_FILES,
     FRAMES_RESUMED,
+    INITIAL_FORCES_FILE,
     RANK,
     files_of,
     of_each_rank,
@@ -41,6 +42,22 @@ def frames_path(directory: str | Path) -> Path:
 def contacts_path(directory: str | Path) -> Path:
     """Return the path of the dump of contacts as `frames_path` does, and raise as it does."""
     return Path(directory) / DUMPS / _present(Path(directory), [CONTACTS_FILE, of_each_rank(CONTACTS_FILE)])
+
+
+def initial_forces_path(directory: str | Path) -> Path | None:
+    """Return the path of the dump of contact forces after the static stage, with "%" if each rank wrote its own.
+
+    None if there was no such stage, or an early version ran it, which did not write it. A file that is listed among
+    those of the run counts, even if it is missing.
+    """
+    folder, own = Path(directory) / DUMPS, output_names(Path(directory))
+    for name in (INITIAL_FORCES_FILE, of_each_rank(INITIAL_FORCES_FILE)):
+        files = files_of(folder, name)
+        if any(f"{DUMPS}/{file}" in own for file in files or [name]):
+            return folder / name
+        if not own and any((folder / file).exists() for file in files):
+            return folder / name
+    return None
 
 
 def frames_dumps(directory: Path) -> list[list[Path]]:

@@ -19,9 +19,12 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dump_files import (
     contacts_files,
+    contacts_path,
     frames_dumps,
     frames_of_all,
+    initial_forces_path,
     missing_dump,
+    rank_files,
 )
 from granwave.analysis.lammps_output.frame import CutShortError, Frame, joined
 from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
@@ -29,15 +32,17 @@ from granwave.analysis.lammps_output.text_dump import Lines, rows_without_header
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
-    CONTACTS_FILE,
     COUNT_FILE,
     DATA_FILE,
     DUMPS,
     FORCES_FILE,
     FRAME_FORCES_FILE,
     HISTORY_FILE,
+    INITIAL_COUNT_FILE,
+    INITIAL_WALL_FORCES_FILE,
+    RANK,
     WALL_CONTACTS_FILE,
-    of_each_rank,
+    files_of,
 )
 
 # Columns that the readers require; others are optional, see `Frame.get`.
@@ -126,9 +131,29 @@ def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) ->
     OutputFormatError
         The files of all ranks together hold fewer or more rows than were written.
     """
-    first, *others = contacts_files(Path(directory))
-    n_rows, frame, in_parts = 0, None, first.name != CONTACTS_FILE
-    for frame in _pieces([first], CONTACT_COLUMNS, at_once):
+    path = contacts_path(directory)
+    yield from _contacts(path, contacts_files(Path(directory)), CONTACT_COLUMNS, COUNT_FILE, at_once)
+
+
+def read_initial_forces_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the contact forces after the static stage: i, j, force (N), at most so many rows at once.
+
+    There are none if `initial_forces_path` finds no dump; else raise as `read_contacts_in_parts`.
+    """
+    if (path := initial_forces_path(directory)) is None:
+        return
+    if not all((path.parent / name).exists() for name in files_of(path.parent, path.name) or [path.name]):
+        raise MissingOutputError(f"{path} is missing; {AGAIN}")
+    yield from _contacts(path, rank_files(path), columns.names(columns.FORCES), INITIAL_COUNT_FILE, at_once)
+
+
+def _contacts(
+    path: Path, files: list[Path], required: tuple[str, ...], count: str, at_once: int | None
+) -> Iterator[Frame]:
+    """Iterate over the rows of a dump of contacts, the files of all ranks; ``count``: file with their number."""
+    first, *others = files
+    n_rows, frame, in_parts = 0, None, RANK in path.name
+    for frame in _pieces([first], required, at_once):
         n_rows += len(frame)
         yield frame.followed() if in_parts else frame
     assert frame is not None  # else there was no complete snapshot
@@ -140,13 +165,12 @@ def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) ->
         except CutShortError as error:
             raise OutputFormatError(f"{error}; {CUT}") from None
     if in_parts:
-        _check_count(first.with_name(of_each_rank(CONTACTS_FILE)), n_rows)
+        _check_count(path, path.with_name(count), n_rows)
         yield dataclasses.replace(frame, values=frame.values[:0], more=False)
 
 
-def _check_count(path: Path, n_rows: int) -> None:
+def _check_count(path: Path, noted: Path, n_rows: int) -> None:
     """Compare the number of contacts in the files of all ranks with that which LAMMPS noted."""
-    noted = path.with_name(COUNT_FILE)
     if not noted.exists():
         raise MissingOutputError(f"{noted} is missing; {AGAIN}")
     expected = whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
@@ -164,19 +188,45 @@ def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
 
     The result is empty if there is no plane.
     """
+    return _by_wall(_wall_dumps(Path(directory)), WALL_COLUMNS)
+
+
+def read_initial_wall_forces(directory: str | Path) -> dict[str, Frame]:
+    """Read the forces on each plane after the static stage, id and force (N), by its name.
+
+    Raises
+    ------
+    MissingOutputError
+        The file of a plane is missing.
+    """
+    paths = {}
+    for fix, path in _wall_dumps(Path(directory)).items():
+        paths[fix] = path.with_name(INITIAL_WALL_FORCES_FILE.format(fix))
+        if not paths[fix].exists():
+            raise MissingOutputError(f"{paths[fix]} is missing; {AGAIN}")
+    return _by_wall(paths, columns.names(columns.WALL_FORCES))
+
+
+def _by_wall(paths: dict[str, Path], required: tuple[str, ...]) -> dict[str, Frame]:
+    """Read dumps of the fixes of planes; a plane has NAME, and NAME_2 for a further material."""
     found: dict[str, list[Frame]] = {}
-    for path in _wall_dumps(Path(directory)):  # wall_NAME, and wall_NAME_2 for further materials
-        found.setdefault(path.stem.split("_")[1], []).append(_only_frame(path, ("id", *WALL_COLUMNS), sort_by="id"))
+    for fix, path in paths.items():
+        found.setdefault(fix.split("_")[0], []).append(_only_frame(path, ("id", *required), sort_by="id"))
     return {
         name: dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])).sorted_by("id")
         for name, parts in found.items()
     }
 
 
-def _wall_dumps(directory: Path) -> list[Path]:
-    """Return the paths of the dumps of walls; only those of the deck, if it lists them."""
+def _wall_dumps(directory: Path) -> dict[str, Path]:
+    """Return the paths of the dumps of walls by fix; only those of the deck, if it lists them."""
+    before, after = WALL_CONTACTS_FILE.split("{}")
     paths, own = sorted((directory / DUMPS).glob(WALL_CONTACTS_FILE.format("*"))), output_names(directory)
-    return [path for path in paths if not own or f"{DUMPS}/{path.name}" in own]
+    return {
+        path.name.removeprefix(before).removesuffix(after): path
+        for path in paths
+        if not own or f"{DUMPS}/{path.name}" in own
+    }
 
 
 def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:

@@ -49,6 +49,7 @@ _UNITS = {
     )
 } | {
     "initial_overlap": "m",
+    "initial_force": "N",
     "position": "m",
     "radius": "m",
     "mass": "kg",

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from granwave.analysis.lammps_output.dumps import WALL_COLUMNS
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.contacts import Contacts, list_contacts, merge_dents, sphere_values, touching_pairs
+from granwave.analysis.result.dents import Dents
 from granwave.analysis.result.groups import PartwiseGroup, write_group
+from granwave.analysis.result.initial_forces import COLUMN, InitialForces
 from granwave.analysis.result.pair_laws import PairLaws, dissipated_share, pair_laws
-from granwave.analysis.result.scratch import Buckets
 from granwave.analysis.result.start import Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
@@ -31,56 +32,25 @@ _OF_WALL_CONTACTS = (
 )  # fmt: skip
 
 
-class Dents:
-    """Contacts at the end of a run, by the parts of the spheres; those with faces of bars by themselves.
-
-    Parameters
-    ----------
-    start
-        Particles of the run.
-    rows
-        Contacts by part of either sphere.
-    """
-
-    def __init__(self, start: Start, rows: Buckets) -> None:
-        self._start, self._rows = start, rows
-        self._at_bars: list[NDArray[np.float64]] = []
-        self._like: Frame | None = None
-
-    def add(self, frame: Frame) -> None:
-        """Add contacts of particles that there are."""
-        self._like = frame
-        pairs = frame.vector("i", "j").astype(np.int64)
-        between = pairs.max(axis=1, initial=0) <= self._start.last_sphere
-        self._at_bars.append(frame.values[~between])
-        values = frame.values if between.all() else frame.values[between]
-        first, second = (self._start.part_of(ids) for ids in pairs[between].T)
-        self._rows.add(first, values)
-        if np.any(apart := first != second):
-            self._rows.add(second[apart], values[apart])
-
-    def of_part(self, part: int) -> Frame:
-        """Return the contacts of the spheres of a part with other spheres."""
-        return self._frame(self._rows.rows(part))
-
-    def at_bars(self) -> Frame:
-        """Return the contacts of spheres with the faces of bars."""
-        return self._frame(np.concatenate(self._at_bars))
-
-    def _frame(self, values: NDArray[np.float64]) -> Frame:
-        assert self._like is not None
-        return Frame(self._like.step, self._like.box, self._like.columns, values)
-
-
-def write_tables(file: h5py.File, case: Case, start: Start, dents: Dents, planes: Mapping[str, Frame]) -> None:
+def write_tables(
+    file: h5py.File,
+    case: Case,
+    start: Start,
+    dents: Dents,
+    planes: Mapping[str, Frame],
+    initial: InitialForces | None,
+) -> None:
     """Write the groups ``contacts``, ``wall_contacts`` and ``spheres``.
 
     Parameters
     ----------
     planes
         Contacts with each plane, by its name.
+    initial
+        Forces after the static stage; None: there was none.
     """
-    wall_contacts = _wall_contacts(planes, _bar_contacts(case, dents.at_bars()), has_loss=case.has_loss)
+    bars = _bar_contacts(case, dents.at_bars(), initial)
+    wall_contacts = _wall_contacts(planes, bars, initial, has_loss=case.has_loss)
     write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
@@ -92,22 +62,31 @@ def write_tables(file: h5py.File, case: Case, start: Start, dents: Dents, planes
             name: np.bincount(at_walls[here] - first, values[here], minlength=stop - first)
             for name, values in losses.items()
         }
-        sphere_rows.append(_write_contacts(contact_rows, case, start, part, dents.of_part(part), lost))
+        contacts, shares = _contacts_of(case, start, part, dents.of_part(part))
+        if initial is not None:
+            contacts[COLUMN] = initial.of_part(part, contacts["i"], contacts["j"])
+        sphere_rows.append(_write_contacts(contact_rows, start, part, contacts, shares, lost))
 
 
 def _write_contacts(
-    group: PartwiseGroup, case: Case, start: Start, part: int, dents: Frame, lost: dict[str, NDArray]
+    group: PartwiseGroup,
+    start: Start,
+    part: int,
+    contacts: Contacts,
+    shares: NDArray[np.float64],
+    lost: dict[str, NDArray],
 ) -> dict[str, NDArray]:
     """Write the contacts of a part; return the columns of its spheres.
 
     Parameters
     ----------
+    shares
+        Share of the first sphere in what each contact dissipated.
     lost
         Dissipation at walls by sphere of the part, by the column that it is part of, J.
     """
     rows = start.range(part)
     ids = start.ids(*rows)
-    contacts, shares = _contacts_of(case, start, part, dents)
     group.append(contacts, (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1]))
     everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
     summed = sphere_values(everyone, contacts, contacts["yielded"], shares)
@@ -173,19 +152,23 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
     return {"dissipated_energy_wall": plastic + sum(own.values()), **own}
 
 
-def _bar_contacts(case: Case, dents: Frame) -> dict[str, Contacts]:
+def _bar_contacts(case: Case, dents: Frame, initial: InitialForces | None) -> dict[str, Contacts]:
     """Return the contacts of beads with the faces of bars, by name of the bar."""
     merged = merge_dents(dents)
+    if initial is not None:
+        merged[COLUMN] = initial.at_bars(merged["i"], merged["j"])
     return {
         bar.name: {name: column[merged["j"] == bar.face] for name, column in merged.items()}
         for bar in assemble(case).bars
     }
 
 
-def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts], *, has_loss: bool) -> Contacts:
+def _wall_contacts(
+    planes: Mapping[str, Frame], bars: Mapping[str, Contacts], initial: InitialForces | None, *, has_loss: bool
+) -> Contacts:
     """Return the contacts with walls and bars as one table; times in s (NaN: never)."""
     parts: list[Contacts] = []
-    columns = (*_OF_WALL_CONTACTS, *(["viscous_energy"] if has_loss else []))
+    columns = (*_OF_WALL_CONTACTS, *(["viscous_energy"] if has_loss else []), *([COLUMN] if initial else []))
     for wall, frame in planes.items():
         values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}
         for name in values:
@@ -198,6 +181,7 @@ def _wall_contacts(planes: Mapping[str, Frame], bars: Mapping[str, Contacts], *,
             "initial_overlap": frame.get("initial"),
         }
         values |= {"viscous_energy": frame["viscous"]} if has_loss else {}
+        values |= {COLUMN: initial.on_wall(wall, frame["id"].astype(np.int64))} if initial else {}
         parts.append({"wall": np.full(len(frame), wall, dtype=object), "id": frame["id"].astype(np.int64)} | values)
     for bar, found in bars.items():
         part: Contacts = {"wall": np.full(len(found["i"]), bar, dtype=object), "id": found["i"]}

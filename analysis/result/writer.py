@@ -2,7 +2,8 @@
 
     /spheres/{id, position, radius, mass, peak_force, ...}      a row for each sphere, by id
     /contacts/{i, j, peak_overlap, peak_force, ...}             a row for each pair, sorted by (i, j)
-    /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar
+    /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar;
+                                                                both with initial_force, N, where a static stage was
     /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
     /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
                                                                 moving wall also displacement, velocity, ground_force
@@ -37,11 +38,13 @@ from granwave.analysis.lammps_output.number_rows import CUT
 from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
 from granwave.analysis.result.chain import Groups, read_chain
+from granwave.analysis.result.dents import Dents
 from granwave.analysis.result.groups import AT_ONCE, write_group
 from granwave.analysis.result.hdf5_file import new_hdf5
+from granwave.analysis.result.initial_forces import read_initial_forces
 from granwave.analysis.result.lines import line_groups
 from granwave.analysis.result.scratch import Buckets
-from granwave.analysis.result.sphere_tables import Dents, periodic, write_tables
+from granwave.analysis.result.sphere_tables import periodic, write_tables
 from granwave.analysis.result.start import Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.lammps_inputs.case.case import Case
@@ -89,7 +92,7 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
     claim(directory, [RESULT_FILE])
     with contextlib.ExitStack() as stack:
         file = stack.enter_context(new_hdf5(path, libver="v110"))
-        scratch = [stack.enter_context(tempfile.TemporaryFile(dir=directory, buffering=0)) for _ in range(2)]
+        scratch = [stack.enter_context(tempfile.TemporaryFile(dir=directory, buffering=0)) for _ in range(3)]
         _write(file, directory, at_once, scratch)
     return path
 
@@ -124,11 +127,14 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():
         start.check_ids(directory / DUMPS / WALL_CONTACTS_FILE.format(name), frame)
-    dents = Dents(start, Buckets(scratch[1] if start.n_parts > 1 else None))
-    for frame in read_contacts_in_parts(directory, at_once if start.n_parts > 1 else None):
+    buckets = [Buckets(one if start.n_parts > 1 else None) for one in scratch[1:]]
+    rows = at_once if start.n_parts > 1 else None
+    dents = Dents(start, buckets[0])
+    for frame in read_contacts_in_parts(directory, rows):
         start.check_ids(dumped, frame)
         dents.add(frame)
-    write_tables(file, case, start, dents, planes)
+    initial = read_initial_forces(directory, start, buckets[1], rows) if case.precompression else None
+    write_tables(file, case, start, dents, planes, initial)
     write_group(file, "energy", ledger)
     if prestage := read_static_stage(directory):
         write_group(file, "prestage", prestage)

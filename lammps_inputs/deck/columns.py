@@ -141,7 +141,7 @@ CONTACTS = of_compute(
     ],
 )
 
-#: dumps/forces.dump: history of the contact forces of a chain.
+#: dumps/forces.dump: history of the contact forces of a chain; dumps/initial_forces.dump: after the static stage.
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
 
 #: dumps/forces-*.dump: contact forces at every snapshot; the tangential force is that on sphere i.
@@ -163,6 +163,9 @@ WALL_CONTACTS = of_compute(
         ("viscous", "J", LOSS),
     ],
 )
+
+#: dumps/initial_forces_NAME.dump, after the id: force on a wall after the static stage.
+WALL_FORCES = tuple(column for column in WALL_CONTACTS if column.name == "force")
 
 #: dumps/walls.txt, after the forces, for a moving plane: from the vector of its fix.
 MOVING_WALL = (

@@ -45,6 +45,9 @@ from granwave.lammps_inputs.run_directory import (
     FRAMES_FILES,
     FRAMES_RESUMED,
     HISTORY_FILE,
+    INITIAL_COUNT_FILE,
+    INITIAL_FORCES_FILE,
+    INITIAL_WALL_FORCES_FILE,
     LINES_FILE,
     MOVED_WALLS_FILE,
     PROBES_FILE,
@@ -271,9 +274,9 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     return of_each_rank(name) if parts else name
 
 
-def contacts_file(assembly: Assembly) -> str:
-    """Return the name of the dump of the contacts at the end, with "%" if each rank writes its own."""
-    return of_each_rank(CONTACTS_FILE) if assembly.in_parts else CONTACTS_FILE
+def contacts_file(assembly: Assembly, name: str = CONTACTS_FILE) -> str:
+    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank writes its own."""
+    return of_each_rank(name) if assembly.in_parts else name
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -328,12 +331,11 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
     case = assembly.case
     contacts = sources(CONTACTS, *_recorded(case))
-    count = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{COUNT_FILE}'
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
         *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
-        *(_count() if assembly.in_parts else []),
+        *(count_commands() if assembly.in_parts else []),
         "run             0 post no",
         "",
         "# Every contact there was, and every sphere that touched a wall.",
@@ -344,7 +346,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
             f'"{joined(["%.17g"] * len(contacts))}"',
             *_names(contacts),
         ),
-        *([count] if assembly.in_parts else []),
+        *([count_written(COUNT_FILE)] if assembly.in_parts else []),
     ]
     for wall in walls(assembly):
         if wall.held_layer:
@@ -361,7 +363,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     return lines
 
 
-def _count() -> list[str]:
+def count_commands() -> list[str]:
     """Return the commands for the number of contacts, from the sum and the mean of a column that is never 0.
 
     It is written to a file, as the dumps of all ranks but the first have no header that tells if they were cut.
@@ -372,6 +374,11 @@ def _count() -> list[str]:
         f"compute         mean_contact all reduce ave c_contacts[{column}] inputs local",
         'variable        n_contacts equal "round(c_all_contacts/(c_mean_contact+(c_mean_contact==0)))"',
     ]
+
+
+def count_written(file: str) -> str:
+    """Return the command that writes the number of contacts to a file."""
+    return f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{file}'
 
 
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
@@ -390,9 +397,12 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
     files += [FRAME_FORCES_FILE] if case.output.contact_forces else []
     files += [LINES_FILE] if case.line else []
-    if case.precompression is not None and case.precompression.presses:
-        files.append(MOVED_WALLS_FILE)
-    return files + ([STATIC_STAGE_FILE, STATIC_FILE] if case.precompression else [])
+    if case.precompression is None:
+        return files
+    files += [MOVED_WALLS_FILE] if case.precompression.presses else []
+    files += [contacts_file(assembly, INITIAL_FORCES_FILE), *(INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes)]
+    files += [INITIAL_COUNT_FILE] if assembly.in_parts else []
+    return [*files, STATIC_STAGE_FILE, STATIC_FILE]
 
 
 def _recorded(case: Case) -> tuple[str, ...]:

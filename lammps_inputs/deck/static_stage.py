@@ -8,8 +8,8 @@ contacts whose static force exceeds yield get their dents there. Then time and e
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions, would amplify the
 rotation: inertia relief cancels the forces that accelerate it as a whole during the stage (`inertia_relief`).
 
-A run that is resumed from a checkpoint does not repeat the stage. Two files remain: STATIC_STAGE_FILE, a record, and
-STATIC_FILE, script lines with the reference energy of the ledger.
+A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE, a record;
+STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all contacts (`initial_forces`).
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from granwave.lammps_inputs.contact.static_load import dead_loads, directions, f
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
+from granwave.lammps_inputs.deck.initial_forces import contacts_of_stage, initial_forces
 from granwave.lammps_inputs.deck.output import POTENTIAL, displacements, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
@@ -168,7 +169,9 @@ def second_half(assembly: Assembly) -> list[str]:
         "velocity        all set 0.0 0.0 0.0 units box",
         "reset_timestep  0 time 0.0",
         *_step_of_support(assembly),
+        *contacts_of_stage(assembly),
         "run             0 post no",
+        *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(_stored(assembly))}",
         f"variable        static_load equal {num(force_of_contact(assembly))}",
         f'print           """{values}""" file {DUMPS}/{STATIC_STAGE_FILE} screen no',

@@ -34,6 +34,7 @@ _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
 _DENT = 110.0  # a pair among the contacts at the end
+_INITIAL_FORCE = 70.0  # a pair among the forces after the static stage: its row, in scratch files, its value in result.h5
 _SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
 _CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
 _ROW = 400.0  # of the ledger
@@ -78,12 +79,13 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
         analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
     sites = (_SITE if assembly.sites is not None else 0.0) + (_PLACED_SITE if assembly.strikers else 0.0)
+    pair_on_disk = _DENT + (_INITIAL_FORCE if case.precompression else 0.0)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
     return Space(
         first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
         other_rank=_PROGRAM + steps / n_ranks,
-        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * _DENT + rows * _ROW + scratch,
+        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
         disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * _CHECKPOINT_PAIR,
     )

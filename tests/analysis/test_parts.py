@@ -47,6 +47,7 @@ CASES = {
         "striker": [{"touches": [15], "velocity": [0.0, 0.0, 5.0], "diameter": 0.02}],
     },
     "dents": {"contact": {"initial_overlap": 2e-6}},
+    "static stage": {"precompression": {"kind": "uniform", "pressure": 1e4}, "boundary": {"bottom": "wall"}},
     "bar": {"kind": "chain", "size": 12, "bar": {"length": 0.1, "area": 1e-4, "elements": 40}},
 }
 

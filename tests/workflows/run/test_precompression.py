@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from granwave.analysis import MissingOutputError, OutputFormatError
+from granwave.analysis.result.writer import write_result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
@@ -52,6 +54,12 @@ def frame(directory: Path, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Positions in the data file, and displacements of a snapshot."""
     with h5py.File(directory / "result.h5") as file:
         return file["spheres/position"][()], file["particles/spheres/displacement/value"][number]
+
+
+def initial_forces(directory: Path) -> dict[str, np.ndarray]:
+    """Forces of contacts and on walls after the static stage, N."""
+    with h5py.File(directory / "result.h5") as file:
+        return {name: file[f"{name}/initial_force"][()] for name in ("contacts", "wall_contacts")}
 
 
 def hertz(case: Case) -> float:
@@ -134,6 +142,10 @@ class TestPackings:
         assert found["largest_force"] == pytest.approx(force_of_contact(assemble(case)), rel=1e-3)
         assert found["contacts"] == assemble(case).n_contacts
         position, displacement = frame(tmp_path / "r", 0)
+        initial = initial_forces(tmp_path / "r")["contacts"]
+        assert len(initial) == assemble(case).n_contacts
+        assert initial == pytest.approx(force_of_contact(assemble(case)), rel=1e-3)
+        assert initial.max() == pytest.approx(found["largest_force"][0], rel=1e-8)
         pairs = assemble(case).contacts() - 1
         apart = np.linalg.norm(np.diff((position + displacement)[pairs], axis=1)[:, 0], axis=1)
         assert D - apart == pytest.approx((force_of_contact(assemble(case)) / hertz(case)) ** (2 / 3), rel=2e-3)
@@ -232,22 +244,37 @@ class TestContinuation:
         assert 0 < json.loads((tmp_path / "cut" / "run.json").read_text())["n_steps"] < 1000
         ran(case, tmp_path / "cut", resume=True)
         names = ["energy.txt", "spheres.dump", "contacts.dump", "walls.txt", "wall_bottom.dump", "prestage.txt"]
+        names += ["initial_forces.dump", "initial_forces_bottom.dump"]
         for name in names:
             whole, cut = ((tmp_path / one / "dumps" / name).read_text() for one in ("whole", "cut"))
             rows = [{line for line in text.splitlines() if line[:1] != "#"} for text in (whole, cut)]
             assert rows[0] == rows[1], name  # the row of the checkpoint step may occur twice
+        whole, cut = (initial_forces(tmp_path / one) for one in ("whole", "cut"))
+        assert all(len(forces) and np.array_equal(forces, cut[name]) for name, forces in whole.items())
 
     def test_two_ranks(self, granwave, tmp_path: Path) -> None:
         case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
         (tmp_path / "case.toml").write_text(case.to_toml())
         for ranks in (1, 2):
-            done = granwave(
-                "run", tmp_path / "case.toml", "-o", tmp_path / str(ranks), "--no-figures", *(["--np", 2] * (ranks - 1))
-            )
+            both = ["--np", 2, "--set", "output.parts=true"] * (ranks - 1)
+            done = granwave("run", tmp_path / "case.toml", "-o", tmp_path / str(ranks), "--no-figures", *both)
             assert done.returncode == 0, done.stderr
         ledgers = [table(tmp_path / str(ranks) / "dumps" / "energy.txt") for ranks in (1, 2)]
         for name in ("kinetic", "elastic", "dissipated"):
             assert ledgers[1][name][-1] == pytest.approx(ledgers[0][name][-1], rel=1e-7, abs=1e-12)
+        one, two = (initial_forces(tmp_path / str(ranks)) for ranks in (1, 2))
+        assert len(list((tmp_path / "2" / "dumps").glob("initial_forces.[01].dump"))) == 2
+        for name, forces in one.items():
+            assert forces.min() > 0 and two[name] == pytest.approx(forces, rel=1e-6), name
+        noted = tmp_path / "2" / "dumps" / "initial_forces.txt"
+        noted.write_text(f"{int(noted.read_text()) + 1}\n")
+        with pytest.raises(
+            OutputFormatError, match=r"initial_forces\.%\.dump \(all ranks\): found \d+ contacts, initial_"
+        ):
+            write_result(tmp_path / "2")
+        (tmp_path / "2" / "dumps" / "initial_forces.0.dump").unlink()
+        with pytest.raises(MissingOutputError, match=r"initial_forces\.0\.dump is missing: each of 2 ranks"):
+            write_result(tmp_path / "2")
 
     def test_deck_runs_by_hand(self, lmp, tmp_path: Path) -> None:
         deck = write_deck(make(run={"end_time": 1e-6}), tmp_path)
