@@ -34,7 +34,9 @@ _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
 _DENT = 110.0  # a pair among the contacts at the end
-_INITIAL_FORCE = 70.0  # a pair among the forces after the static stage: its row, in scratch files, its value in result.h5
+_INITIAL_FORCE = (
+    70.0  # a pair among the forces after the static stage: its row, in scratch files, its value in result.h5
+)
 _SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
 _CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
 _ROW = 400.0  # of the ledger
