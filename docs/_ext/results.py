@@ -71,6 +71,7 @@ SUITES = {
     "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
     "switch": Suite("A row that switches", "scan", ("switch",)),
     "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
+    "bands": Suite("Waves in frequency", "scan", ("bands",)),
     "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
 }
 

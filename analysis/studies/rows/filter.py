@@ -272,7 +272,8 @@ def pictures(group: Group) -> Iterator[Picture]:
 
 
 def _peaks(group: Group) -> Iterator[Picture]:
-    shown = [run for gamma, approach in PEAKS for run in _source_runs(group) if run.at(gamma, approach)]
+    found = [run for gamma, approach in PEAKS for run in _source_runs(group) if run.at(gamma, approach)]
+    shown = list({_label(run): run for run in found}.values())  # several scans have some of them
     if not shown:
         return
     figure, axes = panels(2.8)
