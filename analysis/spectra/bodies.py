@@ -104,7 +104,7 @@ class Bodies:
         for each in np.unique(code).tolist():
             rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
             apart[rows], past = nearest_vectors(step[rows], *pair)
-            beyond[rows] = past > 0
+            beyond[rows] = past > -_NEGLIGIBLE * self.spacing
             normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
             turns[rows] = turning_projection(normal, *pair)
         return apart, beyond, turns
