@@ -193,5 +193,5 @@ def test_oblique_cylinders_that_turn_are_refused():
 
 
 def test_a_cell_of_a_lattice_alone_is_refused():
-    with pytest.raises(InputError, match="packing.cell: belongs to"):
+    with pytest.raises(InputError, match=r"packing\.cell: belongs to"):
         endless("chain", 3, {"kind": "uniaxial", "force": 1.0}, packing={"cell": [[0.0, 0.0, 0.01]]})
