@@ -16,6 +16,7 @@ The numbers may come from a packing (`granwave.analysis.spectra.packing`), or fr
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,8 +67,9 @@ class Springs:
 
     def where(self, kept: NDArray[np.bool_]) -> Springs:
         """Return the contacts that are kept, (n,)."""
-        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        return Springs(**{name: None if value is None else value[kept] for name, value in values.items()})
+        values: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        rows: dict[str, Any] = {name: None if value is None else value[kept] for name, value in values.items()}
+        return Springs(**rows)
 
     @property
     def turning(self) -> Array:
