@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: tests run side by side already
 from granwave.analysis.figures.side_by_side import PROCESSES
 
 BIN = Path(sys.prefix) / "bin"

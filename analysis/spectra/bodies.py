@@ -84,7 +84,7 @@ class Bodies:
             near &= ~np.array(ends)[self.kind]
         return np.flatnonzero(near)
 
-    def separations(self, first: Ints, second: Ints, step: Array) -> tuple[Array, Array, Array | None]:
+    def separations(self, first: Ints, second: Ints, step: Array) -> tuple[Array, NDArray[np.bool_], Array | None]:
         """Return how pairs of rows are apart, from vectors between their centres (n, 3), m.
 
         Returns
@@ -98,13 +98,14 @@ class Bodies:
         """
         if not self.laws.has_cylinders:
             return step, np.zeros(len(first), dtype=bool), None
-        apart, beyond, turns = np.empty_like(step), np.empty(len(first), dtype=bool), np.empty((len(first), 3, 3))
+        apart, turns = np.empty_like(step), np.empty((len(first), 3, 3))
+        beyond = np.zeros(len(first), dtype=bool)
         shapes = self.laws.shapes
         code = self.kind[first] * len(shapes) + self.kind[second]
         for each in np.unique(code).tolist():
             rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
             apart[rows], past = nearest_vectors(step[rows], *pair)
-            beyond[rows] = past > 0
+            beyond[rows] = past > -_NEGLIGIBLE * self.spacing
             normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
             turns[rows] = turning_projection(normal, *pair)
         return apart, beyond, turns

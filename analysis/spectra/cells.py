@@ -224,7 +224,7 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
     part = slice(None) if rows is None else rows
     position = assembly.positions()[inside][part]
     around = walls(assembly)
-    chosen = {wall.name: touched_by(assembly, wall) for wall in around}
+    acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
         case,
         PairLaws(case, tuple(kinds)),
@@ -237,7 +237,7 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
         np.empty((0, 3)),
         around,
         np.zeros_like(position),
-        touched={name: one[ids - 1][part] for name, one in chosen.items() if one is not None},
+        touched={name: one[ids - 1][part] for name, one in acts.items() if one is not None},
     )
 
 

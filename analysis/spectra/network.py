@@ -7,8 +7,8 @@ and the normal and tangential stiffnesses k_n and k_t, stores for small displace
 
 with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact: T = P for
 spheres, T = P - a a at the side of a cylinder with the axis a, along which nothing turns (d is then the distance from
-the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is + F/(2 (R - r)) times the square of the motion around the
-axis.
+the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is
++ F/(2 (R - r)) times the square of the motion around the axis.
 
 The numbers may come from a packing (`granwave.analysis.spectra.packing`), or from anything else that acts like springs.
 """
@@ -16,6 +16,7 @@ The numbers may come from a packing (`granwave.analysis.spectra.packing`), or fr
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,8 +67,9 @@ class Springs:
 
     def where(self, kept: NDArray[np.bool_]) -> Springs:
         """Return the contacts that are kept, (n,)."""
-        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        return Springs(**{name: None if value is None else value[kept] for name, value in values.items()})
+        values: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        rows: dict[str, Any] = {name: None if value is None else value[kept] for name, value in values.items()}
+        return Springs(**rows)
 
     @property
     def turning(self) -> Array:

@@ -1,8 +1,8 @@
 """Forces, stiffnesses and energies of many contacts at once, by the laws of the plugin.
 
 A law of a contact in a point at an effective radius R* follows from that at R* = 1 m: overlaps grow with R*, forces
-with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and powers of the overlap, have no such scale:
-each size has a law of its own, which stands in the same formulas at a scale of 1 m.
+with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and powers of the overlap, have no such
+scale: each size has a law of its own, which stands in the same formulas at a scale of 1 m.
 """
 
 from __future__ import annotations

@@ -177,9 +177,10 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
         across = np.flatnonzero(inside[one] & ~inside[other])
         normal = springs.normal[across]
         parallel = normal[:, :, None] * normal[:, None, :]
-        turning = springs.tangential[across] - springs.force[across] / springs.distance[across]
         block = springs.stiffness[across, None, None] * parallel
-        np.add.at(stiffness, one[across], block + turning[:, None, None] * (np.eye(3) - parallel))
+        block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
+        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turning[across]
+        np.add.at(stiffness, one[across], block)
     free = [np.flatnonzero(network.moves[row, :3]) for row in last.tolist()]
     principal = [np.linalg.eigh(stiffness[row][np.ix_(own, own)]) for row, own in zip(last, free, strict=True)]
     places = [number[row, own] for row, own in zip(last.tolist(), free, strict=True)]

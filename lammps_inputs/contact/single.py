@@ -1,6 +1,6 @@
 """Contact of two bodies that are described by themselves, without a packing: sphere, cylinder, plane, tube.
 
-A body is a table such as ``{"shape": "cylinder", "diameter": 0.005, "length": 0.01, "axis": "y", "material": "brass"}``.
+A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y", "material": "brass"}``.
 The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
 
 point   spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube: any law, with the
@@ -45,7 +45,7 @@ class _Table:
     diameter: float | None = number("diameter of a sphere, cylinder or tube", unit="m", above=0, default=None)
     radius: float | None = number("radius, in place of the diameter", unit="m", above=0, default=None)
     length: float | None = length_field()
-    axis: Vector | None = axis_field()
+    axis: Vector | None = axis_field()  # noqa: RUF009
 
 
 @dataclasses.dataclass(frozen=True)

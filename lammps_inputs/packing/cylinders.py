@@ -130,7 +130,7 @@ def turning_projection(normal: NDArray[np.float64], first: Shape, second: Shape)
     """
     found = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     axes = [one.vector for one in (first, second) if one is not None]
-    if len(axes) == 2 and np.linalg.norm(np.cross(*axes)) > _PARALLEL:
+    if len(axes) == 2 and np.linalg.norm(np.cross(axes[0], axes[1])) > _PARALLEL:
         return np.zeros_like(found)
     return found - np.outer(axes[0], axes[0]) if axes else found
 

@@ -49,8 +49,8 @@ def contact_force(
     peak_overlap
         Largest overlap so far, m, for laws that leave a dent; by default the overlap is reached for the first time.
     options
-        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power, ``variant``,
-        ``yield_factor``, ``beta``, constants of the elasto-plastic law.
+        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power,
+        ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law.
 
     Returns
     -------
