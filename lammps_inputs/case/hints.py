@@ -21,7 +21,7 @@ _KEY_OF_WORD = {
         "timestep": "dt time_step step stepsize delta_t",
         "end_time": "t_end tend end time total_time stop_time run_time simulation_time t_max tmax",
         "frames": "snapshots n_frames n_snapshots dumps dump_every output_frames",
-        "size": "n nx ny nz layers count number n_spheres n_beads beads dimensions",
+        "size": "n nx ny nz count number n_spheres n_beads beads dimensions",
         "kind": "lattice structure arrangement type",
         "diameter_scatter": "scatter tolerance polydispersity dispersion size_scatter",
         "vacancies": "porosity vacancy holes defects missing",
@@ -76,7 +76,7 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
     """
     word = name.lower().replace("-", "_")
     here = difflib.get_close_matches(word, known, n=1, cutoff=_ALIKE)
-    if here:
+    if here and _KEY_OF_WORD.get(word) not in known:
         return f"did you mean {here[0]}?"
     table = ".".join(part for part in prefix.split(".") if not part.isdigit())
     meant = _WITHIN.get(f"{table}.{word}") or _KEY_OF_WORD.get(word)

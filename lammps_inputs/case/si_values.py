@@ -17,6 +17,7 @@ POSSIBLE: dict[str, tuple[float, float]] = {
     "m/s^2": (1e-12, 1e12),
     "rad/s": (1e-15, 1e12),
     "Hz": (1e-9, 1e18),
+    "1/s": (1e-9, 1e18),
     "kg": (1e-24, 1e15),
     "kg/m^3": (1e-6, 1e9),
     "Pa": (1e-6, 1e18),

@@ -34,6 +34,8 @@ def summaries(tmp_path_factory):
     common = {"name": "small", "material": "brass"}
     found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())
     found += [run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS]
+    crystal = {"packing.size": [3, 4], "run.end_time": 1e-4}
+    found.append(run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary)
     punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
     found.append(run_continuum(punch, place / "punch", figures=False))
     contact = SphereContactCase.from_dict(common | CONTACT)

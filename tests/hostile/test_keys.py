@@ -54,6 +54,8 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "boundary", sections.Boundary, SPHERES | {"boundary": {}}),
     (CASE, "boundary.bottom.plate", supports.Plate, SPHERES
         | {"boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 1e8}, "material": BRASS}}}),
+    (CASE, "boundary.bottom.damper", supports.Damper, SPHERES
+        | {"boundary": {"bottom": {"damper": {"damping": 200.0}}}}),
     (CASE, "boundary.bottom.half_space", supports.HalfSpace, SPHERES
         | {"boundary": {"bottom": {"half_space": {}, "material": BRASS}}}),
     (CASE, "boundary.bottom.bar", supports.SupportBar, SPHERES

@@ -93,7 +93,9 @@ def test_rows_are_named(run, directory):
         assert equal(run.energies["kinetic"].to_numpy(), file["energy/kinetic"][()])
         assert equal(run.walls["force"].to_numpy(), file["walls/bottom/force"][()])
     assert run.energies.attrs["units"]["kinetic"] == "J" and run.energies.attrs["units"]["time"] == "s"
-    assert set(run.walls["wall"]) == {"bottom"} and run.walls.attrs["units"] == {"wall": "1", "time": "s", "force": "N"}
+    assert set(run.walls["wall"]) == {"bottom"} and run.walls.attrs["units"] == {
+        "wall": "1", "time": "s", "force": "N", "impulse": "N s"
+    }  # fmt: skip
     assert run.wall_contacts.empty and "wall" in run.wall_contacts
     assert run.tables == ("spheres", "contacts", "wall_contacts", "energy")
 

@@ -35,7 +35,7 @@ def completed(line: str) -> list[str]:
         ("granwave scan velocity-f", ["velocity-fcc"]),
         ("granwave show velocity-f", ["velocity-fcc"]),
         ("granwave run fcc-small --set load.vel", ["load.velocity="]),
-        ("granwave run fcc-small --set packing.kind=h", ["packing.kind=hcp"]),
+        ("granwave run fcc-small --set packing.kind=hc", ["packing.kind=hcp"]),
         ("granwave run fcc-small --set run.end_time=", ["run.end_time=auto"]),
         ("granwave run fcc-small --set load.spheres=", ["load.spheres=1", "load.spheres=3", "load.spheres=7"]),
         ("granwave run fcc-small --set replace.1.mat", ["replace.1.material="]),

@@ -29,7 +29,7 @@ def made(place: Path, end: float = 4e-4, **changes: Any) -> Path:
             "kind": "hexagonal", "size": [4, 5], "top_row": "short", "shape": "cylinder", "diameter": D, "length": L,
         },
         "material": {"name": "soft", "youngs_modulus": 70e6, "poisson_ratio": 0.48, "density": 1130},
-        "contact": {"law": "hertz", "friction": 0.3, "loss": {"time": 12e-6}},
+        "contact": {"law": "line", "friction": 0.3, "loss": {"time": 12e-6}},
         "load": {"kind": "plate", "mass": 10 * L, "velocity": 6.0},
         "boundary": {"sides": "wall"},
         "line": LINES,
