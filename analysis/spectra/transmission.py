@@ -11,7 +11,7 @@ with the stiffness A of the contacts of a grain of the last layer with those bef
 
 which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a layer the grains are
 damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the
-ends are, walls do not hold.
+ends are, walls do not hold. Grains that the case lets absorb waves are damped as in its runs.
 """
 
 from __future__ import annotations
@@ -71,7 +71,14 @@ class Transmission:
 
 
 def transmission(
-    stiffness: Stiffness, drive: int, sensors: Sequence[int], frequency: Array, *, axis: str = "z", end: str = ""
+    stiffness: Stiffness,
+    drive: int,
+    sensors: Sequence[int],
+    frequency: Array,
+    *,
+    axis: str = "z",
+    end: str = "",
+    dampers: Array | None = None,
 ) -> Transmission:
     """Find the steady response to a prescribed motion of one grain.
 
@@ -83,6 +90,8 @@ def transmission(
         (n_frequencies,), Hz.
     end
         Far end: ``reflecting``, ``matched`` or ``layer:N``.
+    dampers
+        Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m s; none by default.
 
     Raises
     ------
@@ -112,6 +121,7 @@ def transmission(
     root = sparse.diags_array(np.sqrt(network.masses))
     matrix = (root @ stiffness.matrix(np.zeros(3)).real @ root).tocsc()
     mass = sparse.diags_array(network.masses)
+    damped = None if dampers is None else sparse.diags_array(dampers[network.freedoms])
     others = np.delete(np.arange(network.n_freedoms), driven)
     ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
     for row, one in enumerate(frequency.tolist()):
@@ -119,6 +129,8 @@ def transmission(
         whole = matrix - omega**2 * mass
         if damping is not None:
             whole = whole + damping(omega)
+        if damped is not None:
+            whole = whole - 1j * omega * damped
         whole = whole.astype(np.complex128).tocsc()
         column = whole[:, [driven]].toarray().ravel()
         motion = np.zeros(network.n_freedoms, dtype=np.complex128)

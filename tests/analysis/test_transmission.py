@@ -14,6 +14,7 @@ from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
+from granwave.workflows.spectra.commands import steady
 
 SWEEP = {
     "shape": "sweep",
@@ -156,6 +157,23 @@ def test_wrong_loads_and_layers_are_refused(changes, says):
 def test_no_impedance_matches_a_row_without_static_force():
     with pytest.raises(InputError, match="no impedance of long waves"):
         load_case("elastic-impact", {"absorb": [{"layers": 1, "impedance": "matched"}]})
+
+
+@pytest.mark.parametrize("frequency", [4e3, 9e3, 1.5e4])
+def test_a_run_transmits_what_the_linear_response_says(tmp_path, frequency):
+    """Steel and aluminium in turn, shaken at one end: amplitudes of runs within 2 % of `granwave transmission`."""
+    load = {"kind": "displacement", "shape": "harmonic", "amplitude": 5e-9, "frequency": frequency, "ramp": 5e-4}
+    lighter = [{"index": list(range(2, 41, 2)), "material": "aluminium"}]
+    changes = {"packing.size": 40, "load": load, "replace": lighter, "absorb": [{"layers": 28, "rate": 5e4}],
+               "run.end_time": 5e-3}  # fmt: skip
+    case = load_case("driven-row", changes)
+    run_case(case, tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found = transmission_of(result)
+    sensors = (4, 7, 12)
+    linear, _, _ = steady(case, None, drive=1, sensors=sensors, frequency=np.array([frequency]))
+    measured = np.abs(found.velocity[np.array(sensors) - 1] / found.velocity[0])
+    assert measured == pytest.approx(linear.amplitude[0], rel=0.02)
 
 
 def test_amplitudes_at_multiples_of_a_frequency():

@@ -11,6 +11,7 @@ import numpy as np
 
 from granwave.analysis.spectra import files
 from granwave.analysis.spectra.band_structure import POINTS, BandStructure, band_structure
+from granwave.analysis.spectra.dampers import dampers_of
 from granwave.analysis.spectra.modes import Modes, solve_modes
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.states import State, packing_state
@@ -18,6 +19,7 @@ from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import Transmission, transmission
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 from granwave.workflows.spectra.output import Figures, check_place, write_output
 
@@ -188,7 +190,8 @@ def steady(
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
-    found = transmission(stiffness_of(state.network), drive, sensors, frequency, axis=axis, end=end)
+    dampers = dampers_of(assemble(state.case), state.network) if state.case.absorb else None
+    found = transmission(stiffness_of(state.network), drive, sensors, frequency, axis=axis, end=end, dampers=dampers)
     if place is None:
         return found, state, []
     n = len(found.sensors)
