@@ -31,6 +31,7 @@ from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
+_ROUNDING = 1e-12  # of the input
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
@@ -165,6 +166,8 @@ def _energies(result: Result) -> Summary:
         return energy / given if given else None
 
     rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
+    if abs(plastic) < _ROUNDING * given:
+        plastic = 0.0  # what is left of a difference
     holder, viscous, absorbed = (
         final(name) if f"energy/{name}" in result else None for name in ("holder", "viscous", "absorbed")
     )
