@@ -43,11 +43,12 @@ from granwave.workflows.cli.arguments import (
 from granwave.workflows.cli.figure_options import FILM_OPTIONS, add_options
 from granwave.workflows.cli.shells import SHELLS
 from granwave.workflows.run import mpi
-from granwave.workflows.run.messages import each_warning_once
+from granwave.workflows.run.messages import each_warning_once, not_enough_memory
 
 DONE, FAILED, WRONG_INPUT, STOPPED, READER_LEFT = 0, 1, 2, 130, 141
 
 _LONGEST_SHOWN = 300  # characters of a path in a message
+_NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
 
 
@@ -75,8 +76,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _report_file(error, words)
     except MemoryError as error:
-        why = str(error) or "none left"
-        return _report([f"there is not enough memory ({why}); granwave check tells what a case needs"], FAILED)
+        return _report([not_enough_memory(str(error) or "none left")], FAILED)
+    except ImportError as error:
+        if any(words in str(error) for words in _NO_ROOM_FOR_LIBRARY):
+            return _report([not_enough_memory(str(error))], FAILED)
+        raise
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
 

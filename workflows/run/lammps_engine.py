@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import RunError
+from granwave.workflows.run.messages import not_enough_memory
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -100,5 +101,7 @@ def _translated() -> Iterator[None]:
         raise
     except Exception as error:  # the module raises no specific type
         message = "LAMMPS: " + " ".join(str(error).strip("'").split())
+        if "Failed to allocate" in message or "Failed to reallocate" in message:
+            message = not_enough_memory(message)
         on_one_rank = type(error).__name__ == "MPIAbortException"
         raise (SingleRankError if on_one_rank else RunError)(message) from error

@@ -1,4 +1,4 @@
-"""Suppression of repeated log messages."""
+"""Messages of a run: suppression of repeated ones, and the one that says that memory ran out."""
 
 from __future__ import annotations
 
@@ -17,3 +17,8 @@ def each_warning_once() -> Callable[[logging.LogRecord], bool]:
         return not known
 
     return fresh
+
+
+def not_enough_memory(why: str) -> str:
+    """Message that memory ran out."""
+    return f"there is not enough memory ({why}); granwave check tells what a case needs"

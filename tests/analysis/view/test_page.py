@@ -187,6 +187,7 @@ def test_in_a_browser(run, tmp_path):
     path = page.write_view(run, tmp_path / "a.html").path
     with Browser(CHROMIUM, tmp_path / "profile", timeout=120, flags=SOFTWARE_GL) as browser:
         browser.open(path.as_uri(), 800, 600)
+        wait_for(browser, "Boolean(window.K3DInstance)")  # set by a script that may end after the page's load event
         browser.evaluate("K3DInstance.then((plot) => (window.plot = plot)); 0")
         panel = "window.plot?.gui.folders.find((one) => one._title === 'View')"
         wait_for(browser, f"Boolean({panel}?.controllers.length === 6)")
