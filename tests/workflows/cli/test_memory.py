@@ -40,5 +40,5 @@ def test_in_lammps():
         def commands_string(self, text):
             raise Exception("ERROR on proc 0: Failed to reallocate 192282624 bytes for array atom:v (src/memory.cpp:102)")
 
-    with pytest.raises(RunError, match="there is not enough memory .*192282624 bytes"):
+    with pytest.raises(RunError, match=r"there is not enough memory .*192282624 bytes"):
         Engine(Lammps()).commands("run 1")
