@@ -38,7 +38,9 @@ def test_a_missing_module_is_not_taken_for_it(monkeypatch):
 def test_in_lammps():
     class Lammps:
         def commands_string(self, text):
-            raise Exception("ERROR on proc 0: Failed to reallocate 192282624 bytes for array atom:v (src/memory.cpp:102)")
+            raise Exception(
+                "ERROR on proc 0: Failed to reallocate 192282624 bytes for array atom:v (src/memory.cpp:102)"
+            )
 
     with pytest.raises(RunError, match=r"there is not enough memory .*192282624 bytes"):
         Engine(Lammps()).commands("run 1")
