@@ -44,17 +44,12 @@ CHOSEN = (
     ("Reference impact: ", "fcc-impact", _REFERENCE, "Dissipated fraction"),
     ("Reference impact: ", "fcc-impact", _REFERENCE, "Peak contact force"),
     ("", "sphere-contacts", "sphere-contact", "Finite elements over the law from 1 to 10 alpha_y: most, brass, like"),
-    (
-        "",
-        "sphere-contacts",
-        "sphere-contact",
-        "Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",
-    ),
     ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", "Peak force"),
     ("Elasto-plastic chain: ", "chains", "elastoplastic-pulse", "Power of the leading speed with distance"),
-    ("Bilinear chain, 8 kN for 2.5 ms: ", "chains", "bilinear-long-load", "xt, where the fronts meet"),
     ("Square packing: ", "square", "square-in-plane", "Energy in central chains"),
     ("Chain: ", "square", "sensor-chain", "Largest reflection of a sphere of 0.921"),
+    ("Row with gaps: ", "switch", "gap-switch", "Displacement of sphere 10 in a long row, at rest again"),
+    ("Plane crystal of soft cylinders: ", "lateral", "lateral-width-hcp", "Layers of region 1, HCP"),
     ("FCC packing: ", "prestress", "precompressed-packing-speed", "Speed of small waves, fcc, uniaxial"),
 )
 
