@@ -32,7 +32,8 @@ _LEAD = (
     "Made from finished runs by make results, and not typed. Thesis is R. K. Pal, University of Illinois at "
     "Urbana-Champaign, 2015; composite chain is the paper on chains of steel with brass or PTFE; square packing is "
     "Leonard, Fraternali, Daraio, Exp. Mech.; lateral constraints is J. Appl. Mech. 2020, doi 10.1115/1.4047004. "
-    "Rows are of four kinds. A source is printed in the literature. Theory follows from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
+    "Rows are of four kinds. A source is printed in the literature. Theory follows "
+    "from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
     "or what similarity forces on any correct code. The rest is granwave alone. Where ours is missing, only source and "
     "theory speak."
 )
