@@ -38,11 +38,11 @@ inline void exponents(const double *s, double *w)
   }
 }
 
-}    // namespace
-
-FOR_EACH_PROCESSOR void LineBatch::compute()
+/* Forces and stiffnesses of whole groups, for each set of instructions. */
+FOR_EACH_PROCESSOR void compute_groups(int n, const double *overlap, const double *overlap_scale, const double *force_scale,
+                                       double *force, double *stiffness)
 {
-  for (int begin = 0; begin < size; begin += GROUP) {
+  for (int begin = 0; begin < n; begin += GROUP) {
     double s[GROUP], w[GROUP];
     for (int m = 0; m < GROUP; m++) s[m] = overlap[begin + m] / overlap_scale[begin + m];
     exponents(s, w);
@@ -55,3 +55,7 @@ FOR_EACH_PROCESSOR void LineBatch::compute()
     }
   }
 }
+
+}    // namespace
+
+void LineBatch::compute() { compute_groups(size, overlap, overlap_scale, force_scale, force, stiffness); }

@@ -138,8 +138,9 @@ def verdict(runs: Sequence[PushedFilter]) -> Iterator[str]:
     dented, whole = by_words.get("yielding, after a strong pulse"), by_words.get("yielding, whole")
     if dented is not None and whole is not None:
         yield (
-            f"The strong pulse leaves {100 * dented.pressed:.0f} % of the force of the walls; at contact {last} the weak "
-            f"pulse then has {number(dented.pulses[last][1])} N, after {number(whole.pulses[last][1])} N in the whole row."
+            f"The strong pulse leaves {100 * dented.pressed:.0f} % of the force of the walls; at contact {last} the "
+            f"weak pulse then has {number(dented.pulses[last][1])} N, after {number(whole.pulses[last][1])} N in the "
+            "whole row."
         )
 
 

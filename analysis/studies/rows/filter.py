@@ -250,9 +250,7 @@ def _map_rows(group: Group) -> Iterator[Row]:
         for run in runs:
             yield Row(f"Decay per contact, eta {eta:g}, {_label(run)}", "1e-3", None, _KILO * run.decay,
                       "thesis Figs 7.2, 7.3", "Short row, contacts 61 to 111.", digits=3)  # fmt: skip
-    by_place = {
-        (run.approach, run.eta, run.gamma): run for runs in group.curves(long=False).values() for run in runs
-    }
+    by_place = {(run.approach, run.eta, run.gamma): run for runs in group.curves(long=False).values() for run in runs}
     for (approach, eta, gamma), run in by_place.items():
         free = by_place.get((0.0, eta, gamma))
         if approach and free is not None:
