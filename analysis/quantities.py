@@ -118,6 +118,7 @@ ENTRIES = (
     Quantity("name"),
     Quantity("kind"),
     Quantity("n_spheres", "Spheres"),
+    Quantity("n_cylinders", "Cylinders among the grains", short="cylinders"),
     Quantity("n_elements", "Elements"),
     Quantity("n_bodies", "Bodies"),
     Quantity("n_contacts", "Contacts at the start",
@@ -362,7 +363,8 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
-    "n_spheres", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s", "n_steps",
+    "n_spheres", "n_cylinders", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
+    "n_steps",
     "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "viscous_fraction", "holder_fraction",
     "absorbed_fraction",
     "energy_balance_error", "peak_force_N",

@@ -8,7 +8,8 @@ from granwave.analysis.quantities import quantity
 NOTES = {
     "name": "Name of the case.",
     "kind": "Of finite-element runs: continuum or sphere-contact.",
-    "n_spheres": "With strikers.",
+    "n_spheres": "With strikers, and cylinders where there are any.",
+    "n_cylinders": "Only of packings that hold any.",
     "n_elements": "Of the finite-element mesh.",
     "n_bodies": "Of the contact of two spheres: 1 where both are equal, and one on the plane of symmetry is enough.",
     "n_wall_contacts": "Pairs of a sphere and a wall in result.h5.",

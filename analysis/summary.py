@@ -93,6 +93,7 @@ def summary_of(result: Result) -> Summary:
         **_bars(result),
         **_sensors(result),
         **line_summary(result),
+        **_cylinders(result),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": restitution(result),
@@ -103,6 +104,12 @@ def summary_of(result: Result) -> Summary:
         "deck_changed": changed_files(result.path.parent) or None,
         "versions": result.versions,
     }
+
+
+def _cylinders(result: Result) -> Summary:
+    """Count the cylinders; nothing of a packing of spheres alone."""
+    count = result.assembly.n_cylinders
+    return {"n_cylinders": count} if count else {}
 
 
 def restitution(result: Result) -> float | None:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
 from granwave.analysis.quantity_notes import meaning_of
+from granwave.lammps_inputs.packing.grain_words import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
 _GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
@@ -66,12 +68,16 @@ def _text(rows: Sequence[Row]) -> str:
 
 def _rows(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> list[Row]:
     rows, before = [Row("case", str(summary["name"]), ("name",))], ""
+    called = grains_called_in([summary])
     for entry in shown:
         value = summary.get(entry.name)
         if value is not None:
             growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
             text = entry.text(value) + (", still moving out at the end" if growing else "")
-            rows.append(Row("" if entry.short == before else entry.short, text, (entry.name,)))
+            if entry.name == "n_cylinders" and called != GRAINS:
+                continue  # all grains are
+            label = entry.short if entry.name == "n_cylinders" else in_grains(entry.short, called)
+            rows.append(Row("" if entry.short == before else label, in_grains(text, called), (entry.name,)))
             before = entry.short
         if entry.name == _ZONE_AFTER:
             rows += _zone_rows(summary)

@@ -7,14 +7,26 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Cell, Column, Group, Table
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import printed_unit, shown_unit
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import ENTRIES, quantity
 from granwave.analysis.quantity_notes import meaning_of
+from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
+
+
+def label_of(key: str, called: str = SPHERES) -> str:
+    """Label of a value of a summary; ``called``: what the grains of its runs are called."""
+    return in_grains(quantity(key).label, called)
+
+
+def meaning_in(key: str, called: str = SPHERES) -> str:
+    """Meaning of a value of a summary, likewise."""
+    return in_grains(meaning_of(key), called)
 
 
 def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
@@ -24,7 +36,11 @@ def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
     if not shown:
         return ()
     title = "What these values mean"
-    rows = tuple((Cell(entry.label), Cell(entry.name), Cell(entry.meaning)) for entry in shown)
+    called = grains_called_in(summaries)
+    rows = tuple(
+        (Cell(in_grains(entry.label, called)), Cell(entry.name), Cell(in_grains(entry.meaning, called)))
+        for entry in shown
+    )
     columns = (Column("Quantity", key=True), Column("In summary.json"), Column("Meaning"))
     return (Group(title, (Table(title, columns, rows, captioned=False),), folded=True),)
 
@@ -34,9 +50,9 @@ def unit_of_value(key: str) -> str:
     return printed_unit(quantity(key).unit)
 
 
-def value_column(key: str) -> Column:
-    """Column of a value of the summary."""
-    return Column(quantity(key).label, unit_of_value(key), numeric=True, meaning=meaning_of(key))
+def value_column(key: str, called: str = SPHERES) -> Column:
+    """Column of a value of the summary; ``called``: what the grains of its runs are called."""
+    return Column(label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called))
 
 
 def case_column(key: str, *, numeric: bool) -> Column:

@@ -26,6 +26,7 @@ from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.packing.grain_words import SPHERES
 from granwave.lammps_inputs.run_directory import VIEW_FILE
 
 MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size
@@ -62,6 +63,7 @@ class View:
     n_spheres: int
     n_frames: int
     note: str
+    called: str = SPHERES
 
 
 def write_view(
@@ -102,11 +104,11 @@ def write_view(
         found = fields(result, chosen.instants, chosen.frames, chosen.rows)
         if not found:
             raise InputError(f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show")
-        page = _page(result, chosen, found)
+        page, called = _page(result, chosen, found), result.assembly.grains_called
     if path is None:
         claim(directory, [VIEW_FILE])
     replace_text(target, page)
-    return View(target, target.stat().st_size, len(chosen.rows), len(chosen.frames), chosen.note)
+    return View(target, target.stat().st_size, len(chosen.rows), len(chosen.frames), chosen.note, called)
 
 
 def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:

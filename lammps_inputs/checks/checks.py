@@ -34,6 +34,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.walls import untouched
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 if TYPE_CHECKING:
@@ -143,6 +144,14 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             "contact.law = %s holds for the others",
             case.name,
             case.contact.law,
+        )
+    for wall, grain, depth in untouched(assembly):
+        _LOG.warning(
+            "%s: grain %d reaches %.3g m into the wall %s, which does not act on it: boundary.sides_touch",
+            case.name,
+            grain,
+            depth,
+            wall,
         )
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.grains import Grains
 
 _KEY = "packing.grains"
+_PLACED = (f": {_KEY}", ": packing.gaps", ": grains.")  # of errors of grains that could not be placed
 _LEAST_PERIOD = 2.5  # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
@@ -158,6 +159,8 @@ def check_chosen(
             continue
         if hold.group is not None:
             groups = sorted(set(packing.grains.group) - {""}) if packing.grains is not None else []
+            if hold.group not in groups and any(one in line for line in errors.lines for one in _PLACED):
+                continue  # the grains of the group could not be placed, which has its own error
             if hold.group not in groups:
                 there = f"one of {', '.join(map(show, groups))}" if groups else "index: no grain has a group"
                 errors.add(f"{key}.group", f"found {show(hold.group)}, expected {there}")

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.packing.walls import materials_of_last_layer, walls
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _TABLE = "precompression"
+_UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end
 _INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 degrees to it
 
 
@@ -46,6 +47,8 @@ def check_precompression(
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(stage, packing, boundary, errors)
+            if parts["contact"].line != "plane-strain":
+                _check_line_contacts(stage, packing, errors)
         return
     if stage.kind == "uniform":
         if packing.kind == "chain" or is_plane_crystal(packing.kind):
@@ -160,6 +163,27 @@ def _check_moves(stage: Precompression, packing: PackingSection, boundary: Bound
             errors.add(key, f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
     if stage.kind == "walls" and not stage.moves and not stage.presses:
         errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N')
+
+
+def _check_line_contacts(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
+    """Check that walls do not move beyond the end of the law of cylinders that lie along them: 2 length^2/diameter."""
+    grains = packing.grains
+    grain = (
+        [(packing.of_grain, packing.diameter)] if grains is None else zip(grains.shape, grains.diameter, strict=True)
+    )
+    cylinders = {(shape, float(diameter)) for shape, diameter in grain if shape is not None}
+    for axis, name in enumerate("xy"):
+        lying = [(shape, diameter) for shape, diameter in cylinders if abs(shape.axis[axis]) < _UPRIGHT]
+        if name not in stage.moves or not lying:
+            continue
+        shape, diameter = min(lying, key=lambda one: one[0].length ** 2 / one[1])
+        most = 2 * shape.length**2 / diameter
+        if stage.moves[name] >= most:
+            errors.add(
+                f"{_TABLE}.{name}",
+                f"found {stage.moves[name]:g} m, expected less than {most:.3g} m, 2 length^2/diameter: the law of the "
+                f"contact of a cylinder {shape.length:g} m long on a wall ends there",
+            )
 
 
 def _wall_key(name: str) -> str:

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.deck.static_stage import (
     second_half,
 )
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.planning.timestep import fastest
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
@@ -47,7 +48,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     case, resumed = assembly.case, bool(restart_from)
     static = case.precompression is not None
     parts = [
-        _head(case),
+        _head(assembly),
         _system(assembly, restart_from),
         _neighbours(assembly, schedule),
         contacts(assembly),
@@ -73,7 +74,8 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     return "\n\n".join("\n".join(lines) for lines in parts if lines) + "\n"
 
 
-def _head(case: Case) -> list[str]:
+def _head(assembly: Assembly) -> list[str]:
+    case = assembly.case
     packing, load = case.packing, case.load
     size = " x ".join(str(n) for n in packing.size)
     what = f"{load.spheres} sphere{'s' if load.spheres > 1 else ''} of the top layer"
@@ -87,10 +89,11 @@ def _head(case: Case) -> list[str]:
         "grains": "moved by the velocities of grains.",
         "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
     }
+    called = assembly.grains_called
     return [
         f"# {_HARMFUL.sub('?', case.name)}",
-        f"# Impact on an ordered packing: {size} spheres, {packing.kind}, diameter {packing.diameter:g} m;",
-        f"# {how[load.kind]}",
+        f"# Impact on an ordered packing: {size} {called}, {packing.kind}, diameter {packing.diameter:g} m;",
+        f"# {in_grains(how[load.kind], called)}",
         f"# Written by granwave from {CASE_FILE}.",
         f"# Run it here:  lmp -in {SCRIPT_FILE}   (the pair style gran/hysteretic comes with granwave)",
     ]

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.shape import Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
+from granwave.lammps_inputs.packing.grain_words import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, places_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
@@ -179,6 +180,16 @@ class Assembly:
     def has_cylinders(self) -> bool:
         """True if any grain or striker is a cylinder."""
         return any(self.shapes) or any(striker.body for striker in self.case.striker)
+
+    @cached_property
+    def n_cylinders(self) -> int:
+        """Number of cylinders among grains and strikers."""
+        return sum(bool(shape) for shape in self.grain_shapes()) if self.has_cylinders else 0
+
+    @property
+    def grains_called(self) -> str:
+        """``spheres``, ``cylinders``, or ``grains`` where there are both."""
+        return grains_called(self.n_spheres, self.n_cylinders)
 
     def grain_shapes(self) -> list[Shape]:
         """Return the shapes of all grains and strikers: n_spheres of them."""

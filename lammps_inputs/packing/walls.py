@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.sections import Touched
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
@@ -117,6 +118,29 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
     if only is None or wall.name == "bottom":
         return None
     return touched(assembly.case, assembly.sites, only)
+
+
+def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
+    """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how deep, m."""
+    found: list[tuple[str, int, float]] = []
+    if assembly.case.boundary.sides_touch is None or assembly.sites is None:
+        return found
+    sites, moved = assembly.sites, assembly.case.precompression.moves if assembly.case.precompression else {}
+    for wall in walls(assembly):
+        chosen = touched_by(assembly, wall)
+        if chosen is None:
+            continue
+        others = np.flatnonzero(sites.present & ~chosen)
+        if not len(others):
+            continue
+        shapes = [sites.shape_of(row) for row in others.tolist()]
+        reach = sites.diameter[others] / 2 if wall.tube else extents(sites.diameter[others] / 2, shapes)[:, wall.axis]
+        gaps = wall.gaps(sites.positions(1, len(sites.present))[others], reach)
+        deepest = int(np.argmin(gaps))
+        depth = -float(gaps[deepest]) - moved.get("tube" if wall.tube else wall.name[0], 0.0)
+        if depth > TOUCHING * assembly.case.packing.diameter:
+            found.append((wall.name, int(others[deepest]) + 1, depth))
+    return found
 
 
 def touched(case: Case, sites: Sites | None, only: Touched) -> NDArray[np.bool_]:

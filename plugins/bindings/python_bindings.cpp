@@ -6,6 +6,7 @@
 #include "../laws/cylinders.h"
 #include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
+#include "../laws/line_batch.h"
 #include "../laws/line_contact.h"
 #include "../laws/load_shape.h"
 
@@ -235,7 +236,26 @@ PYBIND11_MODULE(_contact_laws, module)
           [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
             return py::vectorize([&self](double a) { return self.energy(a); })(overlap);
           },
-          py::arg("overlap"), "Stored energy, J.");
+          py::arg("overlap"), "Stored energy, J.")
+      .def(
+          "in_batches",
+          [](const granwave::LineContact &self, const std::vector<double> &overlap) {
+            std::vector<double> force, stiffness;
+            granwave::LineBatch batch;
+            const auto compute = [&] {
+              batch.compute();
+              force.insert(force.end(), batch.force, batch.force + batch.size);
+              stiffness.insert(stiffness.end(), batch.stiffness, batch.stiffness + batch.size);
+              batch.size = 0;
+            };
+            for (const double one : overlap) {
+              batch.add(0, self, one);
+              if (batch.full()) compute();
+            }
+            compute();
+            return std::pair(force, stiffness);
+          },
+          py::arg("overlap"), "Forces, N, and stiffnesses, N/m, as the styles of LAMMPS compute them.");
   module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
   using Axis = std::array<double, 3>;
   py::class_<granwave::CylinderPair>(module, "CylinderPair",

@@ -136,7 +136,8 @@ class ScaledLaw {
   bool yielded(double peak) const { return peak > elastic_limit_; }
   double normalised(double overlap) const { return overlap / overlap_; }
 
-  bool is_hertzian() const { return !elastic_; }    // within the elastic limit
+  bool is_hertzian() const { return !elastic_; }                                       // within the elastic limit
+  const LineContact *line() const { return elastic_ ? elastic_->line() : nullptr; }    // null if it is another law
   /* Contacts within their elastic limit: Hertz's law, unless it is another. */
   double hertz_force(double overlap) const
   {
@@ -252,13 +253,17 @@ class ScaledLaw {
   double circle_squared(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
-    if (elastic_) {
-      const double radius = 0.5 * elastic_->stiffness(overlap) / law_->modulus();
-      return radius * radius;
-    }
+    if (elastic_) return circle_squared(elastic_->stiffness(overlap));
     if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
     return overlap >= h.peak ? loading_circle(overlap)
                              : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
+  }
+
+  /* The same of an elastic law other than Hertz's, from its stiffness. */
+  double circle_squared(double stiffness) const
+  {
+    const double radius = 0.5 * stiffness / law_->modulus();
+    return radius * radius;
   }
 
  private:

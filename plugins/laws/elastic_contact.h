@@ -46,6 +46,7 @@ class ElasticContact {
   {
     return std::visit([&](const auto &law) { return law.energy(overlap); }, law_);
   }
+  const LineContact *line() const { return std::get_if<LineContact>(&law_); }
   double valid() const { return valid_; }                // overlap beyond which the law is only an estimate
   double largest_overlap() const { return largest_; }    // where it ends
 

@@ -41,6 +41,8 @@ namespace granwave {
 class LineContact {
  public:
   static constexpr double LEAST = 1e-25;
+  static constexpr int STEPS = 8;               // of Newton's method, at most
+  static constexpr double PRECISION = 1e-16;    // relative change with which it ends
 
   LineContact(const Material &first, const Material &second, double diameter, double length) :
       overlap_(2.0 * length * length / diameter),
@@ -67,6 +69,8 @@ class LineContact {
 
   /* Largest overlap for which the law holds. */
   double largest_overlap() const { return overlap_; }
+  double overlap_scale() const { return overlap_; }
+  double force_scale() const { return force_; }
 
   double force(double overlap) const
   {
@@ -100,11 +104,11 @@ class LineContact {
     if (!(s < 1.0)) return 1.0;
     const double wanted = 1.0 - logarithm(s);
     double w = wanted < 2.0 ? 1.0 + std::sqrt(2.0 * (wanted - 1.0)) + (wanted - 1.0) / 1.5 : wanted + logarithm(wanted);
-    for (int n = 0; n < 8; n++) {
+    for (int n = 0; n < STEPS; n++) {
       if (!(w > 1.0)) return 1.0;
       const double step = (w - logarithm(w) - wanted) * w / (w - 1.0);
       w -= step;
-      if (std::fabs(step) <= 1e-16 * w) break;
+      if (std::fabs(step) <= PRECISION * w) break;
     }
     return w;
   }

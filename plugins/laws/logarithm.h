@@ -18,14 +18,11 @@ namespace granwave {
 /* ln(x) of a positive normal number. */
 inline double logarithm(double x)
 {
-  std::uint64_t bits = power_parts::bits_of(x);
-  int k = static_cast<int>(bits >> 52) - 1023;
-  bits = (bits & 0x000fffffffffffff) | 0x3ff0000000000000;
-  double m = power_parts::double_of(bits);    // from 1 to 2
-  if (m > 1.4142135623730951) {
-    m *= 0.5;
-    k++;
-  }
+  const std::uint64_t bits = power_parts::bits_of(x);
+  const double mantissa = power_parts::double_of((bits & 0x000fffffffffffff) | 0x3ff0000000000000);    // from 1 to 2
+  const double exponent = power_parts::double_of(bits >> 52 | 0x4330000000000000) - (0x1p52 + 1023.0);
+  const bool high = mantissa > 1.4142135623730951;
+  const double m = high ? 0.5 * mantissa : mantissa, k = high ? exponent + 1.0 : exponent;
   const double f = m - 1.0, s = f / (2.0 + f), z = s * s, w = z * z;
   const double even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
   const double odd = z * (6.666666666666735130e-01 +

@@ -246,7 +246,9 @@ void FixWallGranHysteretic::evaluate()
   pressed = stiffness = {};
   tallied = -1;
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
-  for (const int i : spheres) {
+  if (has_lines) compute_lines(at);
+  for (std::size_t n = 0; n < spheres.size(); n++) {
+    const int i = spheres[n];
     if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
     if (cylinders && stands[atom->type[i]]) continue;
     const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
@@ -261,7 +263,7 @@ void FixWallGranHysteretic::evaluate()
       if (!touches[side] && mine.touching == 0.0) continue;
       Contact contact{};
       if (touches[side]) {
-        contact = compute_normal(i, side, overlap[side], now);
+        contact = compute_normal(i, side, overlap[side], now, 2 * n + side);
         if (tube) {
           double push[3];
           inward(i, side, push);
@@ -313,9 +315,11 @@ double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
          scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
 
-/* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. */
+/* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. If the contact
+   is along a line, its force is in line_force at the index `line`. */
 
-FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now)
+FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now,
+                                                                     std::size_t line)
 {
   double *const state = array_atom[i];
   Side &side = sides[2 * i + which];
@@ -330,7 +334,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
                atom->tag[i], radius, tube->radius());
-  const ScaledLaw scaled = scaled_law(i);
+  const ScaledLaw &scaled = scaled_law(i);
   const double effective = scaled.effective_radius();
   if (!(overlap < scaled.largest_overlap()))
     error->one(FLERR,
@@ -358,10 +362,15 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     place_of(i, side.place);
   }
   Contact contact{};
-  if (!scaled.yielded(side.dent)) {
+  if (scaled.line()) {
+    contact.force = line_force[line];
+    if (support) contact.stiffness = line_stiffness[line];
+    if (friction > 0.0) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
+  } else if (!scaled.yielded(side.dent)) {
     contact.force = scaled.hertz_force(overlap);
     if (support) contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.hertz_stiffness(overlap);
-    contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
+    if (friction > 0.0)
+      contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
     const granwave::Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);

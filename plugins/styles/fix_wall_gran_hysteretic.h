@@ -20,6 +20,7 @@
 #include "../laws/elastic_contact.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
+#include "../laws/line_batch.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
 #include "../laws/tube.h"
@@ -121,9 +122,10 @@ class FixWallGranHysteretic : public Fix {
   double effective_radius(double radius) const { return tube ? tube->effective_radius(radius) : radius; }
   void init_cylinders();
   bool is_line(int i) const;
-  granwave::ScaledLaw scaled_law(int i);
+  const granwave::ScaledLaw &scaled_law(int i);
+  void compute_lines(const double at[2]);
   void add_to_wall(int i, const double force[3]);
-  Contact compute_normal(int i, int side, double overlap, double now);
+  Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   double distance_squared(const double from[2], const double to[2]) const;
@@ -152,6 +154,14 @@ class FixWallGranHysteretic : public Fix {
   const class FixGranCylinder *cylinders = nullptr;    // null if there are none
   std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
   std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
+  bool has_lines = false;                                              // true if any of them touches along a line
+  granwave::LineBatch line_batch{};
+  std::vector<double> line_force, line_stiffness;    // two for each of `spheres`, of those that touch along a line
+  struct LastLaw {
+    double radius = -1.0;
+    granwave::ScaledLaw scaled;
+  };
+  std::vector<LastLaw> last_laws;    // by type
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   granwave::ViscousLoss loss;

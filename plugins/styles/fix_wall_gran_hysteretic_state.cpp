@@ -68,6 +68,8 @@ void FixWallGranHysteretic::init_cylinders()
 {
   cylinders = FixGranCylinder::find(lmp);
   lines.clear();
+  last_laws.clear();
+  has_lines = false;
   stands.assign(atom->ntypes + 1, 0);
   if (!cylinders) return;
   std::vector<int> mine(atom->ntypes + 1, 0), present(atom->ntypes + 1, 0);
@@ -80,6 +82,7 @@ void FixWallGranHysteretic::init_cylinders()
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
     stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
+    has_lines = has_lines || !stands[type];
     if (!stands[type] && along > ROUNDING_OF_AXIS)
       error->all(FLERR,
                  "Fix {} {}: cylinders of type {} are oblique to the wall; expected their axis parallel or normal to it",
@@ -91,13 +94,17 @@ void FixWallGranHysteretic::init_cylinders()
 
 bool FixWallGranHysteretic::is_line(int i) const { return !cylinders->shape(atom->type[i]).is_sphere(); }
 
-/* Law of the contact of sphere or cylinder i with the wall. */
+/* Law of the contact of sphere or cylinder i with the wall; of each type the one asked for last is kept. */
 
-ScaledLaw FixWallGranHysteretic::scaled_law(int i)
+const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
 {
   const double radius = atom->radius[i];
-  if (!cylinders || !is_line(i)) return ScaledLaw::any(law, effective_radius(radius));
   const int type = atom->type[i];
+  if (type >= static_cast<int>(last_laws.size())) last_laws.resize(atom->ntypes + 1);
+  LastLaw &last = last_laws[type];
+  if (last.radius == radius) return last.scaled;
+  last.radius = radius;
+  if (!cylinders || !is_line(i)) return last.scaled = ScaledLaw::any(law, effective_radius(radius));
   auto found = lines.find({type, radius});
   if (found == lines.end()) {
     const double length = cylinders->shape(type).length;
@@ -105,7 +112,36 @@ ScaledLaw FixWallGranHysteretic::scaled_law(int i)
                                           : LineContact(body, wall, 2.0 * radius, length);
     found = lines.emplace(std::pair(type, radius), granwave::ElasticContact(line, VALID_LINE * radius)).first;
   }
-  return {law, radius, found->second};
+  return last.scaled = {law, radius, found->second};
+}
+
+/* Compute the forces of the cylinders on the list that touch planes in these places. */
+
+void FixWallGranHysteretic::compute_lines(const double at[2])
+{
+  line_force.resize(2 * spheres.size());
+  line_stiffness.resize(2 * spheres.size());
+  const auto compute = [this] {
+    line_batch.compute();
+    for (int n = 0; n < line_batch.size; n++) {
+      line_force[line_batch.place[n]] = line_batch.force[n];
+      line_stiffness[line_batch.place[n]] = line_batch.stiffness[n];
+    }
+    line_batch.size = 0;
+  };
+  for (int n = 0; n < static_cast<int>(spheres.size()); n++) {
+    const int i = spheres[n];
+    if (!(atom->mask[i] & groupbit) || !is_line(i) || stands[atom->type[i]]) continue;
+    const double along = atom->x[i][axis], radius = atom->radius[i];
+    const double overlap[2] = {at[0] + radius - along, along + radius - at[1]};
+    for (int side = 0; side < 2; side++) {
+      const LineContact *const line = overlap[side] > 0.0 ? scaled_law(i).line() : nullptr;
+      if (!line) continue;
+      line_batch.add(2 * n + side, *line, overlap[side]);
+      if (line_batch.full()) compute();
+    }
+  }
+  compute();
 }
 
 /* ---------------------------------------------------------------------- initial dents */
@@ -133,7 +169,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 void FixWallGranHysteretic::begin()
 {
   for (int i = 0; i < atom->nlocal; i++) {
-    const ScaledLaw scaled = scaled_law(i);
+    const ScaledLaw &scaled = scaled_law(i);
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
@@ -159,7 +195,7 @@ void FixWallGranHysteretic::begin()
 
 void FixWallGranHysteretic::report_dents(int i)
 {
-  const ScaledLaw scaled = scaled_law(i);
+  const ScaledLaw &scaled = scaled_law(i);
   const Side &low = sides[2 * i], &high = sides[2 * i + 1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);

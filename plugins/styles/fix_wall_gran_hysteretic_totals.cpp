@@ -19,7 +19,7 @@ void FixWallGranHysteretic::tally()
   for (int i = 0; i < atom->nlocal; i++) {
     const double *state = array_atom[i];
     if (state[PEAK_OVERLAP] == 0.0) continue;
-    const ScaledLaw scaled = scaled_law(i);
+    const ScaledLaw &scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
     mine[VISCOUS_SUM] += state[VISCOUS];

@@ -22,6 +22,7 @@
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
+#include "../laws/line_batch.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
 #include "../laws/touching_pairs.h"
@@ -244,6 +245,7 @@ class PairGranHysteretic : public Pair {
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit
   granwave::UnloadingBatch unloading{};
+  granwave::LineBatch lines{};    // those along lines
   granwave::TouchingPairs pairs{};
   std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
   granwave::TwofoldSums force_sums, torque_sums;

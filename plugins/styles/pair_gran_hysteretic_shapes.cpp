@@ -134,11 +134,24 @@ void PairGranHysteretic::add_special_rows(const std::vector<std::pair<int, int>>
 
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
+  static_assert(granwave::LineBatch::CAPACITY >= Batch::CAPACITY);
+  lines.size = 0;
   for (int m = 0; m < batch.size; m++) {
     const ScaledLaw &contact = batch.pair[m]->contact;
     if (contact.is_hertzian()) continue;
+    if (const LineContact *const line = contact.line()) {
+      lines.add(m, *line, batch.overlap[m]);
+      continue;
+    }
     batch.force[m] = contact.hertz_force(batch.overlap[m]);
-    batch.circle[m] = contact.circle_squared(batch.overlap[m], law_history(batch.k[m]));
+    if (has_friction) batch.circle[m] = contact.circle_squared(batch.overlap[m], law_history(batch.k[m]));
+  }
+  if (lines.size == 0) return;
+  lines.compute();
+  for (int n = 0; n < lines.size; n++) {
+    const int m = lines.place[n];
+    batch.force[m] = lines.force[n];
+    batch.circle[m] = batch.pair[m]->contact.circle_squared(lines.stiffness[n]);
   }
 }
 

@@ -115,7 +115,8 @@ def write(options: argparse.Namespace, _: Arguments) -> int:
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
         steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
-    print(f"{deck.directory}: {assemble(deck.case).n_spheres} spheres, {steps}")
+    assembly = assemble(deck.case)
+    print(f"{deck.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
     return 0
 

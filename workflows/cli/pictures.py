@@ -80,7 +80,7 @@ def view(options: argparse.Namespace, _: Arguments) -> int:
     with held(options.directory.absolute(), way=""), as_wrong_input():
         page = write_view(options.directory, options.output, spheres=spheres, frames=frames)
     print(page.path)
-    print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} spheres, {page.n_frames} snapshots")
+    print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} {page.called}, {page.n_frames} snapshots")
     if page.note:
         print(f"granwave: {page.note}; --all shows all", file=sys.stderr)
     return 0

@@ -32,7 +32,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
     return lines(
         [
             ("case", plan.name),
-            ("spheres", f"{plan.n_spheres}"),
+            (assemble(case).grains_called, f"{plan.n_spheres}"),
             ("contacts at the start", f"{plan.n_contacts}"),
             *_coordination(case),
             *_inputs(inputs, at_most="at most " * (case.load.kind == "force")),

@@ -181,7 +181,7 @@ class Row:
         wall = self.k_wall * np.maximum(self.shrinks - u, 0.0) ** 1.5
         return np.asarray(2 * self.k_side * overlap**1.5 * across / apart + ring - wall)
 
-    def thesis_shrinks(self, inward: ArrayLike, *, printed_ring: bool = False) -> Array:
+    def thesis_shrinks(self, inward: ArrayLike, *, printed_ring: bool = False, right_ring: bool = False) -> Array:
         """Shrinkage that moves the small spheres in by ``inward`` (m) in the thesis's balance and with its wall, m.
 
         Parameters
@@ -189,6 +189,8 @@ class Row:
         printed_ring
             True for the balance as it is printed, with ``2 k_bb [2 u cos(pi/n)]^1.5 sin(pi/n)`` of the ring; False for
             the one that its figures follow, without the ring.
+        right_ring
+            True for the balance with ``2 k_ss [2 u sin(pi/n)]^1.5 sin(pi/n)``, as the ring needs it.
         """
         u = np.asarray(inward)
         sine = np.sqrt(1 - self.cosine**2)
@@ -196,6 +198,9 @@ class Row:
         if printed_ring:
             angle = np.pi / self.n
             force = force + 2 * self.k_beads * (2 * u * np.cos(angle)) ** 1.5 * np.sin(angle)
+        if right_ring:
+            chord = np.sin(np.pi / self.n)
+            force = force + 2 * self.k_ring * (2 * u * chord) ** 1.5 * chord
         return np.asarray(u + (force / self.k_thesis_wall) ** (2 / 3))
 
 

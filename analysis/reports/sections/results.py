@@ -10,6 +10,8 @@ from granwave.analysis.document.cells import (
     BLANK,
     case_column,
     is_number,
+    label_of,
+    meaning_in,
     meanings,
     percent,
     show,
@@ -19,11 +21,11 @@ from granwave.analysis.document.cells import (
     value_column,
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.units import shown_unit
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
-from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quantity
-from granwave.analysis.quantity_notes import meaning_of
+from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 
@@ -65,11 +67,11 @@ def compact_table(runs: Sequence[Run]) -> Table:
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
     shown = [key for key in _worth_showing([run.summary]) if key not in _OF_COST][:MOST_ROWS]
-    rows = []
+    rows, called = [], grains_called_in([run.summary])
     for key in shown:
-        label = quantity(key).label
+        label = label_of(key, called)
         cell = _result_cell(key, run.summary)
-        rows.append((Cell(label, label, meaning=meaning_of(key)), cell, Cell(unit_of_value(key))))
+        rows.append((Cell(label, label, meaning=meaning_in(key, called)), cell, Cell(unit_of_value(key))))
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
 
@@ -163,12 +165,12 @@ def _table(
     """Make a table with the columns ``first``, varied keys, status, and the main values that any row has."""
     settings = [[row[n] for row in values] for n in range(len(keys))]
     numeric = [all(is_number(value) or value is None for value in column) for column in settings]
-    shown = _worth_showing(summaries)
+    shown, called = _worth_showing(summaries), grains_called_in(summaries)
     columns = (
         *first,
         *(case_column(key, numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
         Column("Status"),
-        *(value_column(key) for key in shown),
+        *(value_column(key, called) for key in shown),
     )
     rows = tuple(
         (
@@ -213,11 +215,11 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     columns += [Column(run.label, numeric=True) for run in runs]
     if pair:
         columns.append(Column("Difference", numeric=True))
-    rows = []
+    rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        label = quantity(key).label
-        row = [Cell(label, label, meaning=meaning_of(key)), Cell(unit_of_value(key)), *cells]
+        label = label_of(key, called)
+        row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))

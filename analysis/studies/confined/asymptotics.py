@@ -35,6 +35,8 @@ _PROGRAM = {  # by delta_hat: C1, C3, C5 and c; axial and radial velocities of t
     0.4: ((1.9451, 0.1188, -0.0028), 1.0660, (1.15, 0.042)),
     1.32: (None, None, (0.20, 0.001)),
 }
+_AMPLITUDE = {1.2e-3: 1.22, 2.4e-3: 1.10}  # by a: displacement of a bead over D, times 1e3
+_LEGENDS = {4.8e-4: 0.09, 1.2e-3: 0.22, 1.9e-3: 0.36}  # of figure 6.10, by a
 _BEAD, _AFTER = 100, (2.0, 6.0)  # whose displacement by the wave is A, and when: widths of the wave behind its crest
 _LEAST_DECAY = 2e-5  # per contact, for a slope
 _DENSE = 12
@@ -106,6 +108,11 @@ def rows(theory: Theory) -> Iterator[Row]:
                 yield Row(what, "", None, ours, _WHERE, "", value, value is not None, 3)
             remark = f"An independent program: {speed}." if program else ""
             yield Row(f"c of the series, {at}", "", None, series.speed, "lattice", remark, wave.speed, True)
+            z = np.linspace(-3, 3, 241)
+            apart = float(np.abs(series(z) - wave.displacement(z)).max())
+            yield Row(f"Largest difference of the series from the lattice's profile, {at}", "", None, apart,
+                      "thesis figure 6.9", "An independent program: within 0.004." if program else "",
+                      digits=2)  # fmt: skip
         found = theory.tail(delta_hat)
         for way, ours, value in zip(("Axial", "Radial"), (found.axial_tail, found.radial_tail), tails, strict=True):
             what = f"{way} first-order velocity behind the wave, {at}"
@@ -114,6 +121,7 @@ def rows(theory: Theory) -> Iterator[Row]:
                 yield Row(what, "", None, ours, _WHERE, few, value, True, 2)
             else:
                 yield Row(what, "", None, ours, "thesis 6.16, 6.17", digits=2)
+    yield from _scales(theory, program=program)
     x, decay = theory.points
     known = decay > _LEAST_DECAY
     if np.count_nonzero(known) > 1:
@@ -124,6 +132,22 @@ def rows(theory: Theory) -> Iterator[Row]:
             "the slopes equal; "
             "its own model has -3.16 in an independent program.", expected, digits=3,
         )  # fmt: skip
+
+
+def _scales(theory: Theory, *, program: bool) -> Iterator[Row]:
+    """Displacement of a bead by the wave, and delta_hat beside the legends of figure 6.10."""
+    for run in theory.runs:
+        a = round(run.a, 7)
+        known = _AMPLITUDE.get(a) if program else None
+        remark = f"The source's model in an independent program: {known:g}." if known else ""
+        moved = _amplitude(run) / float(run.row.bead[0])
+        what = f"Displacement of a bead by the wave over D, times 1e3, {run.label_of_row}"
+        yield Row(what, "", None, 1e3 * moved, _WHERE, remark, digits=3)
+        legend = _LEGENDS.get(a) if program else None
+        if legend is not None:
+            yield Row(f"delta_hat of the legend, {run.label_of_row}", "", legend, theory.delta_hat(run),
+                      "thesis figure 6.10", "Its scale cannot be found: some four times, in the ratio of a.",
+                      digits=3)  # fmt: skip
 
 
 def _slope(x: Array, y: Array) -> float:

@@ -48,6 +48,19 @@ for _line in _TABLE.strip().splitlines():
     _models = tuple(Reference((one[0], one[1], one[2], one[3]), one[4], one[5]) for one in (_values[:6], _values[6:]))
     REFERENCES[int(_n), _a] = (_models[0], _models[1])
 
+#: Diameter of small spheres, radius of the tube (over D), cos(theta), eps, eta, and gamma with the source's factor and
+#: in the tube, of rows of equal spheres, by n.
+GEOMETRY: dict[int, tuple[float, float, float, float, float, float, float]] = {
+    6: (0.66667, 1.00000, 0.60000, 0.2963, 0.2494, 2.0785, 2.5645),
+    7: (0.46383, 0.76642, 0.68314, 0.0998, 0.3071, 1.7337, 2.1136),
+    8: (0.34315, 0.61991, 0.74452, 0.0404, 0.3419, 1.4912, 1.8006),
+    9: (0.26495, 0.51980, 0.79055, 0.0186, 0.3596, 1.3103, 1.5698),
+}
+#: E*, Pa, E* R*^2, N, sqrt(m_b/k_bb) in SI, and v sqrt(pi/2 rho (1 - nu^2)/E) of 1 m/s, of beads of 15 mm.
+E_STAR, FORCE_UNIT, TIME_UNIT, SPEED_NUMBER = 63.187e9, 888567.0, 1.7063e-6, 3.2504e-4
+#: Speed in the source's unit of its model without precompression, by n (figure 6.4, whose axis is 0.04 to 0.085).
+SLOWEST = {6: 0.0348, 7: 0.0484, 8: 0.0538, 9: 0.0672}
+
 
 def reference_of(n: int, a: float) -> tuple[Reference, Reference] | None:
     """Thesis model and true model of a row at 1 m/s; None if it is not among them."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from granwave.analysis.figures.chains import confined as figures
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.confined.runs import ConfinedRun, confined_runs, decay_of, symmetric_waves
+from granwave.analysis.studies.confined.runs import ConfinedRun, confined_runs, decay_of, of_source, symmetric_waves
 from granwave.analysis.studies.confined.waves import WHERE
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row
@@ -19,6 +19,8 @@ from granwave.analysis.studies.study import Picture, Row
 _FEWEST = 4
 _SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
 _FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
+_RESONANCES = {0.10: 6.4e-3, 0.24: 2.8e-3, 5.0: 2.7e-3}  # by density ratio: decay of the source's model
+_ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -91,7 +93,7 @@ def text(found: Densities) -> str:
 def rows(found: Densities) -> Iterator[Row]:
     """Decay at each density, and where it is largest and smallest."""
     for run, expected in zip(found.runs, found.theory, strict=True):
-        remark = _FORGETS if ratio_of(run) > _SETTLED else ""
+        remark = " ".join(filter(None, (_FORGETS if ratio_of(run) > _SETTLED else "", _program(run))))
         what = f"Decay per contact, density ratio {ratio_of(run):.3g}"
         yield Row(what, "", None, run.decay, WHERE, remark, float(expected), True, 3)
     light = [run for run in found.runs if ratio_of(run) <= _SETTLED]
@@ -99,6 +101,16 @@ def rows(found: Densities) -> Iterator[Row]:
     yield Row("Density ratio of the most rapid decay", "", None, ratio_of(worst), "thesis figure 6.7",
               "Of the densities that were run.", digits=3)  # fmt: skip
     yield Row("Largest decay per contact", "", None, worst.decay, "thesis figure 6.7", digits=3)
+
+
+def _program(run: ConfinedRun) -> str:
+    """Say what the source's model has at this density."""
+    if not of_source(run):
+        return ""
+    ratio = round(ratio_of(run), 6)
+    if ratio in _RESONANCES:
+        return f"A resonance of the source's model in an independent program: {_RESONANCES[ratio]:g}."
+    return "An anti-resonance of the source's model." if ratio in _ANTI_RESONANCES else ""
 
 
 def verdict(found: Densities) -> Iterator[str]:

@@ -198,9 +198,14 @@ def confined_runs(runs: Iterable[FinishedRun], *, elastic: bool = True) -> list[
 
 def from_thesis(run: ConfinedRun) -> bool:
     """Beads and materials are those of the source, and the tenth is struck."""
+    return of_source(run) and math.isclose(run.row.small_density[0], 8500.0, rel_tol=1e-6)
+
+
+def of_source(run: ConfinedRun) -> bool:
+    """Beads and materials are those of the source but for the density of small spheres, and the tenth is struck."""
     row = run.row
-    ours = (row.bead[0], row.density[0], row.small_density[0], row.modulus[0], row.small_modulus[0], run.struck)
-    theirs = (0.015, 8500.0, 8500.0, 115e9 / 0.91, 115e9 / 0.91, 10)
+    ours = (row.bead[0], row.density[0], row.modulus[0], row.small_modulus[0], run.struck)
+    theirs = (0.015, 8500.0, 115e9 / 0.91, 115e9 / 0.91, 10)
     return all(math.isclose(a, b, rel_tol=1e-6) for a, b in zip(ours, theirs, strict=True))
 
 

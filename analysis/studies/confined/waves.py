@@ -16,6 +16,7 @@ from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.confined.geometry import Row as Geometry
 from granwave.analysis.measures.confined.symmetric import Wave, leading_wave
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.studies.confined.printed import printed_rows, speed_rows
 from granwave.analysis.studies.confined.reference import OFFSET, reference_of
 from granwave.analysis.studies.confined.runs import (
     CONTACTS,
@@ -34,13 +35,6 @@ from granwave.analysis.studies.tables import numeric, table_of
 TITLE = "Confined rows: waves and precompression"
 WHERE = "equations of symmetric motion"
 _NEAR_SOLITARY = 2e-4  # decay per contact
-_LEGENDS = {  # a of figures 6.2 and 6.3, for inward motions of the small spheres of these parts of D
-    6: (5.2e-4, 1.3e-3, 2.1e-3),
-    7: (5.0e-4, 1.3e-3, 2.0e-3),
-    8: (4.8e-4, 1.2e-3, 1.9e-3),
-    9: (4.6e-4, 1.2e-3, 1.9e-3),
-}
-_INWARD = (1.6e-4, 4.0e-4, 6.4e-4)
 _FRACTIONS = np.arange(5.5, 10.01, 0.125)
 _LAST_OF_FRACTIONS = 110  # contacts: decays are uniform from the 60th on
 _DIGITS = 3  # of a decay
@@ -108,52 +102,11 @@ def text(waves: Waves) -> str:
 def rows(waves: Waves) -> Iterator[Row]:
     """Numbers of the rows, static balance, and the wave of each run against the equations."""
     if all(from_thesis(run) for run in waves.runs):
-        yield from _printed(waves)
+        yield from printed_rows([run.row for run in waves.runs], *waves.fractions)
+        yield from speed_rows(waves.runs)
     for k, run in enumerate(waves.runs):
         yield from _balance(run)
         yield from _wave(run, waves.theory.force[k], waves.theory.time[k])
-
-
-def _printed(waves: Waves) -> Iterator[Row]:
-    one = waves.runs[0].row
-    time, bead = one.thesis_time[0], one.bead[0]
-    eight = next((run.row for run in waves.runs if run.n == 8), None)
-    if eight is not None:
-        yield Row("eps = m_s/m_b, n = 8", "", 0.04, float(eight.eps[0]), "thesis 6.8")
-        yield Row("eta, n = 8", "", 0.34, float(eight.eta[0]), "thesis 6.8")
-        yield Row(
-            "gamma = k_w/k_bb, n = 8", "", 1.53, float((eight.k_wall / eight.k_beads)[0]), "thesis 6.8",
-            "Theory: its own formula with the factor 1.2. Ours: ellipse in the tube; a flat wall has 1.657.",
-            float((eight.k_thesis_wall / eight.k_beads)[0]),
-        )  # fmt: skip
-    yield Row(
-        "Impact velocity of 1 m/s in the source's unit", "", 1.35e-4, None, "thesis 6.1",
-        "Its unit D sqrt(k_bb/m_b) is not dimensionless (m^(-1/4)); 1.3528e-4 belongs to D = 30 mm, and figures 6.2 "
-        "and 6.5 to 15 mm.",
-        float(time / bead),
-    )  # fmt: skip
-    for n, legends in _LEGENDS.items():
-        row = Geometry.fitting(n, bead, 0.0, one.modulus, one.density)
-        for printed, part in zip(legends, _INWARD, strict=True):
-            remark = "The printed balance needs " + ", ".join(
-                number(float(2 * row.thesis_shrinks(part * bead, printed_ring=with_ring)[0] / bead))
-                for with_ring in (True,)
-            )
-            remark += "; the legends follow from it without the ring." if part == _INWARD[0] else "."
-            theory = float(2 * row.thesis_shrinks(part * bead)[0] / bead)
-            yield Row(
-                f"a of the legends, n = {n}, small spheres moved in by {part:g} D", "", printed, None,
-                "thesis figures 6.2, 6.3", remark, theory,
-            )  # fmt: skip
-    for place, source in ((7.0, 7), (8.0, 8)):
-        fractions, decay = waves.fractions
-        near = np.abs(fractions - place - 0.15) < 0.5
-        yield Row(
-            f"n of the largest decay near {source}, a = 0", "", source, None, "thesis figure 6.6",
-            f"Theory: {number(float(decay[near].max()))} per contact. A fraction of n has meaning in the equations "
-            "only.",
-            float(fractions[near][decay[near].argmax()]),
-        )  # fmt: skip
 
 
 def _balance(run: ConfinedRun) -> Iterator[Row]:

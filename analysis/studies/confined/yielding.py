@@ -6,14 +6,14 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
 from granwave.analysis.document.cells import percent
 from granwave.analysis.figures.chains import confined as figures
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.measures.signals import Array, arrival
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.two_pushes import largest_of_pulses, push_starts
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.confined.runs import ConfinedRun, row_of
 from granwave.analysis.studies.runs import FinishedRun
@@ -30,8 +30,6 @@ TEXT = (
     "Decay: over the contacts named."
 )
 _PROBE = re.compile(r"probes/contact_(\d+)_(\d+)_force")
-_ARRIVED = 0.2  # of the largest force
-_SHARE = 0.75  # of the time between the pushes, after its arrival: what comes later is of the second pulse
 _COMPARED = (25, 45, 65)  # contacts
 _DECAY = (35, 65)
 
@@ -42,7 +40,7 @@ class PushedRun(ConfinedRun):
     @property
     def apart(self) -> float:
         """Time between the two pushes, s."""
-        starts = _starts(self)
+        starts = push_starts(self.case.load.table)
         return starts[1] - starts[0]
 
     @cached_property
@@ -55,10 +53,8 @@ class PushedRun(ConfinedRun):
             for name in result.names("probes"):
                 match = _PROBE.fullmatch(f"probes/{name}")
                 if match and place.get(int(match[2]), 0) - place.get(int(match[1]), 0) == 1:
-                    force = result[f"probes/{name}"]
-                    split = arrival(time, force, _ARRIVED * float(force.max())) + _SHARE * self.apart
-                    first, second = force[time < split], force[time >= split]
-                    found.append((place[int(match[1])], first.max(initial=0.0), second.max(initial=0.0)))
+                    both = largest_of_pulses(time, result[f"probes/{name}"], self.apart)
+                    found.append((place[int(match[1])], *both))
         contacts, first, second = np.array(sorted(found), dtype=float).T
         return contacts, first, second
 
@@ -79,17 +75,12 @@ class PushedRun(ConfinedRun):
         return f"{'yielding' if self.yields else 'elastic'}, a = {self.a:.3g}"
 
 
-def _starts(run: FinishedRun) -> list[float]:
-    """Times at which the force on the bead begins to rise from zero, s."""
-    return [before[0] for before, after in pairwise(run.case.load.table or ()) if before[1] == 0 < after[1]]
-
-
 def select(runs: Sequence[FinishedRun]) -> list[list[PushedRun]]:
     """Rows pushed twice, elastic ones and others, by rising a."""
     found = [
         run.seen_as(PushedRun)
         for run in runs
-        if run.case.load.kind == "force" and len(_starts(run)) == 2 and row_of(run.case) is not None
+        if run.case.load.kind == "force" and len(push_starts(run.case.load.table)) == 2 and row_of(run.case) is not None
         and any(probe.contact for probe in run.case.output.probes)
     ]  # fmt: skip
     found.sort(key=lambda run: (run.a, run.yields))

@@ -19,7 +19,9 @@ from granwave.analysis.studies.rows.filter_values import (
     APPROACHED,
     DECAYS,
     DENSITY,
+    DRAWN,
     ERRATA,
+    LARGEST,
     PEAKS,
     PEAKS_OF_PRINTED_DENSITY,
     PRINTED_DENSITY,
@@ -172,6 +174,7 @@ def rows(group: Group) -> Iterator[Row]:
                     yield from _peak_rows(run, said, peaks)
                     break
     for run in _source_runs(group):
+        yield from _largest_rows(run)
         yield from _decay_rows(run)
     yield from _valleys(group)
     yield from _map_rows(group)
@@ -209,8 +212,15 @@ def _peak_rows(run: FilterRun, said: str, peaks: Mapping[int, float]) -> Iterato
                   "thesis Fig. 7.4", remark, theory, verification=True)  # fmt: skip
 
 
+def _largest_rows(run: FilterRun) -> Iterator[Row]:
+    for (gamma, approach), theory in LARGEST.items():
+        if run.at(gamma, approach):
+            yield Row(f"Largest force of two spheres, {_label(run)}", "N", None, float(run.peaks.max()),
+                      "thesis Fig. 7.4", f"{_SOLVER} The axis ends at 300 N.", theory, verification=True)  # fmt: skip
+
+
 def _decay_rows(run: FilterRun) -> Iterator[Row]:
-    for known, where in ((DECAYS, "thesis Fig. 7.5a"), (APPROACHED, "thesis Fig. 7.5b")):
+    for known, where in ((DRAWN, "thesis Fig. 7.4"), (DECAYS, "thesis Fig. 7.5a"), (APPROACHED, "thesis Fig. 7.5b")):
         for (gamma, approach), decay in known.items():
             if run.at(gamma, approach):
                 yield Row(f"Decay per contact, {_label(run)}", "1e-3", None, _KILO * run.decay, where,
@@ -240,6 +250,13 @@ def _map_rows(group: Group) -> Iterator[Row]:
         for run in runs:
             yield Row(f"Decay per contact, eta {eta:g}, {_label(run)}", "1e-3", None, _KILO * run.decay,
                       "thesis Figs 7.2, 7.3", "Short row, contacts 61 to 111.", digits=3)  # fmt: skip
+    by_place = {(run.approach, run.eta, run.gamma): run for runs in group.curves(long=False).values() for run in runs}
+    for (approach, eta, gamma), run in by_place.items():
+        free = by_place.get((0.0, eta, gamma))
+        if approach and free is not None:
+            yield Row(f"Decay over that at a = 0, eta {eta:g}, {_label(run)}", "", None, run.decay / free.decay,
+                      "thesis Fig. 7.3", "The colours of the source end at -10 and 10. Short rows.",
+                      digits=2)  # fmt: skip
 
 
 def _rows_with_yield(group: Group) -> Iterator[Row]:

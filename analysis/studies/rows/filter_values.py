@@ -53,6 +53,10 @@ DECAYS: Mapping[tuple[float, float], float] = {
     for approach, decays in _BY_APPROACH.items()
     for gamma, decay in zip(_GAMMAS, decays, strict=True)
 }
+#: The same of figure 7.4.
+DRAWN: Mapping[tuple[float, float], float] = {(0.56, 8e-4): 8.0}
+#: Largest force between spheres of figure 7.4, N.
+LARGEST: Mapping[tuple[float, float], float] = {(0.56, 0.0): 207.0}
 #: The same of figure 7.5b.
 APPROACHED: Mapping[tuple[float, float], float] = {
     (0.45, 0.0): 6.2,

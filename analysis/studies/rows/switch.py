@@ -54,6 +54,9 @@ _BRACKETS = {0: "100 to 120 N", 2: "60 to 70 N", 4: "50 to 60 N", 6: "under its 
 _DROPS = {0.907766: ("42 mm", 120.7), 0.804649: ("33 mm", 104.4)}  # m/s: height of the fall, N
 _AT_REST, _REST_OF = 13.12, 10  # um, sphere
 _SPHERE, _CYLINDER, _SPEED = 9.5e-3, 5.14e-3, 0.8
+_HEIGHT, _NEAR_HEIGHT = 15.975e-3, 1e-6  # m: distance of the plates that open the gaps
+_CONTACT, _CONTACT_FORCE = 13, 146.6  # a contact far from both ends, and the wave's force there, N
+_CLOSED = 16.279  # mm: distance of the plates at which all just touches
 
 ERRATA = (
     ("8.2, 8.3", "k u max(u, 0)", "k max(u, 0), by its dimension; and the sign of the axial velocity, not of w"),
@@ -117,6 +120,32 @@ class SwitchRun(RowRun):
             and (not self.n_cylinders or math.isclose(self.cylinder_diameter, _CYLINDER))
         )
 
+    @property
+    def height(self) -> float:
+        """Distance of the plates, m."""
+        return 2 * float(self.cylinder_across.max()) + self.cylinder_diameter
+
+    @cached_property
+    def variant(self) -> str:
+        """What differs from the row of the source; empty for this row."""
+        if not self.n_cylinders:
+            return ""
+        found = []
+        if not math.isclose(self.cylinder_length, _SPHERE):
+            found.append(f"cylinders {1e3 * self.cylinder_length:g} mm long")
+        if self.case.boundary.sides_material is None:
+            found.append("rigid plates")
+        if self.state == _STATES[1] and abs(self.height - _HEIGHT) > _NEAR_HEIGHT:
+            found.append(f"plates {1e3 * self.height:.4g} mm apart")
+        return ", ".join(found)
+
+    @property
+    def loose(self) -> tuple[float, float]:
+        """Of the first cylinder: distance along the row from the nearer sphere, and gap to the other one, m."""
+        z, across = float(self.cylinder_places[0]), float(self.cylinder_across[0])
+        apart = np.sort(np.abs(self.sphere_places - z))
+        return float(apart[0]), float(np.hypot(apart[1], across)) - (_SPHERE + self.cylinder_diameter) / 2
+
     @cached_property
     def at_rest(self) -> float:
         """Displacement of sphere 10 at the end, m; NaN if it has no probe."""
@@ -135,7 +164,8 @@ class Group:
         """Runs of a state, by the number of cylinders."""
         found = {run.n_cylinders: run for run in self.runs
                  if run.state == state and math.isclose(run.friction, friction, abs_tol=1e-12) and run.n_spheres == 27
-                 and run.case.contact.law == law and math.isclose(run.case.load.velocity, velocity)}  # fmt: skip
+                 and run.case.contact.law == law and math.isclose(run.case.load.velocity, velocity)
+                 and not run.variant}  # fmt: skip
         return [found[n] for n in sorted(found)]
 
 
@@ -161,6 +191,7 @@ def rows(group: Group) -> Iterator[Row]:
         yield _checked(f"Largest force at sphere 21, {_label(run)}", "N", run.largest, theory, _SHEARED)
     yield from _rows_of_falls(group)
     yield from _rows_of_geometry(group)
+    yield from _rows_of_variants(group)
     yield from _rows_with_yield(group)
 
 
@@ -188,6 +219,9 @@ def _rows_of_run(run: SwitchRun, known: tuple[float, float | None] | None) -> It
         _, at_first = first_peak(*run.sensor(_SENSORS[0]), floor=0.05)
         theory = 103.71 if run.is_source else None
         yield _checked(f"First peak at sphere 6, {_label(run)}", "N", at_first, theory)
+        name = f"Force of contact {_CONTACT} in the wave, {_label(run)}"
+        remark = "A sensor's mean of two contacts is less."
+        yield _checked(name, "N", float(run.peaks[_CONTACT - 1]), _CONTACT_FORCE if run.is_source else None, remark)
 
 
 def _rows_of_falls(group: Group) -> Iterator[Row]:
@@ -206,12 +240,37 @@ def _rows_of_geometry(group: Group) -> Iterator[Row]:
             )
             yield Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0, _MICRO * run.at_rest,
                       _WHERE, remark, _AT_REST)  # fmt: skip
-    for run in group.of("open gaps", 0.0)[:1]:
-        opened = float(np.diff(run.sphere_places).max() - _SPHERE)
-        height = 2 * float(run.cylinder_across.max()) + _CYLINDER
-        formula = math.sqrt((_SPHERE + _CYLINDER) ** 2 - (height - _CYLINDER) ** 2) - _SPHERE
-        yield Row("Width of the open gaps, plates 15.975 mm apart", "mm", None, 1e3 * opened, "thesis 8.1",
-                  "Formula 8.1, which is right.", 1e3 * formula, verification=True)  # fmt: skip
+    opened = {round(run.height, 6): run for run in group.runs if run.state == "open gaps" and run.is_source}
+    for run in (opened[height] for height in sorted(opened)):
+        width = float(np.diff(run.sphere_places).max() - _SPHERE)
+        formula = math.sqrt((_SPHERE + _CYLINDER) ** 2 - (run.height - _CYLINDER) ** 2) - _SPHERE
+        yield Row(f"Width of the open gaps, plates {1e3 * run.height:.5g} mm apart", "mm", None, 1e3 * width,
+                  "thesis 8.1", "Formula 8.1, which is right.", 1e3 * formula, verification=True)  # fmt: skip
+    for run in group.of("loose, upstream", 0.0)[:1]:
+        touching, across = (_SPHERE + run.cylinder_diameter) / 2, (run.height - run.cylinder_diameter) / 2
+        along = math.sqrt(touching**2 - across**2)
+        formulas = (along, math.hypot(_SPHERE - along, across) - touching)
+        names = ("Distance of a loose cylinder from its sphere, along the row", "Gap of it to the other sphere")
+        for what, ours, theory in zip(names, run.loose, formulas, strict=True):
+            yield Row(f"{what}, plates 16.5 mm apart", "mm", None, 1e3 * ours, "thesis 8.4", "By its geometry.",
+                      1e3 * theory, verification=True)  # fmt: skip
+        closed = math.sqrt((_SPHERE + run.cylinder_diameter) ** 2 - _SPHERE**2) + run.cylinder_diameter
+        yield Row("Distance H0 of the plates at which all just touches", "mm", None, 1e3 * closed, "thesis 8.1",
+                  "From the packing's diameters; not given in the source.", _CLOSED, verification=True)  # fmt: skip
+
+
+def _rows_of_variants(group: Group) -> Iterator[Row]:
+    """First peaks with what the source does not state taken otherwise."""
+    for run in group.runs:
+        if not run.variant or run.case.contact.law != "hertz":
+            continue
+        twin = [one for one in group.of(run.state, run.friction) if one.n_cylinders == run.n_cylinders]
+        name = f"First peak at sphere 21, {_label(run)}, {run.variant}"
+        yield Row(name, "N", None, run.first[1], _WHERE, "Not stated in the source.")
+        if twin:
+            ratio = run.first[1] / twin[0].first[1]
+            yield Row(f"The same over that of the other rows, {_label(run)}, {run.variant}", "", None, ratio, _WHERE,
+                      "Those: cylinders 9.5 mm long, plates of aluminium, 15.975 mm apart.")  # fmt: skip
 
 
 def _rows_with_yield(group: Group) -> Iterator[Row]:
