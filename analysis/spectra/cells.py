@@ -131,8 +131,7 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
         return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
     if not sites.present.all():
         raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
-    beads = np.stack([sites.diameter, sites.nominal, sites.kind], axis=1)
-    period = next((p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all() and not (endless and n % p)), n)
+    period = sites.period_of_chain(whole=endless) or n
     if period == n and not endless:
         raise InputError(
             f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
