@@ -133,7 +133,7 @@ def test_a_row_on_a_damper(tmp_path):
         ({"run.end_time": 1e-3}, "run.end_time: found 0.001 s, expected 0.0012 s or more: the steady motion"),
         ({"load.frequency": 1.97e4}, "run.end_time: found 0.008 s, expected 0.0117 s or more: at 19700 Hz waves take"),
         ({"packing.size": 3000}, "run.end_time: found 0.008 s, expected 0.0998 s or more: at 5000 Hz"),
-        ({"load": SWEEP | {"frequency": 1.96e4, "last_frequency": 1.977e4}}, "come from sphere 1 to 30 after"),
+        ({"load": SWEEP | {"frequency": 1.97e4, "last_frequency": 1.977e4}}, "come from sphere 1 to 30 after"),
         ({"load": LIFTED | {"duration": 3e-3}}, "load.duration: found 0.003 s, expected 0.0064 s or more"),
         ({"load": LIFTED | {"duration": 9e-3}}, "run.end_time: found 0.008 s, expected 0.009 s or more: the load"),
         ({"output.history": 200}, "output.history: found 200 instants, expected 241 or more"),
@@ -177,7 +177,7 @@ def test_runs_that_may_be_too_short_are_not_refused(changes):
 
 def test_late_frequencies_of_a_sweep_are_warned_of(caplog):
     load_case("driven-row", {"load": SWEEP | {"last_frequency": 1.97e4, "duration": 7.9e-3}})
-    assert "waves of 1.804e+04 to 1.9" in caplog.text
+    assert "waves of 1.782e+04 to 1.97" in caplog.text
 
 
 def test_a_wave_packet_takes_its_time():
@@ -186,7 +186,7 @@ def test_a_wave_packet_takes_its_time():
     omega = math.sqrt(one.stiffness[0] / one.mass[0])
     half = np.array([0.1, 0.9, 0.999])  # of the cut-off, sin(q/2)
     due = 1 / (omega * np.sqrt(1 - half**2))
-    assert one.per_bead(half * omega / math.pi) == pytest.approx(due, rel=1e-5)
+    assert one.per_bead(half * omega / math.pi) == pytest.approx(due, rel=1e-4)
     assert one.of_long_wave == pytest.approx(1 / omega)
     lighter = [{"index": list(range(2, 61, 2)), "material": "aluminium"}]
     two = row_of(assemble(load_case("driven-row", {"replace": lighter})))
@@ -195,7 +195,7 @@ def test_a_wave_packet_takes_its_time():
     square = (2 * math.pi * np.array([4e3, top / 7])) ** 2  # cos q = 1 - w^2 (m + M)/k + w^4 m M/(2 k^2)
     cosine = 1 - square * (m + other) / stiffness + square**2 * m * other / (2 * stiffness**2)
     slope = np.sqrt(square) * (2 * (m + other) / stiffness - 2 * square * m * other / stiffness**2)
-    assert two.per_bead(np.sqrt(square) / (2 * math.pi)) == pytest.approx(slope / np.sqrt(1 - cosine**2) / 2, rel=1e-5)
+    assert two.per_bead(np.sqrt(square) / (2 * math.pi)) == pytest.approx(slope / np.sqrt(1 - cosine**2) / 2, rel=1e-4)
     assert np.isinf(two.per_bead(np.array([0.5 * (top + bottom) / (2 * math.pi)])))
 
 
