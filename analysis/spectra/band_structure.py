@@ -76,7 +76,8 @@ class BandStructure:
         inside = None
         if self.complex_bands is not None and widest is not None:
             there = (self.complex_bands.frequency > widest.low) & (self.complex_bands.frequency < widest.high)
-            inside = float(self.complex_bands.least[there].max()) if there.any() else None
+            decay = self.complex_bands.least[there & np.isfinite(self.complex_bands.least)]
+            inside = float(decay.max()) if len(decay) else None
         return {
             "name": self.state.name,
             "kind": "bands",

@@ -23,9 +23,10 @@ import dataclasses
 import numpy as np
 from scipy import sparse
 from scipy.linalg import eig
+from scipy.sparse.linalg import splu
 
 from granwave.analysis.spectra.network import Array, Ints
-from granwave.analysis.spectra.stiffness import Stiffness, factorised
+from granwave.analysis.spectra.stiffness import Stiffness
 
 MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
 MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
@@ -154,7 +155,7 @@ def _of_faces(
     found = []
     for one in frequency:
         square = (2 * np.pi * one) ** 2
-        inverse = factorised(middle - square * sparse.eye_array(middle.shape[0], format="csc"))
+        inverse = splu((middle - square * sparse.eye_array(middle.shape[0])).tocsc())  # indefinite: with pivots
         found.append(_condensed(inverse.solve(loads)[faces], between, len(on_next)))
     attenuation, values = _table(found)
     phase = np.angle(values) if most == 1 else np.full(values.shape, np.nan)
