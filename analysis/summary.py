@@ -198,15 +198,15 @@ def _energies(result: Result) -> Summary:
 
 
 def _transmission(result: Result) -> Summary:
-    """Return what a chain passes on of a load that oscillates."""
+    """Return what a row passes on of a load that oscillates."""
     found = transmission_of(result)
     swept = amplitude_sweep_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
     return {
         "transmission": steady.ratio if steady else None,
-        "driven_velocity_m_s": float(abs(steady.velocity[steady.first - 1])) if steady else None,
+        "driven_velocity_m_s": steady.driven if steady else None,
         "amplitude_hysteresis": None if swept is None else swept.apart,
-        "unsteady_part": float(steady.left[[steady.first - 1, steady.last - 1]].max()) if steady else None,
+        "unsteady_part": steady.unsteady if steady else None,
     }
 
 

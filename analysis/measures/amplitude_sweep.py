@@ -12,14 +12,13 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.transmission import ends_of, sampled
+from granwave.analysis.measures.transmission import motion_of
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.checks.driving import LEAST_WINDOWS, WINDOW_PERIODS
 
 Array = NDArray[np.float64]
 
-PERIODS = 8  # of the load in a window; even, so that half of the frequency has whole periods too
 MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # of the load's frequency
-_LEAST_WINDOWS = 4
 _COMPARED = 33  # loads at which the branches are compared
 
 
@@ -71,22 +70,21 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
 
 
 def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
-    """Answer of a chain whose load rises and falls; None for other runs, or where too few instants were recorded."""
-    load = result.case.load
-    if "chain/velocity" not in result or not load.driven or load.shape != "up-and-down":
+    """Answer of a row whose load rises and falls; None for other runs, or where too few instants were recorded."""
+    load, found = result.case.load, motion_of(result)
+    if found is None or load.shape != "up-and-down":
         return None
-    time, velocity = result["chain/time"], result["chain/velocity"]
+    row, time, velocity = found
     frequency, whole = load.frequencies[1], load.lasts
-    length = PERIODS / frequency
+    length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
-    if n < _LEAST_WINDOWS or not sampled(load, float(time[1] - time[0])):
+    if n < LEAST_WINDOWS or n * length < 0.75 * whole:  # of a run that was ended before the load fell
         return None
-    first, last = ends_of(result)
     middles = (np.arange(n) + 0.5) * length
-    found = []
+    fits = []
     for middle in middles:
         inside = np.abs(time - middle) <= length / 2
-        found.append(fitted_amplitudes(time[inside], velocity[inside][:, [first - 1, last - 1]], frequency))
-    amplitudes = np.stack(found, axis=2)
+        fits.append(fitted_amplitudes(time[inside], velocity[inside][:, [row.first, row.last]], frequency))
+    amplitudes = np.stack(fits, axis=2)
     size = (load.amplitude or 0.0) * (1 - np.abs(2 * middles / whole - 1))
     return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])

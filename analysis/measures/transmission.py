@@ -18,14 +18,12 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.contact.absorbing import absorbing_ids
-from granwave.lammps_inputs.packing.assembly import struck_of
+from granwave.lammps_inputs.checks.driving import LEAST_PER_PERIOD, LEAST_PERIODS
+from granwave.lammps_inputs.contact.measured_row import MeasuredRow, measured_row
 
 Array = NDArray[np.float64]
 
-LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
 STEADY = 0.02  # part of the motion that a steady fit may leave
-_LEAST_PERIODS = 3
 _HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
 _FADING = 0.1  # part of the record, its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
@@ -43,23 +41,41 @@ class SteadyMotion:
         Complex amplitudes of the spheres, in their order: (n_spheres,), m/s.
     left
         Root mean square of what the fit leaves over that of the whole: (n_spheres,).
-    first, last
-        Ids of the loaded sphere, and of the last one before those that absorb.
+    row
+        The spheres.
     """
 
     frequency: float
     velocity: NDArray[np.complex128]
     left: Array
-    first: int
-    last: int
+    row: MeasuredRow
+
+    @property
+    def first(self) -> int:
+        """Id of the loaded sphere."""
+        return self.row.ends[0]
+
+    @property
+    def last(self) -> int:
+        """Id of the last sphere before those that absorb."""
+        return self.row.ends[1]
+
+    @property
+    def driven(self) -> float:
+        """Amplitude of the loaded sphere, m/s."""
+        return float(abs(self.velocity[self.row.first]))
+
+    @property
+    def unsteady(self) -> float:
+        """Part of the motion of both ends that is not of the frequency; the larger."""
+        return float(self.left[[self.row.first, self.row.last]].max())
 
     @property
     def ratio(self) -> float | None:
         """Amplitude of the last sphere over that of the loaded one; None if the motion of either is not steady."""
-        ends = [self.first - 1, self.last - 1]
-        if not self.velocity[ends[0]] or max(self.left[ends]) > STEADY:
+        if not self.driven or self.unsteady > STEADY:
             return None
-        return float(abs(self.velocity[ends[1]] / self.velocity[ends[0]]))
+        return float(abs(self.velocity[self.row.last])) / self.driven
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -101,7 +117,7 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
         if there are fewer than three periods.
     """
     periods = math.floor((time[-1] - time[0]) / 2 * frequency * (1 + 1e-12))
-    if periods < _LEAST_PERIODS:
+    if periods < LEAST_PERIODS:
         return None
     inside = time >= time[-1] - periods / frequency * (1 + 1e-9)
     angle = 2 * np.pi * frequency * time[inside]
@@ -141,34 +157,39 @@ def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> 
     return frequency[heard], cross[heard] / power[heard]
 
 
-def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
-    """Transmission of a chain whose load oscillates; None for other runs, or where too few instants were recorded."""
+def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
+    """Return the measured row of a load that oscillates, times (n_times,), s, and velocities (n_times, n_spheres), m/s.
+
+    Velocities are along z. None for other runs, or where too few instants were recorded.
+    """
     load = result.case.load
-    if "chain/velocity" not in result or not load.driven or not load.oscillates:
+    if not load.driven or not load.oscillates:
         return None
-    time, velocity = result["chain/time"], result["chain/velocity"]
+    row = measured_row(result.assembly)
+    if row is None or f"{row.group}/velocity" not in result:
+        return None
+    time, velocity = result[f"{row.group}/time"], result[f"{row.group}/velocity"]
     if len(time) < 2 or not sampled(load, float(time[-1] - time[0]) / (len(time) - 1)):
         return None
-    first, last = ends_of(result)
+    return row, time, velocity[..., 2] if velocity.ndim > 2 else velocity
+
+
+def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
+    """Transmission of a row whose load oscillates; None for other runs, or where too few instants were recorded."""
+    found = motion_of(result)
+    if found is None:
+        return None
+    load, (row, time, velocity) = result.case.load, found
     if load.shape == "up-and-down":
         return None
     if load.shape == "harmonic":
         fit = steady_amplitudes(time, velocity, load.frequencies[1])
-        return None if fit is None else SteadyMotion(load.frequencies[1], *fit, first, last)
+        return None if fit is None else SteadyMotion(load.frequencies[1], *fit, row)
     averaged = _AVERAGED if load.shape == "noise" else 1
-    found = transfer(time, velocity[:, first - 1], velocity[:, last - 1], averaged=averaged)
-    return Spectrum(*found, first, last) if len(found[0]) else None
+    ratios = transfer(time, velocity[:, row.first], velocity[:, row.last], averaged=averaged)
+    return Spectrum(*ratios, *row.ends) if len(ratios[0]) else None
 
 
 def sampled(load: Load, interval: float) -> bool:
     """Return True if records at an interval, s, resolve the load."""
     return load.frequencies[1] * interval * LEAST_PER_PERIOD <= 1 + 1e-9
-
-
-def ends_of(result: Result) -> tuple[int, int]:
-    """Ids of the loaded sphere, and of the last one before those that absorb."""
-    assembly = result.assembly
-    absorbing = {one for entry in assembly.case.absorb for one in absorbing_ids(assembly, entry)}
-    rest = [one for one in range(1, assembly.lattice.n_spheres + 1) if one not in absorbing]
-    first = struck_of(assembly)[0]
-    return first, rest[-1] if rest and rest[-1] != first else assembly.lattice.n_spheres

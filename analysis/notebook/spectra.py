@@ -20,8 +20,10 @@ def bands(found: BandStructure) -> Dataset:
     Dataset
         ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz
         (gap, edge), ``speed`` of long waves m/s (wave); where known ``attenuation`` from plane to plane
-        and ``phase`` rad (complex_frequency, root), ``slowness`` s/m (angle, wave). Coordinates ``distance``
-        and ``k`` rad/m, ``corner``. The values of bands.json are in ``attrs``.
+        and ``phase`` rad (complex_frequency, root), ``slowness`` s/m (angle, wave), ``plane_frequency`` Hz over a
+        plane of wave vectors (plane_k2, plane_k1, band), and of a slab ``surface_share`` (point, band), the part of
+        the energy in its upper quarter. Coordinates ``distance`` and ``k`` rad/m, ``corner``. The values of
+        bands.json are in ``attrs``.
     """
     path = found.bands.path
     corner = np.full(len(path.k), "", dtype=object)
@@ -46,7 +48,13 @@ def bands(found: BandStructure) -> Dataset:
         variables["attenuation"] = Variable(("complex_frequency", "root"), decaying.attenuation, {"units": "1"})
         variables["phase"] = Variable(("complex_frequency", "root"), decaying.phase, {"units": "rad"})
         coordinates["complex_frequency"] = Variable("complex_frequency", decaying.frequency, {"units": "Hz"})
+    if found.bands.share is not None:
+        variables["surface_share"] = Variable(("point", "band"), found.bands.share, {"units": "1"})
     if (plane := found.surface) is not None:
+        shape = ("plane_k2", "plane_k1", "plane_band")
+        variables["plane_frequency"] = Variable(shape, plane.frequency, {"units": "Hz", "plane": plane.plane})
+        coordinates["plane_k1"] = Variable("plane_k1", plane.k, {"units": "rad m-1"})
+        coordinates["plane_k2"] = Variable("plane_k2", plane.k, {"units": "rad m-1"})
         variables["slowness"] = Variable(("angle", "plane_wave"), plane.slowness, {"units": "s m-1"})
         coordinates["angle"] = Variable("angle", plane.angle, {"units": "rad", "plane": plane.plane})
     return Dataset(variables, coordinates, found.summary())

@@ -7,11 +7,12 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.spectra.bands import Bands, describe_floppy, refuse_floppy, solve_bands
 from granwave.analysis.spectra.complex_k import ComplexBands, complex_bands
 from granwave.analysis.spectra.gaps import Gap, band_edges, gaps
-from granwave.analysis.spectra.network import Array
+from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.paths import make_path
 from granwave.analysis.spectra.states import State, cell_state
 from granwave.analysis.spectra.stiffness import stiffness_of
@@ -22,6 +23,7 @@ from granwave.lammps_inputs.errors import InputError
 POINTS = 61  # wave vectors of a stretch
 _FREQUENCIES = 401  # for attenuation
 _BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
+NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface
 _WAVE = 1e-9  # of the largest frequency: where a wave vector counts as one of long waves
 
 
@@ -74,7 +76,8 @@ class BandStructure:
         inside = None
         if self.complex_bands is not None and widest is not None:
             there = (self.complex_bands.frequency > widest.low) & (self.complex_bands.frequency < widest.high)
-            inside = float(self.complex_bands.least[there].max()) if there.any() else None
+            decay = self.complex_bands.least[there & np.isfinite(self.complex_bands.least)]
+            inside = float(decay.max()) if len(decay) else None
         return {
             "name": self.state.name,
             "kind": "bands",
@@ -111,6 +114,7 @@ def band_structure(
     directions: str = "",
     plane: str = "",
     allow_floppy: bool = False,
+    slab: bool = False,
 ) -> BandStructure:
     """Find the bands of a case, of a finished run, or of a state.
 
@@ -128,6 +132,8 @@ def band_structure(
         Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the packing.
     allow_floppy
         True to go on where motions meet no resistance; their frequencies are NaN.
+    slab
+        True for a packing with an upper and a lower end, which repeats sideways alone.
 
     Raises
     ------
@@ -140,12 +146,12 @@ def band_structure(
         raise InputError(f"--points: found {points}, expected 2 or more in each stretch")
     if plane and plane not in PLANES:
         raise InputError(f'--plane: found "{plane}", expected {", ".join(PLANES)}')
-    state = source if isinstance(source, State) else cell_state(source)
+    state = source if isinstance(source, State) else cell_state(source, slab=slab)
     if directions:
         state = dataclasses.replace(state, network=state.network.turned_off(directions))
     stiffness = stiffness_of(state.network)
     way = make_path(path, state.network.periods, points)
-    bands = solve_bands(stiffness, way, n_bands)
+    bands = solve_bands(stiffness, way, n_bands, _near_top(state.network) if slab else None)
     if not allow_floppy:
         refuse_floppy(bands, state.name)
     note = describe_floppy(bands) if bands.floppy.any() else ""
@@ -153,8 +159,16 @@ def band_structure(
     direction = towards / np.linalg.norm(towards)
     top = float(np.nanmax(bands.frequency, initial=0.0))
     frequency = np.linspace(0.0, _BEYOND * top, _FREQUENCIES)[1:]
-    decaying = complex_bands(stiffness, start, direction, frequency) if top and bands.complete else None
+    decaying = complex_bands(stiffness, start, direction, frequency) if top else None
     planes = [plane] if plane else ["xz", "xy", "yz"]
     curves = next((one for name in planes if (one := surface(stiffness, name)) is not None), None)
     speeds = long_wave_speeds(stiffness, direction[None])[0]
     return BandStructure(state, bands, tuple(gaps(bands)), decaying, curves, speeds, note)
+
+
+def _near_top(network: Network) -> NDArray[np.bool_]:
+    """Degrees of freedom of the grains in the upper part of a slab: (n_freedoms,)."""
+    depth = network.position[:, 2]
+    low, high = float(depth.min()), float(depth.max())
+    grain, _ = network.freedoms
+    return np.asarray(depth[grain] <= low + NEAR_TOP * (high - low))

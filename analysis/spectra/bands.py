@@ -43,6 +43,8 @@ class Bands:
         Mode shapes at the corners of the path, in units of M^(-1/2): (n_corners, n_freedoms, n_bands).
     largest
         Upper bound of omega^2, s^-2.
+    share
+        Part of the energy that chosen degrees of freedom have: (n_k, n_bands); None if none were chosen.
     """
 
     stiffness: Stiffness
@@ -51,6 +53,7 @@ class Bands:
     velocity: Array
     shape: Complex
     largest: float
+    share: Array | None = None
 
     @property
     def network(self) -> Network:
@@ -85,32 +88,39 @@ class Bands:
         return loose
 
 
-def solve_bands(stiffness: Stiffness, path: Path, n_bands: int | None = None) -> Bands:
+def solve_bands(
+    stiffness: Stiffness, path: Path, n_bands: int | None = None, chosen: NDArray[np.bool_] | None = None
+) -> Bands:
     """Find the bands along a path, the lowest ones of a large cell.
 
     Parameters
     ----------
     n_bands
         How many; None: all of a small cell, 30 of a large one.
+    chosen
+        Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
     n = stiffness.network.n_freedoms
     wanted = min(n, n_bands or (n if n <= DENSE_UP_TO else MOST_BANDS))
     corners = [row for row, _ in path.corners]
     if n <= DENSE_UP_TO:
-        return _dense(stiffness, path, wanted, corners)
+        return _dense(stiffness, path, wanted, corners, chosen)
     largest = _bound(stiffness)
     square, velocity = np.empty((len(path.k), wanted)), np.empty((len(path.k), wanted, 3))
     shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
+    share = None if chosen is None else np.empty((len(path.k), wanted))
     for row, k in enumerate(path.k):
         values, vectors = lowest(stiffness.matrix(k), wanted, largest)
         square[row] = values
+        if share is not None:
+            share[row] = (np.abs(vectors[chosen]) ** 2).sum(axis=0)
         for axis in range(3):
             slope = stiffness.slope(k, axis)
             velocity[row, :, axis] = np.einsum("na,na->a", vectors.conj(), slope @ vectors).real
         for place, corner in enumerate(corners):
             if corner == row:
                 shape[place] = vectors
-    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest)
+    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest, share)
 
 
 def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
@@ -143,24 +153,29 @@ def _bound(stiffness: Stiffness) -> float:
     return float(np.abs(matrix).sum(axis=1).max())
 
 
-def _dense(stiffness: Stiffness, path: Path, wanted: int, corners: list[int]) -> Bands:
+def _dense(
+    stiffness: Stiffness, path: Path, wanted: int, corners: list[int], chosen: NDArray[np.bool_] | None
+) -> Bands:
     n, n_k = stiffness.network.n_freedoms, len(path.k)
     at_once = max(1, _BATCH // n**2)
     square, velocity = np.empty((n_k, wanted)), np.empty((n_k, wanted, 3))
     shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
+    share = None if chosen is None else np.empty((n_k, wanted))
     for start in range(0, n_k, at_once):
         part = slice(start, min(start + at_once, n_k))
         values, vectors = np.linalg.eigh(stiffness.dense(path.k[part]))
         square[part] = values[:, :wanted]
         vectors = vectors[:, :, :wanted]
+        if share is not None:
+            share[part] = (np.abs(vectors[:, chosen]) ** 2).sum(axis=1)
         for axis in range(3):
             slope = stiffness.dense_slope(path.k[part], axis)
-            velocity[part, :, axis] = np.einsum("kna,knm,kma->ka", vectors.conj(), slope, vectors, optimize=True).real
+            velocity[part, :, axis] = (vectors.conj() * (slope @ vectors)).sum(axis=1).real
         for place, corner in enumerate(corners):
             if start <= corner < part.stop:
                 shape[place] = vectors[corner - start]
     largest = max(float(square.max()), _bound(stiffness) / 2)
-    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest)
+    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest, share)
 
 
 def _per_omega(slope: Array, square: Array, largest: float) -> Array:

@@ -56,6 +56,21 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     Along the axes that it has; the spheres are those of the first sites of successive layers. Where the supports of a
     sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
     """
+    found, n = _repeats(kind)
+    supports = kind.supports
+    if n == 1 and len(supports) == len(found) == 3:
+        return np.array(supports), 1
+    return np.array(found), n
+
+
+def vectors_of_layer(kind: Kind) -> Array:
+    """Return the primitive vectors of a layer of a lattice, in diameters: (1 or 2, 3)."""
+    found, _ = _repeats(kind)
+    return np.array(found[: len(found) - ("z" in kind.axes)])
+
+
+def _repeats(kind: Kind) -> tuple[list[Array], int]:
+    """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before that one."""
 
     def site(i: int, j: int, k: int) -> Array:
         return np.array([float(one) for one in kind.site(*(np.asarray(n) for n in (i, j, k)))])
@@ -76,10 +91,7 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     if "z" in kind.axes:
         n = next(k for k in range(1, kind.layer_period + 1) if around(0, k) == own)
         found.append(site(0, 0, n) - origin)
-    supports = kind.supports
-    if n == 1 and len(supports) == len(found) == 3:
-        return np.array(supports), 1
-    return np.array(found), n
+    return found, n
 
 
 def unit_cell(assembly: Assembly) -> UnitCell:
@@ -99,7 +111,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         return _of_file(assembly)
     if lattice.kind == "chain":
         return _of_chain(assembly, endless=endless)
-    if assembly.sites is None and not _holds_some(case):
+    if assembly.sites is None and not holds_some(case):
         vectors, spheres = primitive_vectors(lattice.rule)
         nx, ny, nz = lattice.shape
         if nz < spheres and not endless:
@@ -111,7 +123,8 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         what = "grains that are held" if assembly.sites is None else "spheres that differ, or vacancies"
         raise InputError(
             f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that does; with "
-            'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell'
+            'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell, and with '
+            "--slab it ends above and below"
         )
     nx, ny, nz = lattice.shape
     if nz % lattice.rule.layer_period and "z" in lattice.rule.axes:
@@ -131,8 +144,7 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
         return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
     if not sites.present.all():
         raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
-    beads = np.stack([sites.diameter, sites.nominal, sites.kind], axis=1)
-    period = next((p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all() and not (endless and n % p)), n)
+    period = sites.period_of_chain(whole=endless) or n
     if period == n and not endless:
         raise InputError(
             f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
@@ -144,12 +156,12 @@ def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
 
 def _inner(case: Case, period: int, n: int) -> Ints:
     """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
-    start = period * (n // (2 * period)) if _holds_some(case) else 0
+    start = period * (n // (2 * period)) if holds_some(case) else 0
     return np.arange(start, start + period) if start + period <= n else np.arange(period)
 
 
-def _holds_some(case: Case) -> bool:
-    """True if some grains are held or guided, and others not."""
+def holds_some(case: Case) -> bool:
+    """Return True if some grains are held or guided, and others not."""
     return any(hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size) for hold in case.holds.values())
 
 

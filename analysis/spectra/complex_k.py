@@ -5,7 +5,15 @@ Along a direction in which planes of the lattice lie h apart, all phases are pow
     sum_m K_m lambda^m u = omega^2 M u
 
 is an eigenvalue problem in lambda at a given frequency. |lambda| = 1 are waves; |lambda| < 1 falls by -ln |lambda| from
-plane to plane. Small cells only: the whole spectrum of a dense matrix is found at each frequency.
+plane to plane. The whole spectrum of a small cell is found from the dense matrix of all its unknowns.
+
+A larger cell is first condensed to its faces. Of the unknowns only those in A touch the next cell, and only those in B
+the one before, by the stiffness C between them; with G the inverse of K_0 - omega^2 M, and p = u_A, q = lambda u_B,
+
+    lambda [[1, G_AA C], [0, G_BA C]] (p, q) = -[[G_AB C^H, 0], [G_BB C^H, 1]] (p, q)
+
+which is as exact, and has as many unknowns as the faces. Where planes lie closer than cells reach, as many cells are
+taken as one that it reaches the next alone; the phase is then known up to whole parts of 2 pi, and left out.
 """
 
 from __future__ import annotations
@@ -13,12 +21,16 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from scipy import sparse
 from scipy.linalg import eig
+from scipy.sparse.linalg import splu
 
-from granwave.analysis.spectra.network import Array
+from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.stiffness import Stiffness
 
 MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
+MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
+_FLOPS, _FEWEST = 5e8, 16  # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
 _WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
 _WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
 _SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil
@@ -77,7 +89,7 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
     Returns
     -------
     ComplexBands or None
-        None if the cell is too large, or the direction has no planes.
+        None if the cell is too large, or the direction has no planes. Of a large cell there are fewer frequencies.
     """
     spacing = plane_spacing(stiffness, direction)
     if not spacing:
@@ -85,7 +97,7 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
     numbers = np.rint(stiffness.shifts @ direction / spacing).astype(int)
     most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
     if 2 * most * n > MOST_UNKNOWNS:
-        return None
+        return _of_faces(stiffness, start, direction, spacing, numbers, frequency)
     own, others = stiffness._dense
     parts = {m: np.zeros((n, n), dtype=np.complex128) for m in range(-most, most + 1)}
     parts[0] += own
@@ -94,6 +106,12 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
         parts[number] += phased
         parts[-number] += phased.conj().T
     found = [_solve(parts, most, n, (2 * np.pi * one) ** 2) for one in frequency]
+    attenuation, values = _table(found)
+    return ComplexBands(direction, spacing, frequency, attenuation, np.angle(values))
+
+
+def _table(found: list[np.ndarray]) -> tuple[Array, np.ndarray]:
+    """Return -ln |lambda| and lambda of lists of different lengths, the rest NaN: (n_frequencies, n)."""
     width = max(len(one) for one in found)
     values = np.full((len(found), width), np.nan, dtype=np.complex128)
     for row, one in enumerate(found):
@@ -101,7 +119,60 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
     with np.errstate(invalid="ignore"):
         attenuation = np.maximum(-np.log(np.abs(values)), 0.0)
         attenuation[attenuation < _WAVE] = 0.0
-    return ComplexBands(direction, spacing, frequency, attenuation, np.angle(values))
+    return attenuation, values
+
+
+def _of_faces(
+    stiffness: Stiffness, start: Array, direction: Array, spacing: float, numbers: Ints, frequency: Array
+) -> ComplexBands | None:
+    """Find the complex wave vectors of a large cell from its faces."""
+    most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
+    if most * n > _MOST_CONDENSED:
+        return None
+    own, others = stiffness._scaled
+    parts = {m: sparse.csc_array((n, n), dtype=np.complex128) for m in range(-most, most + 1)}
+    parts[0] = parts[0] + own
+    for number, shift, one in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
+        phased = one * np.exp(1j * float(start @ shift))
+        parts[number] = parts[number] + phased
+        parts[-number] = parts[-number] + phased.conj().T
+    blocks = [[parts.get(column - row) for column in range(most)] for row in range(most)]
+    middle = sparse.block_array(blocks, format="csc")
+    to_next = [[parts.get(most + column - row) for column in range(most)] for row in range(most)]
+    coupling = sparse.block_array(to_next, format="csc") if most > 1 else parts[1]
+    coupling.eliminate_zeros()
+    on_next, on_last = np.unique(coupling.nonzero()[0]), np.unique(coupling.nonzero()[1])
+    size = len(on_next) + len(on_last)
+    if not size or size > MOST_ON_FACES:
+        return None
+    kept = max(_FEWEST, int(_FLOPS / (size + 40) ** 3))
+    frequency = frequency[:: max(1, -(-len(frequency) // kept))]
+    between = coupling.tocsr()[on_next][:, on_last].toarray()
+    faces = np.concatenate([on_next, on_last])
+    loads = sparse.csc_array(
+        (np.ones(size), (faces, np.arange(size))), shape=(middle.shape[0], size), dtype=np.complex128
+    ).toarray()
+    found = []
+    for one in frequency:
+        square = (2 * np.pi * one) ** 2
+        inverse = splu((middle - square * sparse.eye_array(middle.shape[0])).tocsc())  # indefinite: with pivots
+        found.append(_condensed(inverse.solve(loads)[faces], between, len(on_next)))
+    attenuation, values = _table(found)
+    phase = np.angle(values) if most == 1 else np.full(values.shape, np.nan)
+    return ComplexBands(direction, spacing, frequency, attenuation / most, phase)
+
+
+def _condensed(response: np.ndarray, between: np.ndarray, n: int) -> np.ndarray:
+    """Return the lambda that do not grow, from the inverse on the faces; the first n unknowns touch the next cell."""
+    size = len(response)
+    left, right = np.zeros((size, size), dtype=np.complex128), np.zeros((size, size), dtype=np.complex128)
+    left[:n, :n] = -response[:n, n:] @ between.conj().T
+    left[n:, :n] = -response[n:, n:] @ between.conj().T
+    left[n:, n:] = -np.eye(size - n)
+    right[:n, :n] = np.eye(n)
+    right[:n, n:] = response[:n, :n] @ between
+    right[n:, n:] = response[n:, :n] @ between
+    return _decaying(left, right)
 
 
 def _solve(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:
@@ -114,6 +185,11 @@ def _solve(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np
         block = parts[m] - (square * np.eye(n) if m == 0 else 0.0)
         left[size - n :, (m + most) * n : (m + most + 1) * n] = -block / scale
     right[size - n :, size - n :] = parts[most] / scale
+    return _decaying(left, right)
+
+
+def _decaying(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the lambda of a pencil that do not grow, by rising attenuation."""
     pair = eig(left, right, right=False, homogeneous_eigvals=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = pair[0] / pair[1]

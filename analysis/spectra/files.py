@@ -112,6 +112,8 @@ def tables_of_bands(found: BandStructure) -> dict[str, Table]:
             "freedom": ([FREEDOMS[one] for one in direction], "1"),
         },
     }
+    if bands.share is not None:
+        tables["bands"] = {**tables["bands"], "surface_share": (bands.share, "1")}
     if found.complex_bands is not None:
         one = found.complex_bands
         tables["bands/complex"] = {

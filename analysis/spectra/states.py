@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.bodies import Bodies
-from granwave.analysis.spectra.cells import UnitCell, cell_bodies, packing_bodies, unit_cell
+from granwave.analysis.spectra.cells import (
+    UnitCell,
+    cell_bodies,
+    holds_some,
+    packing_bodies,
+    unit_cell,
+    vectors_of_layer,
+)
 from granwave.analysis.spectra.network import Array, Ints, Network
 from granwave.analysis.spectra.relax import relax
 from granwave.lammps_inputs.case.case import Case
@@ -55,14 +62,21 @@ class State:
     spread: float = 0.0
 
 
-def cell_state(source: Case | Path) -> State:
+def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     """Return the state of the unit cell of a case, or the mean one inside a finished run.
+
+    Parameters
+    ----------
+    slab
+        True for a packing that ends above and below, as the case says, and repeats sideways alone.
 
     Raises
     ------
     InputError
         The packing does not repeat, bears no load, or the state of the run is not the same everywhere.
     """
+    if slab:
+        return _slab_state(source)
     if isinstance(source, Case):
         bodies = cell_bodies(source)
         found = relax(bodies)
@@ -84,16 +98,7 @@ def packing_state(source: Case | Path) -> State:
     if isinstance(source, Case):
         assembly = assemble(source)
         _refuse_parts(assembly)
-        if source.precompression is None:
-            raise InputError(
-                f"{source.name}: precompression: missing; contacts that only touch have no stiffness: give a static "
-                "load"
-            )
-        bodies = _whole(assembly)
-        found = relax(bodies)
-        network = bodies.network(found.position, bodies.periods)
-        _refuse_unloaded(source, network)
-        return State(source.name, source, network, "case", found.residual, bodies.periods)
+        return _relaxed(source, _whole(assembly))
     with Result(source) as result:
         _refuse_parts(result.assembly)
         bodies = _whole(result.assembly)
@@ -101,6 +106,54 @@ def packing_state(source: Case | Path) -> State:
                                  _wall_peaks(result, bodies.ids))  # fmt: skip
         _refuse_unloaded(result.case, network)
         return State(result.case.name, result.case, network, "run", np.nan, bodies.periods)
+
+
+def _relaxed(case: Case, bodies: Bodies) -> State:
+    """Return the state of grains in the cell that they have."""
+    if case.precompression is None:
+        raise InputError(
+            f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
+        )
+    found = relax(bodies)
+    network = bodies.network(found.position, bodies.periods)
+    _refuse_unloaded(case, network)
+    return State(case.name, case, network, "case", found.residual, bodies.periods)
+
+
+def _slab_state(source: Case | Path) -> State:
+    """Return the state of a column of a packing that repeats sideways, or of all of it where its grains differ."""
+    if not isinstance(source, Case):
+        found = packing_state(source)
+        if not len(found.periods):
+            raise InputError(_no_slab(found.case))
+        return found
+    assembly = assemble(source)
+    lattice = assembly.lattice
+    _refuse_parts(assembly)
+    bodies = _whole(assembly)
+    if not len(bodies.periods):
+        raise InputError(_no_slab(source))
+    if isinstance(lattice, Lattice) and assembly.sites is None and not holds_some(source):
+        nx, ny, nz = lattice.shape
+        periods = vectors_of_layer(lattice.rule) * lattice.diameter
+        bodies = _part(bodies, np.arange(nz) * nx * ny, periods)
+    return _relaxed(source, bodies)
+
+
+def _no_slab(case: Case) -> str:
+    return (
+        f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
+        "(of a lattice with layers, or of grains with packing.cell)"
+    )
+
+
+def _part(bodies: Bodies, rows: Ints, periods: Array) -> Bodies:
+    """Return some of the grains, in a cell of these periods."""
+    names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
+    touched = {name: one[rows] for name, one in bodies.touched.items()}
+    return dataclasses.replace(
+        bodies, **{name: getattr(bodies, name)[rows] for name in names}, periods=periods, touched=touched
+    )
 
 
 def _refuse_parts(assembly: Assembly) -> None:
@@ -139,8 +192,9 @@ def _whole(assembly: Assembly) -> Bodies:
     there = [axis in axes for axis in "xyz"]
     turns = [sum(there) - there[axis] > 1 for axis in range(3)]
     periods = np.empty((0, 3))
-    if isinstance(lattice, Lattice) and lattice.periodic:
-        periods = np.diag([*lattice.lengths, 0.0])[:2]
+    if lattice.periodic:
+        across = [axis in axes for axis in "xy"]
+        periods = np.diag([*lattice.lengths, 0.0])[:2][across]
     return dataclasses.replace(bodies, dead_load=load, moves=moves & np.array(there + turns), periods=periods)
 
 
@@ -249,9 +303,8 @@ def _network_of_means(unit: Bodies, keys: Ints, direction: Array, overlap: Array
 def _unit_bodies(bodies: Bodies, cell: UnitCell) -> Bodies:
     """Grains of the unit cell among those of the packing."""
     rows = cell.rows
-    part = {name: getattr(bodies, name)[rows] for name in ("ids", "position", "radius", "mass", "kind", "dead_load")}
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(rows), 6))
-    return dataclasses.replace(bodies, **part, moves=moves, periods=cell.periods, walls=(), touched={})
+    return dataclasses.replace(_part(bodies, rows, cell.periods), moves=moves, walls=(), touched={})
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:

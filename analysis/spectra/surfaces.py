@@ -54,7 +54,7 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     network = stiffness.network
     n_waves = int(network.moves[:, :3].all(axis=0).sum()) if network.n_grains else 0
     if network.supports.grain.size:
-        held = np.abs(network.supports.normal).max(axis=0) > 0
+        held = (np.abs(network.supports.normal).max(axis=0) > 0) | (network.supports.tangential.max() > 0)
         n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
     size = float(np.linalg.norm(network.periods, axis=1).max())
     k = directions * (_LONG / size)

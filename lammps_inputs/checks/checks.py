@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Out
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
+from granwave.lammps_inputs.checks.driving import check_driving
 from granwave.lammps_inputs.checks.grains import (
     check_chosen,
     check_cylinders,
@@ -105,6 +106,8 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     check_top(assembly, errors)
     check_first_yield(assembly, errors)
     check_absorbing(assembly, errors)
+    if not errors.lines:
+        check_driving(assembly, errors)
     check_dents(assembly, errors)
     check_losses(assembly, errors)
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):

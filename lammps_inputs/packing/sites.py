@@ -66,6 +66,18 @@ class Sites:
     shapes: tuple[Shape, ...] = (None,)
     shape: NDArray[np.int16] | None = None
 
+    def period_of_chain(self, *, whole: bool = False) -> int | None:
+        """Return the fewest beads that a chain repeats at least twice; None if it repeats none.
+
+        Parameters
+        ----------
+        whole
+            True for sequences that fill the chain without a rest.
+        """
+        beads, n = np.stack([self.diameter, self.nominal, self.kind], axis=1), len(self.kind)
+        periods = (p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all())
+        return next((p for p in periods if not (whole and n % p)), None)
+
     def shape_of(self, row: int) -> Shape:
         """Return the shape of the grain at a site, counted from 0."""
         return self.shapes[0 if self.shape is None else self.shape[row]]

@@ -11,6 +11,7 @@ from granwave.analysis.measures.amplitude_sweep import AmplitudeSweep, amplitude
 from granwave.analysis.measures.transmission import steady_amplitudes, transfer, transmission_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.static_load import static_stiffness
+from granwave.lammps_inputs.contact.travel_time import row_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
@@ -24,6 +25,7 @@ SWEEP = {
     "duration": 6e-3,
     "kind": "force",
 }
+LIFTED = {"kind": "force", "shape": "up-and-down", "amplitude": 0.02, "frequency": 5e3}
 
 
 def test_steady_amplitudes_of_made_up_signals():
@@ -128,6 +130,13 @@ def test_a_row_on_a_damper(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
+        ({"run.end_time": 1e-3}, "run.end_time: found 0.001 s, expected 0.0012 s or more: the steady motion"),
+        ({"load.frequency": 1.97e4}, "run.end_time: found 0.008 s, expected 0.0117 s or more: at 19700 Hz waves take"),
+        ({"packing.size": 3000}, "run.end_time: found 0.008 s, expected 0.0998 s or more: at 5000 Hz"),
+        ({"load": SWEEP | {"frequency": 1.97e4, "last_frequency": 1.977e4}}, "come from sphere 1 to 30 after"),
+        ({"load": LIFTED | {"duration": 3e-3}}, "load.duration: found 0.003 s, expected 0.0064 s or more"),
+        ({"load": LIFTED | {"duration": 9e-3}}, "run.end_time: found 0.008 s, expected 0.009 s or more: the load"),
+        ({"output.history": 200}, "output.history: found 200 instants, expected 241 or more"),
         ({"load.frequency": 5e3, "run.timestep": 3e-5}, "load.frequency: found 5000 Hz, expected at most 3333 Hz"),
         ({"load": SWEEP | {"ramp": 4e-3}}, "load.ramp: found 0.004 s, expected at most half of load.duration"),
         (
@@ -152,6 +161,42 @@ def test_wrong_loads_and_layers_are_refused(changes, says):
     with pytest.raises(InputError) as caught:
         assemble(load_case("driven-row", changes))
     assert any(says in line for line in caught.value.errors), caught.value.errors
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"load.frequency": 2.1e4, "run.end_time": 2e-3},  # stopped, nothing travels
+        {"load.frequency": 1.97e4, "load.amplitude": 50.0},  # opens contacts: not a small wave
+        {"load": SWEEP},  # up to the cut-off, where the last part is late
+    ],
+)
+def test_runs_that_may_be_too_short_are_not_refused(changes):
+    assemble(load_case("driven-row", changes))
+
+
+def test_late_frequencies_of_a_sweep_are_warned_of(caplog):
+    load_case("driven-row", {"load": SWEEP | {"last_frequency": 1.97e4, "duration": 7.9e-3}})
+    assert "waves of 1.782e+04 to 1.97" in caplog.text
+
+
+def test_a_wave_packet_takes_its_time():
+    """Group velocities of rows of one and of two masses, from their dispersion relations."""
+    one = row_of(assemble(load_case("driven-row")))
+    omega = math.sqrt(one.stiffness[0] / one.mass[0])
+    half = np.array([0.1, 0.9, 0.999])  # of the cut-off, sin(q/2)
+    due = 1 / (omega * np.sqrt(1 - half**2))
+    assert one.per_bead(half * omega / math.pi) == pytest.approx(due, rel=1e-4)
+    assert one.of_long_wave == pytest.approx(1 / omega)
+    lighter = [{"index": list(range(2, 61, 2)), "material": "aluminium"}]
+    two = row_of(assemble(load_case("driven-row", {"replace": lighter})))
+    (m, other), stiffness = two.mass, two.stiffness[0]
+    top, bottom = (math.sqrt(2 * stiffness / max(m, other)), math.sqrt(2 * stiffness / min(m, other)))
+    square = (2 * math.pi * np.array([4e3, top / 7])) ** 2  # cos q = 1 - w^2 (m + M)/k + w^4 m M/(2 k^2)
+    cosine = 1 - square * (m + other) / stiffness + square**2 * m * other / (2 * stiffness**2)
+    slope = np.sqrt(square) * (2 * (m + other) / stiffness - 2 * square * m * other / stiffness**2)
+    assert two.per_bead(np.sqrt(square) / (2 * math.pi)) == pytest.approx(slope / np.sqrt(1 - cosine**2) / 2, rel=1e-4)
+    assert np.isinf(two.per_bead(np.array([0.5 * (top + bottom) / (2 * math.pi)])))
 
 
 def test_no_impedance_matches_a_row_without_static_force():

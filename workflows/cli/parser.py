@@ -435,6 +435,11 @@ def _spectra(verbs: argparse._SubParsersAction) -> None:
     bands.add_argument(
         "--plane", default="", metavar="NAME", help="plane of slowness and equal-frequency curves: xy, xz or yz"
     )
+    bands.add_argument(
+        "--slab",
+        action="store_true",
+        help="the packing as it ends above and below, with its wall or held layer; sides periodic: surface waves",
+    )
     _floppy(bands)
     modes = _verb(verbs, "modes", spectra.modes, "modes of a finite packing under a static load, density of states")
     _source(modes)

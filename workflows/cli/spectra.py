@@ -32,6 +32,7 @@ def bands(options: argparse.Namespace, _: Any) -> int:
         n_bands=options.bands,
         directions=options.directions,
         plane=options.plane,
+        slab=options.slab,
         allow_floppy=options.allow_floppy,
         force=options.force,
         figures=options.figures,

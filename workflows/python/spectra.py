@@ -31,6 +31,7 @@ def bands(
     directions: str = "",
     plane: str = "",
     allow_floppy: bool = False,
+    slab: bool = False,
     directory: str | Path | None = None,
     force: bool = False,
     **keys: Any,
@@ -53,6 +54,8 @@ def bands(
         Plane of slowness and equal-frequency curves: xy, xz or yz.
     allow_floppy
         Go on where grains can move without resistance; such frequencies are NaN.
+    slab
+        Take the packing as it ends above and below: waves of its surface. Its sides must be periodic.
     directory
         Directory of the results, as of ``granwave bands``; by default nothing is written.
     force
@@ -83,6 +86,7 @@ def bands(
             directions=directions,
             plane=plane,
             allow_floppy=allow_floppy,
+            slab=slab,
             force=force,
         )
     return spectra.bands(found)

@@ -66,6 +66,7 @@ def bands(
     directions: str = "",
     plane: str = "",
     allow_floppy: bool = False,
+    slab: bool = False,
     force: bool = False,
     figures: bool = True,
 ) -> tuple[BandStructure, list[Path]]:
@@ -83,7 +84,14 @@ def bands(
     """
     place = None if directory is None else check_place(directory, _BANDS, force=force)
     found = band_structure(
-        source, path, points=points, n_bands=n_bands, directions=directions, plane=plane, allow_floppy=allow_floppy
+        source,
+        path,
+        points=points,
+        n_bands=n_bands,
+        directions=directions,
+        plane=plane,
+        allow_floppy=allow_floppy,
+        slab=slab,
     )
     if place is None:
         return found, []

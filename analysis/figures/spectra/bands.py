@@ -30,11 +30,20 @@ def band_diagram(found: BandStructure) -> Drawing:
     starts = [0, *bands.path.breaks, len(bands.path.k)]
     for n in range(bands.frequency.shape[1]):
         for start, stop in pairwise(starts):
-            axes.plot(bands.path.distance[start:stop], _KILO * bands.frequency[start:stop, n], color=BLUE, lw=1.0)
+            thin = {"color": BLUE, "lw": 1.0} if bands.share is None else {"color": GREY, "lw": 0.4}
+            axes.plot(bands.path.distance[start:stop], _KILO * bands.frequency[start:stop, n], **thin)
+    if bands.share is not None:
+        place = np.broadcast_to(bands.path.distance[:, None], bands.share.shape)
+        order = np.argsort(bands.share, axis=None)
+        x, y, part = (one.ravel()[order] for one in (place, _KILO * bands.frequency, bands.share))
+        dots = axes.scatter(x, y, c=part, s=3, cmap="viridis_r", vmin=0, vmax=1, linewidths=0, zorder=3)
+        figure.colorbar(dots, ax=panels[-1], label="Energy in the upper quarter", pad=0.02)
     _mark_corners(axes, found)
     axes.set(ylabel="Frequency (kHz)", ylim=(0, top), xlim=(bands.path.distance[0], bands.path.distance[-1]))
     columns: dict[str, Any] = {"distance_rad_per_m": bands.path.distance}
     columns |= {f"f{n}_Hz": one for n, one in enumerate(bands.frequency.T, start=1)}
+    if bands.share is not None:
+        columns |= {f"share{n}": one for n, one in enumerate(bands.share.T, start=1)}
     if decaying is not None:
         panels[1].plot(decaying.least, _KILO * decaying.frequency, color=ORANGE, lw=1.0)
         panels[1].set(xlabel="Attenuation\nper plane", xlim=(0, None))

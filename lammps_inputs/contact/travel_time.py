@@ -1,0 +1,133 @@
+"""Time that a wave packet of one frequency takes along a row under a static load.
+
+Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the next by
+
+    s' = s - m omega^2 u,   u' = u + s'/k
+
+The product of these matrices over the beads that a row repeats has the trace 2 cos q, with the phase q from one
+repetition to the next; the group takes dq/domega for each. Where |cos q| > 1 there is no wave. A row that repeats
+nothing is taken bead by bead, each as one of an endless row of its kind (long rows that change slowly).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
+from granwave.lammps_inputs.contact.static_load import force_on_top, static_stiffness
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.sites import Sites
+
+Array = NDArray[np.float64]
+
+_STEP = 1e-5  # of a frequency, for the slope of the phase
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Row:
+    """Row that waves run along.
+
+    Attributes
+    ----------
+    mass
+        Of the beads that it repeats: (n,), kg.
+    stiffness
+        Of the contact behind each: (n,), N/m.
+    repeats
+        True if the row repeats them exactly, False if it is only much like a row of each.
+    """
+
+    mass: Array
+    stiffness: Array
+    repeats: bool = True
+
+    @property
+    def of_long_wave(self) -> float:
+        """Time of a long wave from a bead to the next, the mean of all, s; no wave is faster."""
+        if self.repeats:
+            return math.sqrt(float(self.mass.mean()) * float((1 / self.stiffness).mean()))
+        return float(np.sqrt(self.mass / self.stiffness).mean())
+
+    def per_bead(self, frequency: Array) -> Array:
+        """Return the time of a wave packet from a bead to the next, s; infinite where there is no wave: (n,)."""
+        if self.repeats:
+            return self._slope(frequency) / len(self.mass)
+        kinds, counts = np.unique(np.stack([self.mass, self.stiffness], axis=1), axis=0, return_counts=True)
+        each = [Row(one[:1], one[1:]).per_bead(frequency) for one in kinds]
+        return np.asarray(np.average(each, axis=0, weights=counts))
+
+    def _slope(self, frequency: Array) -> Array:
+        step = _STEP * frequency
+        low, here, high = (self._cosine(frequency + shift) for shift in (-step, 0.0, step))
+        inside = np.maximum.reduce([np.abs(low), np.abs(here), np.abs(high)]) < 1
+        change = np.abs(np.arccos(np.clip(high, -1, 1)) - np.arccos(np.clip(low, -1, 1)))
+        return np.where(inside, change / (4 * math.pi * step), np.inf)
+
+    def _cosine(self, frequency: Array) -> Array:
+        """Half of the trace: (n,)."""
+        square = (2 * math.pi * frequency) ** 2
+        product = np.broadcast_to(np.eye(2), (len(frequency), 2, 2))
+        for mass, stiffness in zip(self.mass, self.stiffness, strict=True):
+            one = np.empty((len(frequency), 2, 2))
+            one[:, 1, 0], one[:, 1, 1] = -mass * square, 1.0
+            one[:, 0, 0], one[:, 0, 1] = 1 - mass * square / stiffness, 1 / stiffness
+            product = one @ product
+        return np.asarray(np.trace(product, axis1=1, axis2=2) / 2)
+
+
+def row_of(assembly: Assembly) -> Row | None:
+    """Return the row that plane waves along z are in; None where the static force is not known beforehand.
+
+    A chain has its beads; the layers of a lattice without disorder move as wholes, and the force that turns with the
+    contacts is left out.
+    """
+    case, lattice = assembly.case, assembly.lattice
+    stage = case.precompression
+    if stage is None or stage.kind not in ("uniaxial", "uniform") or assembly.bars or case.packing.grains is not None:
+        return None
+    if case.packing.kind != "chain":
+        cosines = lattice.rule.supports[:, 2]
+        if assembly.sites is not None or not len(cosines):
+            return None
+        stiffness = static_stiffness(assembly) * float(np.sum(cosines**2))
+        return Row(np.array([case.sphere_mass]), np.array([stiffness]))
+    force, n = force_on_top(assembly), lattice.n_spheres
+    if assembly.sites is None:
+        return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
+    if not assembly.sites.present.all():
+        return None
+    period = assembly.sites.period_of_chain()
+    beads = np.arange(1, n + 1) if period is None else np.arange(1, period + 1)
+    mass = np.array([assembly.mass_of(one) for one in beads.tolist()])
+    known: dict[tuple[tuple[float, int], ...], float] = {}
+    stiffness = np.empty(len(beads))
+    for row, one in enumerate(beads.tolist()):
+        pair = (one, one + 1) if one < n else (one - 1, one)
+        key = tuple(_kind(assembly.sites, bead) for bead in pair)
+        if key not in known:
+            known[key] = _stiffness(pair_contact(assembly, *pair), force)
+        stiffness[row] = known[key]
+    return Row(mass, stiffness, repeats=period is not None)
+
+
+def _kind(sites: Sites, bead: int) -> tuple[float, int]:
+    return float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])
+
+
+def _stiffness(law: ContactLaw, force: float) -> float:
+    """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
+
+    def miss(overlap: float) -> float:
+        return float(law.loading_force(np.array([overlap]))[0]) - force
+
+    most = 1e-9
+    while miss(most) < 0:
+        most *= 2
+    overlap = np.array([brentq(miss, 0.0, most, xtol=1e-18, rtol=1e-12)])
+    return float(law.unloading_stiffness(overlap)[0])
