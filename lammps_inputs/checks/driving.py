@@ -37,24 +37,15 @@ Array = NDArray[np.float64]
 def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a run measures what it is to measure of a load that oscillates.
 
-    What surely measures nothing under a static load is an error, all else a warning.
+    Weak waves in a row under a static load that surely do not arrive are an error, all else a warning.
     """
     load, row = assembly.case.load, measured_row(assembly)
-    if not load.driven or not load.oscillates or row is None or assembly.bars:
+    if not load.driven or not load.oscillates or row is None or assembly.bars or assembly.case.output.history == 0:
         return
     if (fault := _too_few_periods(assembly)) is not None:
-        _tell(assembly, errors, *fault, sure=load.shape in _FITTED)
-        return
-    _check_records(assembly, row, errors)
+        _LOG.warning("%s: %s: %s", assembly.case.name, *fault)
+    _check_records(assembly, row)
     _check_arrival(assembly, row, errors)
-
-
-def _tell(assembly: Assembly, errors: ErrorList, key: str, text: str, *, sure: bool) -> None:
-    """Add an error, or log a warning where the fault is not sure, or there is no static load."""
-    if sure and assembly.case.precompression is not None:
-        errors.add(key, text)
-    else:
-        _LOG.warning("%s: %s: %s", assembly.case.name, key, text)
 
 
 def _too_few_periods(assembly: Assembly) -> tuple[str, str] | None:
@@ -77,21 +68,17 @@ def _too_few_periods(assembly: Assembly) -> tuple[str, str] | None:
     return None
 
 
-def _check_records(assembly: Assembly, row: MeasuredRow, errors: ErrorList) -> None:
+def _check_records(assembly: Assembly, row: MeasuredRow) -> None:
     """Check that velocities are recorded often enough for the highest frequency of the load."""
     frequency, span = assembly.case.load.frequencies[1], assembly.case.run.longest
     n = assembly.history if row.group == "chain" else assembly.line_history
     least = math.ceil(LEAST_PER_PERIOD * frequency * span * (1 + _TOLERANCE))
     if n >= least or not n:
         return
-    text = (
-        f"found {n} instants, expected {least} or more: {LEAST_PER_PERIOD} in a period of {1 / frequency:.4g} s, or "
-        "nothing is measured"
-    )
-    if assembly.case.output.history == "auto":
-        _LOG.warning("%s: output.history: %s", assembly.case.name, text)
-    else:
-        errors.add("output.history", text)
+    _LOG.warning(
+        "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g s, or nothing is measured",
+        assembly.case.name, n, least, LEAST_PER_PERIOD, 1 / frequency,
+    )  # fmt: skip
 
 
 def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList) -> None:
@@ -128,9 +115,12 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
             "their transmission will be too small; give a longer run, fewer spheres between, or other frequencies"
         )
     exact = chain and row.repeats and not case.contact.initial_overlap and case.contact.loss is None
-    sure = exact and (of_one or late.sum() > _PART * passed.sum())
+    sure = exact and (float(travel[0]) > end if of_one else late.sum() > _PART * passed.sum())
     unreached = beads * row.of_long_wave > end * (1 + 2 / beads)
-    _tell(assembly, errors, _KEY, text, sure=(sure or unreached) and _is_weak(assembly, row))
+    if (sure or unreached) and _is_weak(assembly, row) and case.precompression is not None:
+        errors.add(_KEY, f"{text}; output.history = 0 runs without measuring it")
+    else:
+        _LOG.warning("%s: %s: %s", case.name, _KEY, text)
 
 
 def _is_weak(assembly: Assembly, row: Row) -> bool:
