@@ -19,6 +19,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.grain_words import grains_called, in_grains
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.planning.plan import plan
@@ -321,3 +322,10 @@ def test_grains_in_holes(periodic: bool, kind: str, holes: str, n: int, n_holes:
     assert len(inside) == n_holes if periodic else 0 < len(inside) < n_holes
     again = case_from_dict(tomllib.loads(case.to_toml()), "mine")
     assert again == case and (again.packing.period is not None) == periodic
+
+
+def test_grains_by_their_names() -> None:
+    assert [grains_called(5, n) for n in (0, 2, 5)] == ["spheres", "grains", "cylinders"]
+    text = "Spheres, 3 sphere-steps/s, spherical: plastic spheres of a sphere"
+    assert in_grains(text, "spheres") == text
+    assert in_grains(text, "grains") == "Grains, 3 grain-steps/s, spherical: plastic grains of a grain"

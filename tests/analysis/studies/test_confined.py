@@ -12,6 +12,7 @@ from granwave.analysis.measures.confined.asymptotics import Limit, Travelling, e
 from granwave.analysis.measures.confined.geometry import Row
 from granwave.analysis.measures.confined.symmetric import leading_wave
 from granwave.analysis.studies.confined import waves, yielding
+from granwave.analysis.studies.confined.printed import printed_rows
 from granwave.analysis.studies.confined.runs import ConfinedRun, decay_of, row_of
 from granwave.analysis.studies.confined.waves import Waves
 from granwave.analysis.studies.runs import FinishedRun
@@ -58,6 +59,16 @@ def test_legends_follow_from_a_balance_without_rings() -> None:
         ]
         misses += sum(f"{ours:.2g}" != f"{source:.2g}" for ours, source in zip(found, legends, strict=True))
     assert misses == 2  # 12.5 and 18.4, printed 13 and 19
+    right = thesis_row(N).thesis_shrinks(1.6e-4 * BEAD, right_ring=True)
+    assert 2e4 * right / BEAD == pytest.approx([6.2, 5.7, 5.3, 5.1], abs=0.06)
+
+
+def test_printed_numbers() -> None:
+    """Sizes and units are those of the check values, to their last digit."""
+    decays = np.array([7.0, 8.0]), np.array([2e-3, 8e-3])
+    found = [row for row in printed_rows([thesis_row(8)], *decays) if row.verification]
+    assert len(found) == 4 * 7 + 4
+    assert all(abs(row.deviation or 0.0) < 3e-3 for row in found)
     ring = 1e4 * 2 * float(thesis_row(8).thesis_shrinks(4e-4 * BEAD, printed_ring=True)[0]) / BEAD
     assert ring == pytest.approx(19, abs=0.3)
 

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 
 from granwave.analysis.measures.rows.symmetric_row import SymmetricRow, elliptic_stiffness, line_force
+from granwave.analysis.studies.rows import dented
 from granwave.analysis.studies.rows.filter import FilterRun
 from granwave.analysis.studies.rows.switch import SwitchRun
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Study, make_studies
+from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.case.case import Case
 from granwave.workflows import load_case, run_case
 
@@ -116,6 +118,7 @@ def test_open_gap_that_cylinders_bridge(tmp_path: Path) -> None:
     assert smooth.first[1] == pytest.approx(85.73, rel=5e-3)
     assert rubbed.first[1] == pytest.approx(66.72, rel=2e-2)
     assert rubbed.summary["energy_dissipated_wall_J"] >= 0
+    assert rubbed.summary["n_cylinders"] == 2 and "grains                      29" in summary_table(rubbed.summary)
     rows = {row.quantity: row for row in studied(runs).rows}
     row = rows["First peak at sphere 21, open gaps, 2 cylinders, friction 0.185"]
     assert row.verification and row.deviation == pytest.approx(0.0, abs=2e-2)
@@ -133,3 +136,23 @@ def test_loose_cylinders(tmp_path: Path, upstream: bool, peak: float) -> None:
     found = run("gap-switch-loose", tmp_path, **{"grains.1.at": [[x, y, z], [-x, y, z]], "run.end_time": 3.45e-4})
     assert found.seen_as(SwitchRun).state == ("loose, upstream" if upstream else "loose, downstream")
     assert found.seen_as(SwitchRun).first[1] == pytest.approx(peak, rel=1e-3)
+
+
+def test_filter_after_a_strong_pulse(tmp_path: Path) -> None:
+    """Dents of a strong pulse let more of a weak one through, and slacken the walls."""
+    weak = [[0, 0], [1e-4, 0], [1.05e-4, 706], [1.1e-4, 0]]
+    changes = SHORT | {
+        "load": {"kind": "force", "index": [4], "shape": "table", "table": weak}, "contact.law": "elastoplastic",
+        "output.probes": [{"contact": [5, 6]}, {"contact": [8, 9]}], "output.probe_interval": 1e-6,
+    }  # fmt: skip
+    del changes["load.index"]
+    whole = run("filter-row", tmp_path / "whole", **changes)
+    changes["load"] |= {"table": [[0, 0], [5e-6, 3530], [1e-5, 0], *weak[1:]]}
+    after = run("filter-row", tmp_path / "after", **changes)
+    (found,) = dented.select([after, whole])
+    assert [one.words for one in found] == ["yielding, whole", "yielding, after a strong pulse"]
+    assert found[0].pulses[8][0] == 0.0 < found[0].pulses[8][1] < 0.5 * found[1].pulses[8][1]
+    assert found[0].pressed == pytest.approx(1.0, abs=1e-6) and found[1].pressed < 0.98
+    names = [row.quantity for row in dented.rows(found)]
+    assert names == ["Force of a wall before the weak pulse over that at the start, yielding, after a strong pulse"]
+    assert len(list(dented.pictures(found))) == 1 and not dented.select([whole])
