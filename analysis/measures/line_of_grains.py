@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
+
+Ints = NDArray[np.int64]
 
 
 def velocities_of_chain(result: Result) -> tuple[Array, Array, Array]:
@@ -31,12 +34,24 @@ def velocities_of_chain(result: Result) -> tuple[Array, Array, Array]:
 
 def velocities_of_layers(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
     """Return times, depths of the layers and their mean velocities along an axis, as `velocities_of_chain`."""
-    nx, ny, nz = result.assembly.lattice.shape
-    layer = (result["spheres/id"] - 1) // (nx * ny)
-    count = np.bincount(layer, minlength=nz)
-    depth = np.bincount(layer, result["spheres/position"][:, 2], nz) / count
-    frames = (result.frame(frame, "velocity")[:, axis] for frame in range(result.n_frames))
-    return _evenly(result.frame_times, depth, np.stack([np.bincount(layer, frame, nz) / count for frame in frames]))
+    nx, ny, _ = result.assembly.lattice.shape
+    return _of_groups(result, (result["spheres/id"] - 1) // (nx * ny), 2, axis)
+
+
+def velocities_of_columns(result: Result, axis: int = 0) -> tuple[Array, Array, Array]:
+    """Return times, places along x of the columns across it and their mean velocities, as `velocities_of_chain`."""
+    nx, _, _ = result.assembly.lattice.shape
+    return _of_groups(result, (result["spheres/id"] - 1) % nx, 0, axis)
+
+
+def _of_groups(result: Result, group: Ints, along: int, axis: int) -> tuple[Array, Array, Array]:
+    """Means over groups of the spheres of the lattice (n_spheres,), strikers left out."""
+    own = result["spheres/id"] <= result.assembly.lattice.n_spheres
+    group = group[own]
+    count = np.bincount(group)
+    place = np.bincount(group, result["spheres/position"][own, along]) / count
+    frames = (result.frame(frame, "velocity")[own, axis] for frame in range(result.n_frames))
+    return _evenly(result.frame_times, place, np.stack([np.bincount(group, frame) / count for frame in frames]))
 
 
 def velocities_along(result: Result, ids: Sequence[int], axis: int = 2) -> tuple[Array, Array, Array]:

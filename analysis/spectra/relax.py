@@ -25,6 +25,7 @@ _MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 _ROUNDS = 200
 _BALANCED, _BALANCED_OF_MANY = 1e-11, 1e-9  # net force over the largest contact force; of many grains
 _TOLERATED = 1e-6  # the same where rounding leaves more
+_STALLED, _OF_STALLED = 6, 100.0  # steps without progress, and how much more net force is then allowed
 _SMALLEST_STEP = 2.0**-10
 _DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
@@ -222,6 +223,8 @@ def relax(bodies: Bodies) -> StaticState:
         best = min(best, net)
         if since > 3 and net <= balanced * now.largest + now.rounding:
             break
+        if since > _STALLED and net <= _OF_STALLED * balanced * now.largest:
+            break  # rounding, of more contacts than one
         move = _move(now)
         size = 1.0
         largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)

@@ -14,16 +14,17 @@ import numpy as np
 
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.line_of_grains import velocities_of_chain, velocities_of_layers
+from granwave.analysis.measures.line_of_grains import velocities_of_chain, velocities_of_columns, velocities_of_layers
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.space_time import SpaceTime, space_time_transform
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
+from granwave.analysis.studies.bands.scattered import scattered_line, without_scatter
 from granwave.analysis.studies.bands.unrun import rows_of_scatter, rows_of_square
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import KINDS, Kind
 
 TITLE = "Bands of precompressed packings, and the transforms of their runs"
 TEXT = (
@@ -41,17 +42,34 @@ class Wave(FinishedRun):
 
     @cached_property
     def structure(self) -> BandStructure:
-        """Bands along z."""
-        spacing = 1.0 if self.case.packing.kind == "chain" else KINDS[self.case.packing.kind].layer_spacing
+        """Bands along the line; with scattered diameters those of like spheres."""
+        spacing = 1.0 if self.case.packing.kind == "chain" or self.along_x else self._rule.layer_spacing
         edge = math.pi / (spacing * self.case.packing.diameter)
-        return band_structure(self.case, f"0,0,0; 0,0,{edge!r}", points=_POINTS, allow_floppy=True)
+        path = f"0,0,0; {edge!r},0,0" if self.along_x else f"0,0,0; 0,0,{edge!r}"
+        case = without_scatter(self.case) if self.scattered else self.case
+        return band_structure(case, path, points=_POINTS, allow_floppy=True)
+
+    @property
+    def _rule(self) -> Kind:
+        return KINDS[self.case.packing.kind]
+
+    @property
+    def along_x(self) -> bool:
+        """True if the line is along x, in a packing of one layer."""
+        return "z" not in self._rule.axes
+
+    @property
+    def scattered(self) -> bool:
+        """True if the diameters are scattered."""
+        return self.case.packing.diameter_scatter > 0
 
     @cached_property
     def transform(self) -> SpaceTime:
         """Transform of its velocities, over the zone of its line."""
         with Result(self.directory) as result:
             chain = self.case.packing.kind == "chain"
-            time, place, velocity = velocities_of_chain(result) if chain else velocities_of_layers(result)
+            of_packing = velocities_of_columns if self.along_x else velocities_of_layers
+            time, place, velocity = velocities_of_chain(result) if chain else of_packing(result)
         top = 1.2 * float(np.nanmax(self.structure.bands.frequency))
         k = np.linspace(0.02, 1, 99) * math.pi / float(np.diff(place).mean())
         return space_time_transform(time, place, velocity, k, np.linspace(0, top, _FREQUENCIES))
@@ -62,26 +80,41 @@ class Wave(FinishedRun):
         stage, kind = self.case.precompression, KINDS[self.case.packing.kind].label
         assert stage is not None
         load = f"{stage.force:g} N" if stage.force is not None else f"{stage.pressure:.3g} Pa"
-        return f"{kind}{' of two materials' if self.case.replace else ''}, {load}"
+        other = " of two materials" if self.case.replace else ""
+        other += f" of diameters scattered by {1e6 * self.case.packing.diameter_scatter:g} um" if self.scattered else ""
+        return f"{kind}{other}, {load}"
 
     def band_at(self, k: float, frequency: float) -> float:
-        """Frequency of the band along z that is nearest, Hz."""
+        """Frequency of the band along the line that is nearest, Hz; of scattered diameters, of the plane wave."""
+        if self.scattered:
+            return scattered_line(self.case, k)
         bands = self.structure.bands
-        known = [np.interp(k, bands.path.k[:, 2], one) for one in bands.frequency.T if np.isfinite(one).all()]
+        known = [np.interp(k, bands.path.distance, one) for one in bands.frequency.T if np.isfinite(one).all()]
         return float(min(known, key=lambda one: abs(one - frequency)))
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
-    """Chains of one or two sorts of beads and lattices with periodic sides, under a load along z, hit weakly."""
+    """Chains of one or two sorts of beads and lattices under a static load, hit weakly along it.
+
+    Lattices with layers have periodic sides, and may have scattered diameters; those of one layer are free all around.
+    """
     found = [run.seen_as(Wave) for run in runs if _fits(run)]
     return [found] if found else []
 
 
 def _fits(run: FinishedRun) -> bool:
-    case = run.case
-    if case.precompression is None or case.precompression.kind != "uniaxial" or case.load.kind != "impact":
+    case, assembly = run.case, run.assembly
+    if case.precompression is None or case.load.driven or case.packing.grains is not None:
         return False
-    if case.packing.kind != "chain" and (case.boundary.sides != "periodic" or not run.assembly.plain):
+    if case.packing.kind == "chain":
+        if case.precompression.kind != "uniaxial" or case.load.kind != "impact":
+            return False
+    elif "z" not in KINDS[case.packing.kind].axes:
+        if case.precompression.kind != "uniform" or case.load.kind != "impact" or not assembly.plain:
+            return False
+    elif case.precompression.kind != "uniaxial" or case.load.kind != "impact" or case.boundary.sides != "periodic" or (
+        case.packing.vacancies or case.replace or case.striker
+    ):  # fmt: skip
         return False
     try:
         return run.seen_as(Wave).structure is not None
@@ -94,7 +127,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
     for run in runs:
         yield from _closed_forms(run)
         structure = run.structure
-        if len(structure.speeds) and run.case.packing.kind != "chain":
+        if len(structure.speeds) and run.case.packing.kind in ("fcc", "hcp") and not run.scattered:
             quantity = f"Speed of long waves along the stacking, {run.label_of_kind}"
             yield Row(quantity, "m/s", None, _speed(run), "dynamical matrix", "", float(structure.speeds[-1]))
         ridge = run.transform.ridge(_STRONGEST)
@@ -156,9 +189,9 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
         )
         figure.colorbar(image, ax=axes, label="Amplitude (dB)")
         columns: dict[str, Array] = {"k_rad_per_m": found.k, "ridge_Hz": found.ridge(_STRONGEST)}
-        columns["band_k_rad_per_m"] = bands.path.k[:, 2]
+        columns["band_k_rad_per_m"] = bands.path.distance
         for n, one in enumerate(bands.frequency.T, start=1):
-            axes.plot(bands.path.k[:, 2] / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--")
+            axes.plot(bands.path.distance / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--")
             columns[f"band{n}_Hz"] = one
         axes.set(xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
         axes.set_title(run.label_of_kind)
