@@ -1,12 +1,12 @@
 """Fonts of PDF files, embedded with the tables that a PDF needs and no others.
 
-matplotlib embeds the glyphs in use of each font, which fontTools cuts out of the font file. With DejaVu Sans, nearly all
-of the time of that goes into tables for shaping and naming text (GSUB, GPOS, kern, cmap, post), and into objects made
-of the outlines of all 6000 glyphs. A PDF stores text as shaped glyphs with their Unicode values beside them, so that no
-reader looks at these tables; text remains embedded TrueType, to be selected, searched and edited. matplotlib has no
-setting for it, and fontTools only one that acts after it has read the tables. Hence the class that cuts fonts, a public
-one of fontTools, is replaced while a PDF is written: by one that copies the bytes of outlines and widths as they stand
-in the file, which is quick.
+matplotlib embeds the glyphs in use of each font, which fontTools cuts out of the font file. With DejaVu Sans, nearly
+all of the time of that goes into tables for shaping and naming text (GSUB, GPOS, kern, cmap, post), and into objects
+made of the outlines of all 6000 glyphs. A PDF stores text as shaped glyphs with their Unicode values beside them, so
+that no reader looks at these tables; text remains embedded TrueType, to be selected, searched and edited. matplotlib
+has no setting for it, and fontTools only one that acts after it has read the tables. Hence the class that cuts fonts, a
+public one of fontTools, is replaced while a PDF is written: by one that copies the bytes of outlines and widths as they
+stand in the file, which is quick.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class _Subsetter(subset.Subsetter):  # type: ignore[misc]
 
     def subset(self, font: TTFont) -> None:
         """Reduce a font to the glyphs asked for; ``glyph_index_map`` tells their new numbers."""
-        if self.unicodes_requested or self.glyph_names_requested or not _CUT <= set(font.keys()):
+        if self.unicodes_requested or self.glyph_names_requested or not _CUT.issubset(font.keys()):
             super().subset(font)
             return
         source = _source(font)
