@@ -23,6 +23,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D, Transform, TransformedBbox, TransformedPath
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.formulas import share_formulas
 from granwave.analysis.figures.pdf_fonts import needed_tables_only
 
 _POINTS = 72.0  # in an inch
@@ -91,6 +92,8 @@ class _Both(RendererBase):
         self.width, self.height, self.dpi = width, height, resolution
         self._agg = RendererAgg(width, height, resolution)
         self._pdf = pdf
+        share_formulas(self._agg)
+        share_formulas(pdf)
         self._scale = _POINTS / resolution
         self._to_points = Affine2D().scale(self._scale)
         self._pixels: RendererAgg | None = None  # of artists that are pixels in the PDF

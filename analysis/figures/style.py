@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from granwave.analysis.figures.formulas import share_formulas
+from granwave.analysis.figures.scales import plain_powers
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing
@@ -195,10 +197,16 @@ def _png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def lay_out(figure: Figure, resolution: float) -> None:
-    """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout engine draws twice."""
+    """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout engine draws twice.
+
+    Powers of ten on logarithmic axes become plain text.
+    """
     engine = figure.get_layout_engine()
     if engine is not None:
+        plain_powers(figure)
         figure.dpi = resolution
+        if isinstance(figure.canvas, FigureCanvasAgg):
+            share_formulas(figure.canvas.get_renderer())
         engine.execute(figure)
         figure.set_layout_engine(None)
 
