@@ -221,5 +221,5 @@ def test_cylinders_hide_spheres_and_each_other():
     assert picture.visible.tolist() == [1, 2]
     height, width = picture.pixels.shape[:2]
     assert np.argmax(picture.pixels[height // 2, width // 2, :3]) == 2  # the lying one
-    column = picture.pixels[:, width // 2]
-    assert np.argmax(column[:, :3].sum(axis=0)) == 1  # the end of the upright one about it
+    beside = picture.pixels[height // 2, :, :3].sum(axis=0)  # along y
+    assert np.argmax(beside) == 1  # the end of the upright one

@@ -267,6 +267,8 @@ def _front(
     place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; integers are centres of pixels
     reach = radius[order] / pitch
     front = np.full(shape, -1, dtype=np.int32)
+    if not len(order):
+        return front
     if len(order) < 4 * np.median(reach) ** 2:
         _paint_by_sphere(front, place, reach)
     else:
