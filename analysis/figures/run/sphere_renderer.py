@@ -26,6 +26,7 @@ _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundi
 _SHARPNESS = 5  # binary logarithm of the exponent of the gloss
 _BLUR = 4  # pixels to a radius when averaging the surroundings
 _BLOCK = 16384  # pixels that are shaded at a time, whose numbers fit into the processor's cache
+_LINES = 8  # of the picture that are coloured at a time, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +91,8 @@ class Surface:
     front
         Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows, n_columns), from the
         bottom up.
-    rows, columns
-        Pixels that show a sphere: (n_pixels,).
     brightness, gloss
-        Factor of the colour there, and what is added to it: (n_pixels,).
+        Factor of the colour of each rendered pixel, and what is added to it, 0 for none: (n_rows, n_columns).
     visible
         Rows of the spheres that can be seen, rising: (n_visible,).
     extent
@@ -101,8 +100,6 @@ class Surface:
     """
 
     front: NDArray[np.int32]
-    rows: NDArray[np.int32]
-    columns: NDArray[np.int32]
     brightness: NDArray[np.float32]
     gloss: NDArray[np.float32]
     visible: NDArray[np.int64]
@@ -167,28 +164,36 @@ def lit_surface(
     top = low[1] + fine.shape[0] * pitch
     extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
     rows, columns = (place.astype(np.int32) for place in np.nonzero(fine >= 0))
-    brightness, gloss = _light(found, rows, columns, seen[visible], radii[visible], low, pitch)
-    return Surface(fine, rows, columns, brightness, gloss, visible, extent)
+    brightness, gloss = np.zeros((2, *fine.shape), dtype=np.float32)
+    lit = _light(found, rows, columns, seen[visible], radii[visible], low, pitch)
+    brightness[rows, columns], gloss[rows, columns] = lit
+    return Surface(fine, brightness, gloss, visible, extent)
 
 
 def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
     """Colour a surface; colours of all spheres as in `render`."""
-    shown = colours[surface.visible].astype(np.float32)
-    lit = np.zeros((*surface.front.shape, 4), dtype=np.float32)  # premultiplied by alpha
-    flat = lit.reshape(-1, 4)
-    for block in _blocks(len(surface.rows)):
-        pixel = surface.rows[block].astype(np.int64) * surface.front.shape[1] + surface.columns[block]
-        colour = np.empty((len(pixel), 4), dtype=np.float32)
-        colour[:, :3] = shown[surface.front.ravel()[pixel]]
-        colour[:, :3] *= surface.brightness[block][:, None]
-        colour[:, :3] += surface.gloss[block][:, None]
-        np.clip(colour, 0.0, 1.0, out=colour)
-        colour[:, 3] = 1.0
-        flat[pixel] = colour
-    parts = [lit[i::_OVERSAMPLING, j::_OVERSAMPLING] for i in range(_OVERSAMPLING) for j in range(_OVERSAMPLING)]
-    pixels = sum(parts[1:], parts[0]) / np.float32(len(parts))
+    n_rows, n_columns = (size // _OVERSAMPLING for size in surface.front.shape)
+    shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(np.float32)  # the last one: blank, -1
+    pixels = np.empty((n_rows, n_columns, 4), dtype=np.float32)  # premultiplied by alpha
+    for first in range(0, n_rows, _LINES):
+        lines = slice(first, first + _LINES)
+        rendered = slice(_OVERSAMPLING * first, _OVERSAMPLING * (first + _LINES))
+        front, brightness, gloss = surface.front[rendered], surface.brightness[rendered], surface.gloss[rendered]
+        for channel in range(3):
+            lit = np.take(shown[:, channel], front, mode="wrap")  # -1 is the last one
+            lit *= brightness
+            lit += gloss
+            pixels[lines, :, channel] = _mean_of_squares(np.clip(lit, 0.0, 1.0, out=lit))
+        pixels[lines, :, 3] = _mean_of_squares((front >= 0).astype(np.float32))
     pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
     return Picture(np.clip(pixels[::-1], 0.0, 1.0), surface.extent, surface.visible)
+
+
+def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the means over the rendered pixels of each pixel of the picture."""
+    rows = sum((values[n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), values[::_OVERSAMPLING])
+    both = sum((rows[:, n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), rows[:, ::_OVERSAMPLING])
+    return np.asarray(both / np.float32(_OVERSAMPLING**2))
 
 
 def _blocks(n_pixels: int) -> list[slice]:
