@@ -7,6 +7,10 @@ import sys
 def run() -> int:
     """Run the command line; return the exit status."""
     try:
+        if sys.argv[1:2] == ["figures"] and not {"-h", "--help"} & set(sys.argv):
+            from granwave.analysis.figures.helper_process import start_early
+
+            start_early()
         from granwave.workflows.cli.parser import main
 
         return main()

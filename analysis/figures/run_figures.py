@@ -123,7 +123,7 @@ FIGURES: dict[str, RunFigure] = {
 
 _COLLECTIONS = (50_000, 5, 2)  # new objects, and rounds, after which unused ones are sought: after every few figures
 #: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
-_LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",))
+_LONG = (("packing_3d", "packing_3d_dissipation"), ("target",), ("wave_front",))
 
 
 def draw_figures(

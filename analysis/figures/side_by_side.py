@@ -13,22 +13,19 @@ from __future__ import annotations
 import contextlib
 import os
 import subprocess
-import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from typing import Any
 
+from granwave.analysis.figures.helper_process import PROCESSES, HelperProcess, take_queue
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.memory import available_memory
 
-PROCESSES = "GRANWAVE_FIGURE_PROCESSES"  # environment variable: largest number of processes that draw
 USUAL_FIGURES = 18  # of a packing; a chain has ten
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
 _MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
-_HELPER = "granwave.analysis.figures.helper"
 
 Contents = Mapping[str, bytes]  # of the files of a figure, by suffix
 Outcome = Contents | None  # None: the figure does not apply
@@ -66,8 +63,10 @@ class Helpers:
     """Processes that draw figures beside this one; made by `helpers`."""
 
     def __init__(self) -> None:
-        self._queue, entry = os.pipe()
-        self._entry: int | None = entry
+        queue = take_queue()
+        self._queue = queue.end
+        self._entry: int | None = queue.entry
+        self._early = queue.helper
         self._processes: list[subprocess.Popen[bytes]] = []
         self._connections: list[Connection] = []
         self._receivers: list[threading.Thread] = []
@@ -77,17 +76,15 @@ class Helpers:
 
     def start(self) -> None:
         """Start a helper."""
-        ours, theirs = Pipe()
-        self._connections.append(ours)
-        with theirs:
-            fds = (theirs.fileno(), self._queue)
-            command = [sys.executable, "-P", "-m", _HELPER, *map(str, fds)]
-            silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-            # a new session: Ctrl-C reaches this process alone, which then ends its helpers
-            self._processes.append(subprocess.Popen(command, pass_fds=fds, start_new_session=True, **silent))
+        helper, self._early = self._early or HelperProcess.start(self._queue), None
+        self._processes.append(helper.process)
+        self._connections.append(helper.connection)
 
     def end(self) -> None:
         """End the helpers, whether or not they are at work."""
+        if self._early is not None:
+            self._early.end()
+            self._early.connection.close()
         for process in self._processes:
             process.kill()
         for process in self._processes:
