@@ -50,6 +50,7 @@ _OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}
 BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
 YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
+BOTH_SIDES_MAP = "RdBu_r"  # of values above and below zero
 DISSIPATION_MAP = "inferno"
 DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value

@@ -26,6 +26,7 @@ from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS, quanti
 from granwave.analysis.quantity_notes import meaning_of
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
+from granwave.lammps_inputs.case.sections import ALL_LAWS, LINE
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
@@ -33,6 +34,11 @@ MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
 MOST_OF_A_RUN = 4  # values in the compact table of runs
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
+_OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
+_FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
+_OF_STRUCK = ("impactor_velocity_m_s",)
+#: Values that compare with the load on the bare target, which tell nothing where it oscillates.
+_OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
@@ -64,7 +70,12 @@ def compact_table(runs: Sequence[Run]) -> Table:
 
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
-    shown = [key for key in _worth_showing([run.summary]) if key not in _OF_COST][:MOST_ROWS]
+    first = [key for key in _FIRST if run.number(key) is not None]
+    left_out = {*_OF_COST, *first}
+    left_out |= set() if _yields(run) else set(_OF_YIELDING)
+    left_out |= set(_OF_STRUCK) if "plate_velocity_m_s" in first else set()
+    left_out |= {*_OF_STRUCK, *_OF_TARGETS} if "transmission" in first else set()
+    shown = [*first, *(key for key in _worth_showing([run.summary]) if key not in left_out)][:MOST_ROWS]
     rows = []
     for key in shown:
         label = quantity(key).label
@@ -72,6 +83,12 @@ def value_rows(run: Run) -> Table:
         rows.append((Cell(label, label, meaning=meaning_of(key)), cell, Cell(unit_of_value(key))))
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+
+
+def _yields(run: Run) -> bool:
+    """Return False if the law of a run knows no yielding, so that its zeros say nothing."""
+    law = run.case.get("contact.law")
+    return (law not in ALL_LAWS or bool(ALL_LAWS[law].yields)) and law != LINE
 
 
 def status_cell(status: str) -> Cell:
