@@ -388,7 +388,8 @@ def _snapshots(result: Result) -> list[int]:
     depth = result["spheres/position"][:, 2]
     arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
     times = result.frame_times
-    last = float(np.nanmin(arrival)) if np.any(np.isfinite(arrival)) else float(times[-1])
+    arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
+    last = float(arrival.min()) if arrival.size else float(times[-1])
     moving = np.flatnonzero((times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)])))
     if not moving.size:
         return []
