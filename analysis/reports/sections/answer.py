@@ -21,7 +21,7 @@ _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
     "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front", "peak_force_principal", "along_chain",
-    "plastic_strain", "von_mises", "energies",
+    "plastic_strain", "von_mises", "force_network", "energies",
 )  # fmt: skip
 
 
@@ -140,6 +140,18 @@ def _of_run(run: Run, inputs: Inputs) -> list[Block]:
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
 
 
+def _inference_in_words(run: Run) -> str:
+    """Return how many contacts bear how large forces, and how well these explain what was measured."""
+    loaded, contacts = run.number("n_loaded_contacts"), run.number("n_contacts")
+    largest, residual = run.number("largest_force_N"), run.number("residual_fraction")
+    parts = []
+    if loaded is not None and contacts is not None and largest is not None:
+        parts.append(f"{loaded:.0f} of {contacts:.0f} contacts bear a force, at most {largest:.4g} N.")
+    if residual is not None:
+        parts.append(f"What these forces leave unexplained is {100 * residual:.2g} % of the data.")
+    return " ".join(parts)
+
+
 def _energy_in_words(given: float, lost: float, absorbed: float) -> str:
     """Return what became of the energy put in, J; shares of it that were lost, and absorbed of these."""
     of_it = f"of the {plain(f'{given:.3g}')} J put in"
@@ -151,6 +163,8 @@ def _energy_in_words(given: float, lost: float, absorbed: float) -> str:
 
 
 def _of_run_in_words(run: Run) -> str:
+    if run.is_inference:
+        return _inference_in_words(run)
     parts = []
     given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
     if given is not None and lost is not None:

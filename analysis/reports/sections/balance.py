@@ -35,9 +35,10 @@ def verdict(run: Run) -> tuple[str, Tone]:
 
 def balance_section(inputs: Inputs) -> Section:
     """Make the section of the report."""
-    runs = list(inputs.results())
+    runs = [run for run in inputs.results() if not run.is_inference]
     if not runs:
-        return Section("Energy balance", SLUG, (Note("There is no finished run."),))
+        nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
+        return Section("Energy balance", SLUG, nothing)
     text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
     limits = {
         "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated "

@@ -36,6 +36,20 @@ MOST_OF_A_RUN = 4  # values in the compact table of runs
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
 _FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
+_OF_INFERENCE = (
+    ("n_grains", "Grains", ""),
+    ("n_contacts", "Contacts", ""),
+    ("n_loaded_contacts", "Contacts that bear a force", ""),
+    ("n_sliding_contacts", "Contacts that slide", ""),
+    ("largest_force_N", "Largest normal force", "N"),
+    ("mean_normal_force_N", "Mean normal force", "N"),
+    ("residual_fraction", "Residuals over the data", ""),
+    ("chi2_per_equation", "Chi squared for each free equation", ""),
+    ("standard_error_fraction", "Standard error over the forces", ""),
+    ("youngs_modulus_Pa", "Young's modulus", "Pa"),
+    ("n_equations", "Equations", ""),
+    ("n_unknowns", "Unknowns", ""),
+)
 _OF_STRUCK = ("impactor_velocity_m_s",)
 #: Values that compare with the load on the bare target, which tell nothing where it oscillates.
 _OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
@@ -70,6 +84,10 @@ def compact_table(runs: Sequence[Run]) -> Table:
 
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
+    if run.is_inference:
+        cells = [(label, value_cell(run.summary.get(key)), unit) for key, label, unit in _OF_INFERENCE]
+        rows = [(Cell(label, label), cell, Cell(unit)) for label, cell, unit in cells if cell.text != BLANK]
+        return _values_of(run, rows)
     first = [key for key in _FIRST if run.number(key) is not None]
     left_out = {*_OF_COST, *first}
     left_out |= set() if _yields(run) else set(_OF_YIELDING)
@@ -81,6 +99,10 @@ def value_rows(run: Run) -> Table:
         label = quantity(key).label
         cell = _result_cell(key, run.summary)
         rows.append((Cell(label, label, meaning=meaning_of(key)), cell, Cell(unit_of_value(key))))
+    return _values_of(run, rows)
+
+
+def _values_of(run: Run, rows: Sequence[tuple[Cell, ...]]) -> Table:
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
 
