@@ -5,7 +5,7 @@
                         this time, and friction_energy with friction
     contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap at this time
                         (negative: a gap), loaded and yielded (1: by this time), and, for the whole run, peak_overlap,
-                        peak_force, dissipated_energy, friction_energy, initial_overlap
+                        peak_force, dissipated_energy, friction_energy, initial_overlap, initial_force
 
 SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws spheres to scale. A
 contact across a periodic boundary ends at the image of its second sphere.
@@ -31,7 +31,15 @@ if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
-_OF_RUN = ("peak_overlap", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy", "initial_overlap")
+_OF_RUN = (
+    "peak_overlap",
+    "peak_force",
+    "dissipated_energy",
+    "friction_energy",
+    "viscous_energy",
+    "initial_overlap",
+    "initial_force",
+)
 
 Arrays = Mapping[str, NDArray]
 

@@ -2,15 +2,74 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, NullLocator
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, LogFormatterSciNotation, LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 _WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
+_NUMBER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?P<number>[\d.]+)\}\$")
+_POWER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?:(?P<factor>[\d.]+)\\times)?10\^\{(?P<power>-?\d+)\}\}\$")
+_NARROW = 30.0  # largest over smallest value up to which labels are plain numbers, if these are short
+_LEAST_PLAIN, _MOST_PLAIN = 1e-3, 1e4
+_ROUND = (1.0, 2.0, 4.0)  # those of them that matplotlib labels anyway
+_MINUS, _TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+class PowersOfTen(LogFormatterSciNotation):
+    """Labels of a logarithmic axis, such as 10⁻³, as plain text: formulas take many times longer to set."""
+
+    plain = False
+    few = False
+
+    def set_locs(self, locs: Any = None) -> None:
+        """Choose the labels: plain numbers within a decade or so; on axes across, no more than there is room for."""
+        super().set_locs(locs)
+        low, high = (abs(one) for one in self.axis.get_view_interval()) if self.axis is not None else (0.0, 0.0)
+        if not 0 < low < high:
+            return
+        self.plain = high <= _NARROW * low and low >= _LEAST_PLAIN and high <= _MOST_PLAIN
+        powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+        round_ones = [one for one in np.outer(powers, _ROUND).ravel() if low <= one <= high]
+        self.few = self.axis.axis_name == "x" and len(round_ones) > 1
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the label of a value."""
+        found = str(super().__call__(x, pos))
+        if not found or x <= 0:
+            return self._plain_text(found)
+        factor = round(x / 10 ** math.floor(math.log10(x) + 1e-9), 6)
+        if self.few and factor not in _ROUND:
+            return ""
+        return f"{x:g}" if self.plain else self._plain_text(found)
+
+    @staticmethod
+    def _plain_text(found: str) -> str:
+        if (match := _NUMBER.fullmatch(found)) is not None:
+            return f"{match['sign'].replace('-', _MINUS)}{match['number']}"
+        if (match := _POWER.fullmatch(found)) is None:
+            return found
+        factor = f"{match['factor']}{_TIMES}" if match["factor"] else ""
+        return f"{match['sign'].replace('-', _MINUS)}{factor}10{match['power'].translate(_RAISED)}"
+
+
+def plain_powers(figure: Figure) -> None:
+    """Give logarithmic axes that have the usual labels those of `PowersOfTen`."""
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        for usual, change in (
+            (axis.get_major_formatter(), axis.set_major_formatter),
+            (axis.get_minor_formatter(), axis.set_minor_formatter),
+        ):
+            if type(usual) is LogFormatterSciNotation:
+                change(PowersOfTen(usual._base, usual.labelOnlyBase, usual.minor_thresholds, usual._linthresh))
 
 
 def ticks_at(axis: Axis, places: Iterable[float]) -> None:

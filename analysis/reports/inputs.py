@@ -25,6 +25,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
+    FIGURES_DIRECTORY,
     POINTS,
     RECORD_FILE,
     SCAN_INDEX,
@@ -37,6 +38,7 @@ from granwave.lammps_inputs.toml_files import read_tables
 
 Kind = Literal["run", "continuum"]
 
+_SPECTRA = ("bands", "modes", "transmission")  # commands whose values are in a file of that name
 _REFUSED = (BALANCE_REFUSED, "refused")  # end_reason of runs, and of finite elements, whose balance did not close
 
 
@@ -66,6 +68,11 @@ class Run:
     summary: Mapping[str, Any]
     case: Mapping[str, Any]
     record: Mapping[str, Any]
+
+    @property
+    def is_inference(self) -> bool:
+        """True for forces inferred from measured grains, which have no energy balance and no case."""
+        return self.summary.get("kind") == "inference"
 
     def number(self, key: str) -> float | None:
         """Return a value of the summary if it is a number, else None."""
@@ -243,6 +250,12 @@ def _read(path: Path, label: str) -> Run | Scan:
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not any(name in found for name in OF_A_RUN):
+        for name in _SPECTRA:
+            if f"{name}.json" in found:
+                raise InputError(
+                    f"{path}: is the result of granwave {name}, expected a run or a scan; its values are in "
+                    f"{name}.json and {name}.csv, its pictures in {FIGURES_DIRECTORY}"
+                )
         expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
         raise InputError(no_results(path, found, "neither a run nor a scan", expected))
     if SUMMARY_FILE not in found:

@@ -79,7 +79,7 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
         if missing:
             text = f"Scan {scan.label}: {missing} of {len(scan.points)} points are missing."
             notes.append(Note(text, "note", failures))
-    results = list(inputs.results())
+    results = [run for run in inputs.results() if not run.is_inference]
     refused = [run.label for run in results if run.status == "refused"]
     if refused:
         notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", BALANCE))
@@ -89,7 +89,7 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     if without:
         notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))
     notes += [_damaged(run, inputs) for run in results if run.damaged]
-    if not notes:
+    if not notes and results:
         text = "Every run finished, its energy balance closed, and no contact left the range of its law."
         notes.append(Note(text, "good"))
     return notes

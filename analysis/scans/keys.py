@@ -70,6 +70,8 @@ _ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
 }
 _SIZES = ("Spheres along x", "Rows along y", "Layers")
 _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
+_PLANE_SIZES = ("Grains along x", "Rows")  # of a square packing and of crystals in the x-z plane, some rows of n - 1
+_PLANE_SYMBOLS = (r"$n_x$", r"$n_\mathrm{rows}$")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -184,11 +186,15 @@ def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | No
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
-    """Return the count that varies, or the number of spheres if several counts do."""
-    varying = [n for n in range(3) if len({size[n] for size in sizes}) > 1] if {len(s) for s in sizes} == {3} else []
-    if len(varying) == 1:
+    """Return the count that varies, or the number of spheres if several counts do; in a plane, the counts' product."""
+    lengths = {len(size) for size in sizes}
+    names, symbols = (_PLANE_SIZES, _PLANE_SYMBOLS) if lengths == {2} else (_SIZES, _SIZE_SYMBOLS)
+    varying = [n for n in range(max(lengths)) if len({size[n] for size in sizes}) > 1] if len(lengths) == 1 else []
+    if len(varying) == 1 and max(lengths) > 1:
         n = varying[0]
-        return Naming(_SIZES[n], _SIZE_SYMBOLS[n]), tuple(size[n] for size in sizes)
+        return Naming(names[n], symbols[n]), tuple(size[n] for size in sizes)
+    if lengths == {2}:  # rows of n and n - 1 in turn have fewer grains than that
+        return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), tuple(math.prod(size) for size in sizes)
     return Naming("Spheres in all", r"$N$"), tuple(math.prod(size) for size in sizes)
 
 

@@ -19,6 +19,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.run.outlines import plane_lines, tube_lines
 from granwave.analysis.figures.style import new_figure, style
 from granwave.analysis.measures.planes import own_plane, planes
 from granwave.analysis.result.reader import Result
@@ -38,7 +39,6 @@ _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees, as in the figures of the cut pack
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
 _SIDES = 32  # of a cylinder
-_CORNERS = 64  # of the rim of a tube; a multiple of 4
 _BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
 
 
@@ -236,31 +236,18 @@ def _walls(result: Result) -> Iterator[Any]:
         if wall.held_layer:
             continue
         if wall.tube:
-            for number, line in enumerate(_tube(wall.coordinate, result.origin, low[2], high[2]), start=1):
+            ends = low[2] / _MILLI + result.origin[2], high[2] / _MILLI + result.origin[2]
+            for number, points in enumerate(tube_lines(wall.coordinate, *ends), start=1):
+                line = (_MILLI * (points - result.origin)).astype(np.float32)
                 yield k3d.line(line, color=_WALL_COLOUR, width=0.1 * margin, name=f"tube {number}")
             continue
         level = _MILLI * (wall.coordinate - result.origin[wall.axis])
-        first, second = (axis for axis in range(3) if axis != wall.axis)
-        corners = np.empty((4, 3), dtype=np.float32)
-        corners[:, wall.axis] = level
-        corners[:, first] = [low[first], high[first], high[first], low[first]]
-        corners[:, second] = [low[second], low[second], high[second], high[second]]
+        edges = plane_lines(wall.axis, level, low, high).astype(np.float32)
         if wall.name == "bottom":
             faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
-            yield k3d.mesh(corners, faces, color=_WALL_COLOUR, opacity=0.35, side="double", name="bottom")
+            yield k3d.mesh(edges[:4], faces, color=_WALL_COLOUR, opacity=0.35, side="double", name="bottom")
         else:
-            edges = np.concatenate([corners, corners[:1]])
             yield k3d.line(edges, color=_WALL_COLOUR, width=0.1 * margin, name=f"wall {wall.name}")
-
-
-def _tube(radius: float, origin: NDArray[np.float64], top: float, bottom: float) -> Iterator[NDArray[np.float32]]:
-    """Make the rims of a tube and four lines along it, from ``top`` to ``bottom``, mm: (n_points, 3) each."""
-    angle = 2 * np.pi * np.arange(_CORNERS + 1) / _CORNERS
-    circle = _MILLI * (radius * np.stack([np.cos(angle), np.sin(angle)], axis=1) - origin[:2])
-    for level in (top, bottom):
-        yield np.column_stack([circle, np.full(len(circle), level)]).astype(np.float32)
-    for place in circle[: -1 : _CORNERS // 4]:
-        yield np.array([[*place, top], [*place, bottom]], dtype=np.float32)
 
 
 def _bars(result: Result) -> Iterator[Any]:

@@ -197,3 +197,29 @@ def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
     figure.draw_without_rendering()
     axes = figure.axes[0]
     assert not axes.get_legend().get_window_extent().overlaps(axes.get_window_extent().shrunk(0.99, 0.99))
+
+
+@pytest.mark.parametrize("half", [(0.0, 0.0, 1.5), (1.5, 0.0, 0.0), (0.6, -0.5, 1.1)])
+def test_a_cylinder_covers_its_outline(half):
+    """The area of a cylinder in a picture: a rectangle and an ellipse, by its inclination."""
+    camera = sphere_renderer.Camera.looking(25.0, 35.0, np.array([0.0, 0.0, 1.0]))
+    radius, axis = 0.5, np.array([half])
+    picture = sphere_renderer.render(np.zeros((1, 3)), radius, np.ones((1, 3)), camera, 400, axis)
+    left, right, bottom, top = picture.extent
+    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    length = np.linalg.norm(half)
+    tilt = abs(camera.project(axis)[0, 2]) / length
+    assert covered == pytest.approx(4 * radius * length * np.sqrt(1 - tilt**2) + np.pi * radius**2 * tilt, rel=5e-3)
+
+
+def test_cylinders_hide_spheres_and_each_other():
+    """From above: an upright cylinder hides the sphere below it, and is itself crossed by a lying one that is higher."""
+    camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
+    centres = np.array([[0.0, 0, 0], [0, 0, 2], [0, 0, 3.2]])
+    axes = np.array([[0.0, 0, 0], [0, 0, 1], [2, 0, 0]])
+    picture = sphere_renderer.render(centres, np.array([0.9, 1.0, 0.2]), np.eye(3), camera, 200, axes)
+    assert picture.visible.tolist() == [1, 2]
+    height, width = picture.pixels.shape[:2]
+    assert np.argmax(picture.pixels[height // 2, width // 2, :3]) == 2  # the lying one
+    beside = picture.pixels[height // 2, :, :3].sum(axis=0)  # along y
+    assert np.argmax(beside) == 1  # the end of the upright one

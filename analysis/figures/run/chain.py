@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import label, panels
-from granwave.analysis.figures.style import BLUE, FORCE_MAP, Drawing, legend_above
+from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, Drawing, legend_above
 from granwave.analysis.measures.sensors import sensor_forces
 from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
@@ -18,6 +18,7 @@ from granwave.analysis.result.reader import Result
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
 _MOST_CURVES = 5
 _DECADES = 3.0  # of force that the map shows
+_LINEAR = 30.0  # largest force that waves add to a static one, over that up to which the scale of the map is linear
 _MOST_COLUMNS = 2000  # of a map
 
 
@@ -31,18 +32,23 @@ def force_map(result: Result) -> Drawing | None:
         nodes = result[f"bars/{bar.name}/position"]
         part = (bar.name.replace("_", " "), 0.5 * (nodes[1:] + nodes[:-1]), np.abs(result[f"bars/{bar.name}/force"]))
         parts.insert(0 if bar.face == bar.last else len(parts), part)
-    largest = max(float(force.max()) for _, _, force in parts)
-    norm = LogNorm(10**-_DECADES * largest, largest)
+    static, waves = _static_force(result), "chain/contact_force"
+    if small := static is not None and np.abs(result[waves] - static).max() < static.max():
+        parts = [(name, place, force - force[0]) for name, place, force in parts]  # what the waves add
+    largest = max(float(np.abs(force).max()) for _, _, force in parts) or 1.0
+    norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
+    if small:
+        norm = SymLogNorm(largest / _LINEAR, vmin=-largest, vmax=largest)
     widths = [1.0 if name == "chain" else 0.7 for name, _, _ in parts]
     width = 3.4 if len(parts) == 1 else 6.6
     figure, *row = panels(3.2, len(parts), width=width, sharey=True, width_ratios=widths)
     columns = {"time_s": time}
     for axes, (name, place, force) in zip(row, parts, strict=True):
         step, every = max(1, len(place) // _MOST_COLUMNS), max(1, len(place) // 20)
-        shown = np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
+        shown = force[:, ::step] if small else np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
         mesh: dict[str, Any] = {
             "norm": norm,
-            "cmap": result.figure_options.colour_map or FORCE_MAP,
+            "cmap": result.figure_options.colour_map or (BOTH_SIDES_MAP if small else FORCE_MAP),
             "rasterized": True,
             "shading": "nearest",
         }
@@ -51,8 +57,16 @@ def force_map(result: Result) -> Drawing | None:
         slug = name.replace(" ", "_")
         columns |= {f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]}
     label(row[0], y="Time (µs)")
-    figure.colorbar(image, ax=row[-1], label="Force (N)")
+    figure.colorbar(image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)")
     return Drawing(figure, columns)
+
+
+def _static_force(result: Result) -> NDArray[np.float64] | None:
+    """Return the contact forces along the chain before the load: (n_contacts,), N; None where there are none."""
+    if result.case.precompression is None:
+        return None
+    static = result["chain/contact_force"][0]
+    return static if np.any(static > 0) else None
 
 
 def force_histories(result: Result) -> Drawing | None:

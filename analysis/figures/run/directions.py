@@ -19,6 +19,7 @@ from granwave.analysis.measures.directions import (
 )
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _MICRO = 1e6
 _LEAST_SPHERES = 8
@@ -26,9 +27,12 @@ _TITLE_HEIGHT = 0.7  # inches
 
 
 def directions(result: Result) -> Drawing | None:
-    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic."""
+    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic.
+
+    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a stereographic view.
+    """
     kind = result.case.packing.kind
-    if kind == "chain" or not len(preferred_directions(kind)):
+    if kind == "chain" or is_plane_crystal(kind) or not len(preferred_directions(kind)):
         return None
     if result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
         return None

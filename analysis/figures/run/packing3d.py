@@ -10,15 +10,19 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.run.outlines import plane_lines, tube_lines
 from granwave.analysis.figures.run.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
 from granwave.analysis.figures.run.sphere_renderer import Camera, Picture, Surface, lit_surface, painted
-from granwave.analysis.figures.style import BLANK, WIDTH, Drawing, new_figure
+from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.packing.walls import walls
 
-_PIXELS = 1100  # width of the picture
+_PIXELS = 1000  # width of the picture, about that of the figure at its resolution
+_HIGHEST = 6.5  # inches, of the picture
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
+_BELOW = 0.12  # widths of the picture below a tube
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
 _SURFACES: WeakKeyDictionary[Result, Surface] = WeakKeyDictionary()
@@ -39,14 +43,14 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 
 
 def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float] | None = None) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, for which curves show more, and with cylinders.
+    """Draw the cut packing in any colouring; return None for a chain, of which curves show more.
 
     Parameters
     ----------
     size
         Width and height of the figure, inches; by default a column, as high as the packing needs.
     """
-    if not can_be_cut(result) or result.assembly.has_cylinders:  # the renderer draws spheres
+    if not can_be_cut(result):
         return None
     positions = result["spheres/position"]
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
@@ -54,12 +58,17 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     values = colouring.values[kept]
     picture = painted(_surface(result, kept, camera), _colours(values, colouring))
     left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
-    figure = new_figure((WIDTH - 0.1) * (top - bottom) / (right - left) + 0.75)
+    figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    axes.imshow(picture.pixels, extent=(left, right, bottom, top), interpolation="antialiased")
+    axes.imshow(_bytes(picture, result), extent=(left, right, bottom, top), interpolation="antialiased")
     axes.set_axis_off()
+    if _has_outlines(result):
+        _draw_walls(axes, result, camera)
+        bottom -= _BELOW * (right - left)  # for the scale bar
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
     _scale_bar(axes, left, right, bottom)
     _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
@@ -70,9 +79,30 @@ def _surface(result: Result, kept: NDArray[np.int64], camera: Camera) -> Surface
     """Return what is seen of the cut packing; it is kept for the next picture of the same result."""
     before = _SURFACES.get(result)
     if before is None:
-        before = lit_surface(result["spheres/position"][kept], result["spheres/radius"][kept], camera, _PIXELS)
+        places, radii = result["spheres/position"][kept], result["spheres/radius"][kept]
+        across, up = np.ptp(camera.project(places)[:, :2], axis=0) + 2 * radii.max()
+        pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
+        before = lit_surface(places, radii, camera, pixels, _axes(result, kept))
         _SURFACES[result] = before
     return before
+
+
+def _axes(result: Result, kept: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_kept, 3), m; None without any."""
+    if not result.assembly.has_cylinders:
+        return None
+    shapes = result.assembly.grain_shapes()
+    nothing = np.zeros(3)
+    return np.array([nothing if (one := shapes[row]) is None else one.vector * one.length / 2 for row in kept])
+
+
+def _bytes(picture: Picture, result: Result) -> NDArray[np.uint8]:
+    """Return the pixels as bytes, on white where no lines are seen behind, which makes files smaller."""
+    pixels = picture.pixels
+    if not _has_outlines(result):
+        alpha = pixels[..., 3:]
+        pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
+    return np.asarray(np.rint(pixels * 255), dtype=np.uint8)
 
 
 def bar_location(size: tuple[float, float] | None) -> str:
@@ -127,6 +157,29 @@ def _mark_impact(axes: Axes, place: NDArray[np.float64], width: float) -> None:
         arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0},
         annotation_clip=False,
     )
+
+
+def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
+    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin before it."""
+    radius = float(result["spheres/radius"].max())
+    low, high = result.assembly.lattice_bounds()
+    low, high = low - radius, high + radius
+    for wall in walls(result.assembly):
+        lines = []
+        if wall.tube:
+            lines = list(tube_lines(wall.coordinate, low[2], high[2]))
+        elif wall.plate is not None:
+            lines = [plane_lines(wall.axis, wall.coordinate, low, high)]
+        for line in lines:
+            seen = camera.project(line)
+            before = ((line[:-1] + line[1:] - low - high)[:, :2] @ camera.towards[:2]) > 0
+            for start, end, is_before in zip(seen[:-1] * _MILLI, seen[1:] * _MILLI, before, strict=True):
+                look = {"linewidth": 0.4, "zorder": 3} if is_before else {"linewidth": 0.8, "zorder": -1}
+                axes.plot([start[0], end[0]], [start[1], end[1]], color=GREY, clip_on=False, **look)
+
+
+def _has_outlines(result: Result) -> bool:
+    return any(wall.tube or wall.plate is not None for wall in walls(result.assembly))
 
 
 def _visible(result: Result, kept: NDArray, picture: Picture, colouring: Colouring) -> dict[str, NDArray]:

@@ -26,6 +26,7 @@ from granwave.analysis.result.reader import Result
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
+_TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _DISC = 0.96  # drawn over actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section, over the radius: of a shorter one the end is seen
@@ -95,16 +96,17 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding or by friction only."""
+    """Return the colouring by dissipation over input; ``part``: by yielding, friction or viscous losses only."""
     values = result["spheres/dissipated_energy"]
     if part:
-        values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
+        values = result.yield_energy if part == "yielding" else result[f"spheres/{part}_energy"]
     column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
     options = result.figure_options
     low, high = options.dissipation_limits or DISSIPATION_LIMITS
     colours = options.colour_map or DISSIPATION_MAP
-    return Colouring(values / result.energy_input, label, column, colours, low, high, part.capitalize())
+    title = "Viscous losses" if part == "viscous" else part.capitalize()
+    return Colouring(values / result.energy_input, label, column, colours, low, high, title)
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
@@ -122,10 +124,12 @@ def dissipation_section(result: Result, name: str) -> Drawing | None:
 
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
-    """Draw dissipation by yielding and by friction separately on the principal or orthogonal plane."""
-    if not result.has("spheres/friction_energy"):
+    """Draw dissipation by yielding, friction and viscous losses separately, as far as there are several of them."""
+    parts = ["yielding"] if result.yields else []
+    parts += [part for part in ("friction", "viscous") if result.has(f"spheres/{part}_energy")]
+    if len(parts) < 2:
         return None
-    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in ("yielding", "friction")))
+    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in parts))
 
 
 def dents_section(result: Result, name: str) -> Drawing | None:
@@ -164,7 +168,7 @@ def wave_front(result: Result) -> Drawing | None:
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
-    n_columns = 2 if aspect > 0.6 else 1
+    n_columns = len(chosen) if aspect > _TALL else 2 if aspect > 0.6 else 1
     n_rows = math.ceil(len(chosen) / n_columns)
     panel = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns * aspect + 0.3
     figure = new_figure(min(n_rows * panel + 0.95, 8.5))
@@ -217,6 +221,9 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         draw_discs(axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut))
         frame_axes(axes, window)
         axes.set_title(colouring.title, pad=2)
+        if beyond.any():
+            note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
+            axes.text(0.98, 0.985, f"hollow: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
             axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
     if len(panels) > 1:
@@ -381,7 +388,8 @@ def _snapshots(result: Result) -> list[int]:
     depth = result["spheres/position"][:, 2]
     arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
     times = result.frame_times
-    last = float(np.nanmin(arrival)) if np.any(np.isfinite(arrival)) else float(times[-1])
+    arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
+    last = float(arrival.min()) if arrival.size else float(times[-1])
     moving = np.flatnonzero((times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)])))
     if not moving.size:
         return []

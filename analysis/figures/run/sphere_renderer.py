@@ -1,9 +1,10 @@
-"""Orthographic rendering of many spheres with shading.
+"""Orthographic rendering of many spheres, and of cylinders among them, with shading.
 
 Equal spheres that do not overlap hide one another in the order of the distances of their centres (the plane midway
-between two of them separates them), so that drawing the farthest first is exact. A first pass at low resolution finds
-the visible spheres; only these are drawn at full resolution. The light comes from above the viewer's left shoulder, and
-gaps that lie deeper than their surroundings are darkened.
+between two of them separates them), so that drawing the farthest first is exact. Cylinders are then drawn where they
+lie before what is drawn already, pixel by pixel (`granwave.analysis.figures.run.cylinders`). A first pass at low
+resolution finds the visible grains; only these are drawn at full resolution. The light comes from above the viewer's
+left shoulder, and gaps that lie deeper than their surroundings are darkened.
 """
 
 from __future__ import annotations
@@ -15,14 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.run.cylinders import surface_of_cylinder
+
 _OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
 _AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.16
 _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
 _SHARPNESS = 5  # binary logarithm of the exponent of the gloss
-_BLUR = 6  # pixels to a radius when averaging the surroundings
+_BLUR = 4  # pixels to a radius when averaging the surroundings
 _BLOCK = 16384  # pixels that are shaded at a time, whose numbers fit into the processor's cache
+_LINES = 8  # of the picture that are coloured at a time, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +91,8 @@ class Surface:
     front
         Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows, n_columns), from the
         bottom up.
-    rows, columns
-        Pixels that show a sphere: (n_pixels,).
     brightness, gloss
-        Factor of the colour there, and what is added to it: (n_pixels,).
+        Factor of the colour of each rendered pixel, and what is added to it, 0 for none: (n_rows, n_columns).
     visible
         Rows of the spheres that can be seen, rising: (n_visible,).
     extent
@@ -98,8 +100,6 @@ class Surface:
     """
 
     front: NDArray[np.int32]
-    rows: NDArray[np.int32]
-    columns: NDArray[np.int32]
     brightness: NDArray[np.float32]
     gloss: NDArray[np.float32]
     visible: NDArray[np.int64]
@@ -112,70 +112,151 @@ def render(
     colours: NDArray[np.float64],
     camera: Camera,
     width: int,
+    axes: NDArray[np.float64] | None = None,
 ) -> Picture:
-    """Draw spheres.
+    """Draw spheres and cylinders.
 
     Parameters
     ----------
-    centres, radius, camera, width
+    centres, radius, camera, width, axes
         As in `lit_surface`.
     colours
         Red, green, blue from 0 to 1: (n_spheres, 3).
     """
-    return painted(lit_surface(centres, radius, camera, width), colours)
+    return painted(lit_surface(centres, radius, camera, width, axes), colours)
 
 
 def lit_surface(
-    centres: NDArray[np.float64], radius: float | NDArray[np.float64], camera: Camera, width: int
+    centres: NDArray[np.float64],
+    radius: float | NDArray[np.float64],
+    camera: Camera,
+    width: int,
+    axes: NDArray[np.float64] | None = None,
 ) -> Surface:
-    """Find what can be seen of spheres, and light it.
+    """Find what can be seen of spheres and cylinders, and light it.
 
     Parameters
     ----------
     centres
-        Centres of the spheres: (n_spheres, 3), m.
+        Centres: (n_spheres, 3), m.
     radius
-        Common radius, or that of each sphere: (n_spheres,), m.
+        Common radius, or that of each: (n_spheres,), m.
     camera
         Camera.
     width
         Width of the picture, pixels.
+    axes
+        From the centres to the ends of the cylinders, 0 for spheres: (n_spheres, 3), m. By default all are spheres.
     """
     seen = camera.project(centres)
     radii = np.broadcast_to(np.asarray(radius, dtype=float), len(seen))
-    largest = float(radii.max())
-    low = seen[:, :2].min(axis=0) - 1.1 * largest
-    high = seen[:, :2].max(axis=0) + 1.1 * largest
-    coarse = _front(seen, radii, low, high, 2 * float(np.median(radii)) / _COARSE)
+    halves = np.zeros_like(seen) if axes is None else camera.project(axes)
+    reach = radii[:, None] + np.abs(halves[:, :2])
+    margin = 0.1 * float(radii.max())
+    low = (seen[:, :2] - reach).min(axis=0) - margin
+    high = (seen[:, :2] + reach).max(axis=0) + margin
+    coarse = _painted_grains(seen, radii, halves, low, high, 2 * float(np.median(radii)) / _COARSE).front
     visible = np.unique(coarse[coarse >= 0]).astype(np.int64)
     pitch = (high[0] - low[0]) / (width * _OVERSAMPLING)
-    fine = _front(seen[visible], radii[visible], low, high, pitch)
-    fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
+    found = _painted_grains(seen[visible], radii[visible], halves[visible], low, high, pitch)
+    found = found.cropped(found.front.shape[0] // _OVERSAMPLING * _OVERSAMPLING, width * _OVERSAMPLING)
+    fine = found.front
     top = low[1] + fine.shape[0] * pitch
     extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
     rows, columns = (place.astype(np.int32) for place in np.nonzero(fine >= 0))
-    brightness, gloss = _light(fine, rows, columns, seen[visible], radii[visible], low, pitch)
-    return Surface(fine, rows, columns, brightness, gloss, visible, extent)
+    brightness, gloss = np.zeros((2, *fine.shape), dtype=np.float32)
+    lit = _light(found, rows, columns, seen[visible], radii[visible], low, pitch)
+    brightness[rows, columns], gloss[rows, columns] = lit
+    return Surface(fine, brightness, gloss, visible, extent)
 
 
 def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
     """Colour a surface; colours of all spheres as in `render`."""
-    height, width = (size // _OVERSAMPLING for size in surface.front.shape)
-    shown = colours[surface.visible]
-    pixels = np.zeros((*surface.front.shape, 4), dtype=np.float32)  # premultiplied by alpha
-    for block in _blocks(len(surface.rows)):
-        row, column = surface.rows[block], surface.columns[block]
-        colour = shown[surface.front[row, column]]
-        lit = colour * surface.brightness[block][:, None] + surface.gloss[block][:, None]
-        pixels[row, column, :3] = np.clip(lit, 0.0, 1.0)
-        pixels[row, column, 3] = 1.0
-    pixels = pixels.reshape(height, _OVERSAMPLING, width, _OVERSAMPLING, 4).mean(axis=(1, 3))
+    n_rows, n_columns = (size // _OVERSAMPLING for size in surface.front.shape)
+    shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(np.float32)  # the last one: blank, -1
+    pixels = np.empty((n_rows, n_columns, 4), dtype=np.float32)  # premultiplied by alpha
+    for first in range(0, n_rows, _LINES):
+        lines = slice(first, first + _LINES)
+        rendered = slice(_OVERSAMPLING * first, _OVERSAMPLING * (first + _LINES))
+        front, brightness, gloss = surface.front[rendered], surface.brightness[rendered], surface.gloss[rendered]
+        for channel in range(3):
+            lit = np.take(shown[:, channel], front, mode="wrap")  # -1 is the last one
+            lit *= brightness
+            lit += gloss
+            pixels[lines, :, channel] = _mean_of_squares(np.clip(lit, 0.0, 1.0, out=lit))
+        pixels[lines, :, 3] = _mean_of_squares((front >= 0).astype(np.float32))
     pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
     return Picture(np.clip(pixels[::-1], 0.0, 1.0), surface.extent, surface.visible)
 
 
+def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the means over the rendered pixels of each pixel of the picture."""
+    rows = sum((values[n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), values[::_OVERSAMPLING])
+    both = sum((rows[:, n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), rows[:, ::_OVERSAMPLING])
+    return np.asarray(both / np.float32(_OVERSAMPLING**2))
+
+
 def _blocks(n_pixels: int) -> list[slice]:
     return [slice(start, start + _BLOCK) for start in range(0, n_pixels, _BLOCK)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Grains:
+    """Grains as they are painted, before they are lit.
+
+    Attributes
+    ----------
+    front
+        Row of the grain that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up.
+    depth, normal
+        Distance towards the viewer, m, and direction of the surface, where a cylinder is shown: (n_rows, n_columns) and
+        (n_rows, n_columns, 3); None without cylinders.
+    is_cylinder
+        True for cylinders: (n_grains,).
+    """
+
+    front: NDArray[np.int32]
+    depth: NDArray[np.float32] | None
+    normal: NDArray[np.float32] | None
+    is_cylinder: NDArray[np.bool_]
+
+    def cropped(self, n_rows: int, n_columns: int) -> _Grains:
+        """Return the first rows and columns."""
+        depth, normal = (None if one is None else one[:n_rows, :n_columns] for one in (self.depth, self.normal))
+        return _Grains(self.front[:n_rows, :n_columns], depth, normal, self.is_cylinder)
+
+
+def _painted_grains(
+    seen: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    halves: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    pitch: float,
+) -> _Grains:
+    """Paint spheres, and then cylinders where they are nearer to the viewer."""
+    is_cylinder = halves.any(axis=1)
+    spheres = np.flatnonzero(~is_cylinder)
+    front = _front(seen[spheres], radius[spheres], low, high, pitch)
+    if len(spheres) == len(seen):
+        return _Grains(front, None, None, is_cylinder)
+    front = np.where(front >= 0, spheres.astype(np.int32)[front] if len(spheres) else -1, -1).astype(np.int32)
+    depth = np.full(front.shape, -np.inf, dtype=np.float32)
+    normal = np.zeros((*front.shape, 3), dtype=np.float32)
+    rows, columns = np.nonzero(front >= 0)
+    sphere = front[rows, columns]
+    across = (low + (np.stack([columns, rows], axis=1) + 0.5) * pitch - seen[sphere, :2]) ** 2
+    depth[rows, columns] = seen[sphere, 2] + np.sqrt(np.maximum(radius[sphere] ** 2 - across.sum(axis=1), 0.0))
+    for grain in np.flatnonzero(is_cylinder):
+        reach = radius[grain] + np.abs(halves[grain, :2])
+        first = np.maximum(np.floor((seen[grain, :2] - reach - low) / pitch).astype(int), 0)
+        last = np.ceil((seen[grain, :2] + reach - low) / pitch).astype(int) + 1
+        box = slice(first[1], last[1]), slice(first[0], last[0])
+        y, x = (low[way] + (np.arange(front.shape[1 - way])[box[1 - way]] + 0.5) * pitch for way in (1, 0))
+        found, direction = surface_of_cylinder(seen[grain], halves[grain], radius[grain], x, y)
+        nearer = found > depth[box]
+        front[box][nearer], depth[box][nearer], normal[box][nearer] = grain, found[nearer], direction[nearer]
+    return _Grains(front, depth, normal, is_cylinder)
 
 
 def _front(
@@ -191,6 +272,8 @@ def _front(
     place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; integers are centres of pixels
     reach = radius[order] / pitch
     front = np.full(shape, -1, dtype=np.int32)
+    if not len(order):
+        return front
     if len(order) < 4 * np.median(reach) ** 2:
         _paint_by_sphere(front, place, reach)
     else:
@@ -225,7 +308,7 @@ def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach:
 
 
 def _light(
-    front: NDArray[np.int32],
+    found: _Grains,
     rows: NDArray[np.int32],
     columns: NDArray[np.int32],
     seen: NDArray[np.float64],
@@ -234,7 +317,7 @@ def _light(
     pitch: float,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return brightness and gloss of the pixels at rows and columns: (n_pixels,) each."""
-    blocks = _blocks(len(rows))
+    blocks, front = _blocks(len(rows)), found.front
     normal = np.empty((len(rows), 3), dtype=np.float32)
     depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
     for block in blocks:
@@ -245,16 +328,20 @@ def _light(
         one[:, 1] = (low[1] + (row + 0.5) * pitch - seen[sphere, 1]) / own
         one[:, 2] = np.sqrt(np.clip(1 - one[:, 0] ** 2 - one[:, 1] ** 2, 0.0, 1.0))
         depth[row, column] = seen[sphere, 2] + own * one[:, 2]
+        if found.normal is not None and found.depth is not None:
+            cylinder = found.is_cylinder[sphere]
+            row, column = row[cylinder], column[cylinder]
+            one[cylinder], depth[row, column] = found.normal[row, column], found.depth[row, column]
     light = (_LIGHT / np.linalg.norm(_LIGHT)).astype(np.float32)
     half = light + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     half /= np.linalg.norm(half)
     usual = float(np.median(radius))
-    around = _surroundings(depth, usual / pitch, rows, columns)
+    around = _Surroundings(depth, usual / pitch)
     brightness, gloss = np.empty(len(rows), dtype=np.float32), np.empty(len(rows), dtype=np.float32)
     for block in blocks:
         row, column, one = rows[block], columns[block], normal[block]
         bright = _AMBIENT + _DIFFUSE * np.clip(one @ light, 0.0, None)
-        covered = around[block] - depth[row, column]
+        covered = around.at(row, column) - depth[row, column]
         bright *= 1 - _OCCLUSION * np.clip(covered / (2 * usual), 0.0, 1.0)
         shine = np.clip(one @ half, 0.0, None)
         for _ in range(_SHARPNESS):
@@ -263,14 +350,41 @@ def _light(
     return brightness, gloss
 
 
-def _surroundings(
-    depth: NDArray[np.float32], reach: float, rows: NDArray[np.int32], columns: NDArray[np.int32]
-) -> NDArray[np.float32]:
-    """Return the mean depth within about a radius around pixels, at a coarser resolution for larger spheres."""
-    from scipy.ndimage import gaussian_filter, map_coordinates  # takes longer to load than many a figure to draw
+class _Surroundings:
+    """Mean depth around pixels, weighed by a Gaussian function, at a coarser resolution for larger spheres.
 
-    step = max(1, int(reach / _BLUR))
-    blurred = gaussian_filter(depth[::step, ::step], reach / step)
-    if step == 1:
-        return blurred[rows, columns]
-    return map_coordinates(blurred, [rows / step, columns / step], order=1, mode="nearest")
+    Parameters
+    ----------
+    depth
+        Depth of all pixels: (n_rows, n_columns), m.
+    reach
+        Standard deviation of the Gaussian function, pixels.
+    """
+
+    def __init__(self, depth: NDArray[np.float32], reach: float) -> None:
+        self.step = max(1, int(reach / _BLUR))
+        coarse = depth[:: self.step, :: self.step]
+        n_rows, n_columns = coarse.shape
+        blurred = _weights(n_rows, reach / self.step) @ coarse @ _weights(n_columns, reach / self.step).T
+        place = np.minimum(np.arange(depth.shape[0], dtype=np.float32) / self.step, n_rows - 1)
+        base = np.minimum(place.astype(np.int64), max(n_rows - 2, 0))
+        part = (place - base)[:, None]
+        above = np.minimum(base + 1, n_rows - 1)
+        self.along_rows: NDArray[np.float32] = blurred[base] * (1 - part) + blurred[above] * part
+
+    def at(self, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> NDArray[np.float32]:
+        """Return the mean depth at pixels."""
+        if self.step == 1:
+            return self.along_rows[rows, columns]
+        last = self.along_rows.shape[1] - 1
+        base = np.minimum(columns // self.step, max(last - 1, 0))
+        part = np.minimum((columns - base * self.step) / np.float32(self.step), 1.0).astype(np.float32)
+        left, right = self.along_rows[rows, base], self.along_rows[rows, np.minimum(base + 1, last)]
+        return left + (right - left) * part
+
+
+def _weights(n: int, reach: float) -> NDArray[np.float32]:
+    """Return the weights of all places for the mean at each place: (n, n)."""
+    place = np.arange(n, dtype=np.float32)
+    weights = np.exp(-0.5 * ((place[:, None] - place) / np.float32(reach)) ** 2)
+    return weights / weights.sum(axis=1, keepdims=True)

@@ -24,7 +24,10 @@ def transmission(result: Result) -> Drawing | None:
         bead = np.arange(1, len(found.velocity) + 1)
         size = np.abs(found.velocity)
         axes.semilogy(bead, np.where(size > 0, size, np.nan), ".-", color=BLUE, markersize=3, linewidth=0.8)
-        axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
+        if found.last < len(size):
+            axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
+            place = (found.last + 0.5 + (len(size) - found.last) / 2, 0.04)
+            axes.text(*place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY)
         label(axes, "Bead, from the driven end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
         axes.set_xlim(0.5, len(size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))

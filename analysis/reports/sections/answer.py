@@ -20,7 +20,8 @@ _MOST_COLUMNS = 3  # quantities beside the main one in the table of means
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
-    "packing_3d", "force_map", "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "energies",
+    "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front", "peak_force_principal", "along_chain",
+    "plastic_strain", "von_mises", "force_network", "energies",
 )  # fmt: skip
 
 
@@ -139,12 +140,38 @@ def _of_run(run: Run, inputs: Inputs) -> list[Block]:
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
 
 
+def _inference_in_words(run: Run) -> str:
+    """Return how many contacts bear how large forces, and how well these explain what was measured."""
+    loaded, contacts = run.number("n_loaded_contacts"), run.number("n_contacts")
+    largest, residual = run.number("largest_force_N"), run.number("residual_fraction")
+    parts = []
+    if loaded is not None and contacts is not None and largest is not None:
+        parts.append(f"{loaded:.0f} of {contacts:.0f} contacts bear a force, at most {largest:.4g} N.")
+    if residual is not None:
+        parts.append(f"What these forces leave unexplained is {100 * residual:.2g} % of the data.")
+    return " ".join(parts)
+
+
+def _energy_in_words(given: float, lost: float, absorbed: float) -> str:
+    """Return what became of the energy put in, J; shares of it that were lost, and absorbed of these."""
+    of_it = f"of the {plain(f'{given:.3g}')} J put in"
+    dissipated = f"{100 * (lost - absorbed):.3g} %" if lost - absorbed > WORTH else "Nothing"
+    if absorbed <= WORTH:
+        return f"{dissipated} {of_it} was dissipated."
+    rest = f", and {dissipated} was dissipated" if lost - absorbed > WORTH else ""
+    return f"{100 * absorbed:.3g} % {of_it} was taken by absorbing spheres{rest}."
+
+
 def _of_run_in_words(run: Run) -> str:
+    if run.is_inference:
+        return _inference_in_words(run)
     parts = []
     given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
     if given is not None and lost is not None:
-        share = f"{100 * lost:.3g} %" if lost > WORTH else "Nothing"
-        parts.append(f"{share} of the {plain(f'{given:.3g}')} J put in was dissipated.")
+        parts.append(_energy_in_words(given, lost, run.number("absorbed_fraction") or 0.0))
+    passed, driven = run.number("transmission"), run.number("driven_velocity_m_s")
+    if passed is not None and driven is not None:
+        parts.append(f"{passed:.3g} of the driven end's velocity, {plain(f'{driven:.3g}')} m/s, came through.")
     force = run.number("peak_force_N") or run.number("max_force_N")
     if force is not None:
         parts.append(f"The largest contact force was {force:.4g} N.")
@@ -154,6 +181,9 @@ def _of_run_in_words(run: Run) -> str:
             f"90 % of the energy of yielding stays within {1e3 * depth:.3g} mm below the impact and "
             f"{1e3 * radius:.3g} mm beside it."
         )
+    plate = run.number("plate_velocity_m_s")
+    if plate is not None:
+        parts.append(f"The plate {'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.3g} m/s.")
     wall = run.number("wall_peak_force_N")
     if wall:
         parts.append(f"The bottom bore {wall:.4g} N at most.")

@@ -9,7 +9,9 @@ from granwave.analysis.document.cells import named, value_cell, value_column
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.lammps_inputs.case.sections import ALL_LAWS, LINE
 
+_BEYOND_SMALL = "overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
 SLUG = "balance"
 MOST_OPEN = 12  # runs whose table is not folded
 #: Largest accepted error of the balance over the input, by kind of run.
@@ -33,9 +35,10 @@ def verdict(run: Run) -> tuple[str, Tone]:
 
 def balance_section(inputs: Inputs) -> Section:
     """Make the section of the report."""
-    runs = list(inputs.results())
+    runs = [run for run in inputs.results() if not run.is_inference]
     if not runs:
-        return Section("Energy balance", SLUG, (Note("There is no finished run."),))
+        nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
+        return Section("Energy balance", SLUG, nothing)
     text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
     limits = {
         "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated "
@@ -61,11 +64,17 @@ def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
     if unknown:
         notes.append(Note(f"No energy balance is recorded: {_labels(unknown)}.", "note", section))
     beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
-    if beyond:
-        counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond]
-        text = f"Contacts beyond the law, which was fitted up to an overlap of 0.2 R*: {named(counts)}."
-        notes.append(Note(text, "note", section))
+    for fitted, text in ((True, "the law, which was fitted up to an overlap of 0.2 R*"), (False, _BEYOND_SMALL)):
+        counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond if _fitted(run) == fitted]
+        if counts:
+            notes.append(Note(f"Contacts beyond {text}: {named(counts)}.", "note", section))
     return notes
+
+
+def _fitted(run: Run) -> bool:
+    """Return True if the law of a run was fitted to finite elements, or is not known."""
+    law = run.case.get("contact.law", "elastoplastic")
+    return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
 def _errors(runs: Sequence[Run]) -> str:

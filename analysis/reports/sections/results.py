@@ -28,6 +28,7 @@ from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
+from granwave.lammps_inputs.case.sections import ALL_LAWS, LINE
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
@@ -35,6 +36,25 @@ MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
 MOST_OF_A_RUN = 4  # values in the compact table of runs
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
+_OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
+_FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
+_OF_INFERENCE = (
+    ("n_grains", "Grains", ""),
+    ("n_contacts", "Contacts", ""),
+    ("n_loaded_contacts", "Contacts that bear a force", ""),
+    ("n_sliding_contacts", "Contacts that slide", ""),
+    ("largest_force_N", "Largest normal force", "N"),
+    ("mean_normal_force_N", "Mean normal force", "N"),
+    ("residual_fraction", "Residuals over the data", ""),
+    ("chi2_per_equation", "Chi squared for each free equation", ""),
+    ("standard_error_fraction", "Standard error over the forces", ""),
+    ("youngs_modulus_Pa", "Young's modulus", "Pa"),
+    ("n_equations", "Equations", ""),
+    ("n_unknowns", "Unknowns", ""),
+)
+_OF_STRUCK = ("impactor_velocity_m_s",)
+#: Values that compare with the load on the bare target, which tell nothing where it oscillates.
+_OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
@@ -66,14 +86,34 @@ def compact_table(runs: Sequence[Run]) -> Table:
 
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
-    shown = [key for key in _worth_showing([run.summary]) if key not in _OF_COST][:MOST_ROWS]
-    rows, called = [], grains_called_in([run.summary])
+    called = grains_called_in([run.summary])
+    if run.is_inference:
+        cells = [(label, value_cell(run.summary.get(key)), unit) for key, label, unit in _OF_INFERENCE]
+        rows = [(Cell(label, label), cell, Cell(unit)) for label, cell, unit in cells if cell.text != BLANK]
+        return _values_of(run, rows)
+    first = [key for key in _FIRST if run.number(key) is not None]
+    left_out = {*_OF_COST, *first}
+    left_out |= set() if _yields(run) else set(_OF_YIELDING)
+    left_out |= set(_OF_STRUCK) if "plate_velocity_m_s" in first else set()
+    left_out |= {*_OF_STRUCK, *_OF_TARGETS} if "transmission" in first else set()
+    shown = [*first, *(key for key in _worth_showing([run.summary]) if key not in left_out)][:MOST_ROWS]
+    rows = []
     for key in shown:
         label = label_of(key, called)
         cell = _result_cell(key, run.summary)
         rows.append((Cell(label, label, meaning=meaning_in(key, called)), cell, Cell(unit_of_value(key))))
+    return _values_of(run, rows)
+
+
+def _values_of(run: Run, rows: Sequence[tuple[Cell, ...]]) -> Table:
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+
+
+def _yields(run: Run) -> bool:
+    """Return False if the law of a run knows no yielding, so that its zeros say nothing."""
+    law = run.case.get("contact.law")
+    return (law not in ALL_LAWS or bool(ALL_LAWS[law].yields)) and law != LINE
 
 
 def status_cell(status: str) -> Cell:

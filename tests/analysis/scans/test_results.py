@@ -209,6 +209,13 @@ def test_sizes_are_numbers():
     assert key.numeric and key.values == (6, 12) and key.naming.label == "Layers"
     assert key_of("packing.size", ["[4, 4, 6]", "[5, 5, 6]"]).values == (96, 150)
     assert key_of("packing.size", [20, 40]).values == (20, 40)
+    for sizes, label, values in (
+        ([[6, 24], [6, 32]], "Rows", (24, 32)),
+        ([[6, 24], [8, 24]], "Grains along x", (6, 8)),
+        ([[6, 24], [8, 32]], "Grains along x times rows", (144, 256)),  # rows of n and n - 1 have fewer
+    ):
+        key = key_of("packing.size", [str(size) for size in sizes])
+        assert (key.naming.label, key.values) == (label, values)
     assert not key_of("run.end_time", [1e-3, "auto"]).numeric
 
 
