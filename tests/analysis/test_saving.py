@@ -14,6 +14,7 @@ from PIL import Image
 
 from granwave.analysis.figures import style
 from granwave.analysis.figures.pdf_fonts import needed_tables_only
+from granwave.analysis.figures.scales import plain_powers
 
 
 def drawing() -> style.Drawing:
@@ -23,6 +24,13 @@ def drawing() -> style.Drawing:
     axes.set_xlabel(r"Place $x/\alpha_\mathrm{y}$ (µm)")
     style.legend_above(axes, 1)
     return style.Drawing(figure, {"x_m": [1, 2]})
+
+
+def usual_drawing() -> style.Drawing:
+    """The same with the labels that ours get when they are saved."""
+    found = drawing()
+    plain_powers(found.figure)
+    return found
 
 
 def streams(pdf: bytes) -> list[bytes]:
@@ -55,7 +63,7 @@ def saved(tmp_path):
 def test_saved_as_matplotlib_saves_it(saved, tmp_path):
     """The same picture, though the layout is computed once and not by each file."""
     with style.style():
-        drawing().figure.savefig(tmp_path / "usual.png")
+        usual_drawing().figure.savefig(tmp_path / "usual.png")
     with Image.open(saved.with_suffix(".png")) as ours, Image.open(tmp_path / "usual.png") as usual:
         np.testing.assert_array_equal(np.asarray(ours), np.asarray(usual))
         assert ours.info["dpi"] == usual.info["dpi"]
@@ -67,7 +75,7 @@ def test_layout_of_the_pdf_is_that_of_the_png(tmp_path):
         one = drawing()
         style.save(one, tmp_path / "plot")
         places = [axes.get_position().bounds for axes in one.figure.axes]
-        usual = drawing()
+        usual = usual_drawing()
         usual.figure.savefig(tmp_path / "usual.png")
     assert places == [axes.get_position().bounds for axes in usual.figure.axes]
 
@@ -85,7 +93,7 @@ def test_fonts_of_a_pdf_are_truetype_without_further_tables(saved):
 def test_text_and_glyphs_of_a_pdf_are_those_of_matplotlib(saved, tmp_path):
     """The same text; and no glyph that it would not have, which has ligatures beside those in use."""
     with style.style():
-        usual = drawing()
+        usual = usual_drawing()
         usual.figure.savefig(tmp_path / "usual.png")
         usual.figure.savefig(tmp_path / "usual.pdf")
     ours, theirs = saved.with_suffix(".pdf").read_bytes(), (tmp_path / "usual.pdf").read_bytes()
@@ -101,3 +109,42 @@ def test_fonts_are_loaded_as_before_afterwards():
         assert subset.load_font is not before
         raise KeyError
     assert subset.load_font is before
+
+
+def labels(axis) -> list[str]:
+    low, high = axis.get_view_interval()
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    inside = [tick for tick in ticks if low <= tick.get_loc() <= high]
+    texts = [tick.label1.get_text().replace("\N{MULTIPLICATION SIGN}", "x") for tick in inside]
+    return [text for text in texts if text]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "across", "up"),
+    [
+        (1e-3, 1.0, {"10⁻³", "10⁻²", "10⁻¹", "10⁰"}, {"10⁻³", "10⁻²", "10⁻¹", "10⁰"}),
+        (18.0, 95.0, {"20", "40", "100"}, {"20", "30", "40", "60", "100"}),
+        (3e-5, 8e-4, {"4x10⁻⁵", "10⁻⁴", "2x10⁻⁴", "4x10⁻⁴"}, {"4x10⁻⁵", "10⁻⁴", "6x10⁻⁴"}),
+    ],
+)
+def test_labels_of_logarithmic_axes(low, high, across, up):
+    """Plain text; numbers where they are short; on the axis across no more than there is room for."""
+    with style.style():
+        figure = style.new_figure(2.2)
+        axes = figure.subplots()
+        axes.loglog([low, high], [low, high])
+        style.lay_out(figure, 300)
+        figure.draw_without_rendering()
+    assert set(labels(axes.xaxis)) == across
+    assert up <= set(labels(axes.yaxis))
+    assert not any("$" in text for text in labels(axes.yaxis))
+
+
+def test_pictures_in_a_pdf(tmp_path):
+    """An artist that is to be pixels is one in the PDF too, at its place; the rest stays lines and text."""
+    with style.style():
+        figure = style.new_figure(2.0)
+        figure.subplots().pcolormesh(np.eye(3), rasterized=True)
+        one = style.contents(style.Drawing(figure, {}))
+    assert one[".pdf"].count(b"/Subtype /Image") == 1
+    assert len(fonts(one[".pdf"])) == 1

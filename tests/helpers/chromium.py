@@ -102,10 +102,12 @@ class Browser:
         """Open a page at a width, in CSS pixels, and wait until it is loaded."""
         mobile = width < 600
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
-        before = len(self.events)
         self.send("Page.navigate", url=url)
-        while not any(method == "Page.loadEventFired" for method, _ in self.events[before:]):
-            self._read()
+        end = time.monotonic() + self._timeout
+        while self.evaluate("document.readyState + ' ' + location.href") != f"complete {url}":
+            if time.monotonic() > end:  # an event would not do: that of the empty page may come late
+                raise TimeoutError(f"{url} is not loaded within {self._timeout} s")
+            time.sleep(0.02)
 
     def evaluate(self, expression: str) -> Any:
         """Value of a JavaScript expression in the page."""
