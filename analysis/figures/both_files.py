@@ -159,8 +159,8 @@ class _Both(RendererBase):
         self._agg.draw_path_collection(gc, master_transform, *shapes, offset_trans, *rest, **options)
         if self._as_pixels("draw_path_collection", gc, master_transform, *shapes, offset_trans, *rest, **options):
             return
-        master, offset = (Affine2D(_matrix(one)) + self._to_points for one in (master_transform, offset_trans))
-        self._pdf.draw_path_collection(self._context(gc), master.frozen(), *shapes, offset.frozen(), *rest, **options)
+        master, offset = self._scaled(master_transform), self._scaled(offset_trans)
+        self._pdf.draw_path_collection(self._context(gc), master, *shapes, offset, *rest, **options)
 
     def draw_quad_mesh(
         self,
@@ -178,8 +178,8 @@ class _Both(RendererBase):
         self._agg.draw_quad_mesh(gc, master_transform, *mesh, offsetTrans, *rest)
         if self._as_pixels("draw_quad_mesh", gc, master_transform, *mesh, offsetTrans, *rest):
             return
-        master, offset = (Affine2D(_matrix(one)) + self._to_points for one in (master_transform, offsetTrans))
-        self._pdf.draw_quad_mesh(self._context(gc), master.frozen(), *mesh, offset.frozen(), *rest)
+        master, offset = self._scaled(master_transform), self._scaled(offsetTrans)
+        self._pdf.draw_quad_mesh(self._context(gc), master, *mesh, offset, *rest)
 
     def draw_gouraud_triangles(self, gc: _Context, triangles_array: Any, colors_array: Any, transform: Any) -> None:
         """Draw shaded triangles."""
@@ -235,18 +235,19 @@ class _Both(RendererBase):
         draw(*arguments, **options)
         return True
 
+    def _scaled(self, transform: Any) -> Affine2D:
+        """Return an affine transform, which artists may give as a matrix, in points."""
+        matrix = transform.get_matrix() if isinstance(transform, Transform) else transform
+        return Affine2D(self._to_points.get_matrix() @ np.asarray(matrix))
+
     def _context(self, gc: _Context) -> _Context:
         """Return colours, lines and clipping for the PDF."""
-        found = self._pdf.new_gc()
+        found: Any = self._pdf.new_gc()
         found.copy_properties(gc)
-        rectangle, (path, transform) = gc.get_clip_rectangle(), gc.get_clip_path()
+        clip: Any = gc.get_clip_path()
+        rectangle, (path, transform) = gc.get_clip_rectangle(), clip
         if rectangle is not None:
             found.set_clip_rectangle(TransformedBbox(rectangle, self._to_points))
         if path is not None:
             found.set_clip_path(TransformedPath(path, transform + self._to_points))
         return found
-
-
-def _matrix(transform: Any) -> NDArray[np.float64]:
-    """Return the matrix of an affine transform, which artists may give as such."""
-    return np.asarray(transform.get_matrix() if isinstance(transform, Transform) else transform)
