@@ -107,6 +107,8 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
         There is none, or another command runs it.
     """
     path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
+    if "infer" in (tables := read_toml(path)) and "packing" not in tables:
+        raise InputError(f"{study}: tells how forces are inferred; run  granwave infer GRAINS.csv --case {study}")
     if (verb := verb_of(path)) not in verbs:
         raise _other_word(study, verb, verbs[0])
     return path

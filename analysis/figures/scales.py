@@ -27,19 +27,20 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 class PowersOfTen(LogFormatterSciNotation):
     """Labels of a logarithmic axis, such as 10⁻³, as plain text: formulas take many times longer to set."""
 
-    plain = False
-    few = False
+    plain = False  # numbers such as 0.2 in place of powers
+    few = False  # of the values within a decade
 
     def set_locs(self, locs: Any = None) -> None:
         """Choose the labels: plain numbers within a decade or so; on axes across, no more than there is room for."""
         super().set_locs(locs)
-        low, high = (abs(one) for one in self.axis.get_view_interval()) if self.axis is not None else (0.0, 0.0)
+        axis: Any = self.axis
+        low, high = (abs(one) for one in axis.get_view_interval()) if axis is not None else (0.0, 0.0)
         if not 0 < low < high:
             return
         self.plain = high <= _NARROW * low and low >= _LEAST_PLAIN and high <= _MOST_PLAIN
         powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
         round_ones = [one for one in np.outer(powers, _ROUND).ravel() if low <= one <= high]
-        self.few = self.axis.axis_name == "x" and len(round_ones) > 1
+        self.few = axis.axis_name == "x" and len(round_ones) > 1
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a value."""
@@ -69,7 +70,8 @@ def plain_powers(figure: Figure) -> None:
             (axis.get_minor_formatter(), axis.set_minor_formatter),
         ):
             if type(usual) is LogFormatterSciNotation:
-                change(PowersOfTen(usual._base, usual.labelOnlyBase, usual.minor_thresholds, usual._linthresh))
+                scale: Any = usual  # base and the range of symlog axes have no public names
+                change(PowersOfTen(scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh))
 
 
 def ticks_at(axis: Axis, places: Iterable[float]) -> None:

@@ -283,9 +283,7 @@ def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], faul
 
 def test_check_tells_the_coordination_found() -> None:
     case = case_from_dict(case_of(), "mine")
-    assert "contacts of a grain    1.33 in the mean; grains with so many: 2 of 1, 1 of 2" in plan_table(
-        case, plan(case)
-    )
+    assert "contacts of a grain    1.33 in the mean: 1 on 2 grains, 2 on 1 grain" in plan_table(case, plan(case))
 
 
 def test_dents_of_a_tube_are_where_its_grains_touch() -> None:

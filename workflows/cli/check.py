@@ -13,6 +13,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.as_json import print_json
+from granwave.workflows.cli.small_waves import small_waves
 from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table
 from granwave.workflows.counterpart import (
     Counterpart,
@@ -42,7 +43,7 @@ def check(options: argparse.Namespace) -> int:
         print_json(_values(kind, case, expected, inputs, counterpart))
         return 0
     if kind is GRANULAR:
-        print(plan_table(case, expected, inputs))
+        print(plan_table(case, expected, inputs, small_waves(case)))
     else:
         print(continuum_plan_table(case.name, kind.size(case), expected, inputs))
     if counterpart is not None:

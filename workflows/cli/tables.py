@@ -10,6 +10,8 @@ from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.grain_words import GRAINS
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
@@ -19,8 +21,8 @@ from granwave.workflows.counterpart import Inputs
 from granwave.workflows.solvers import Cost
 
 
-def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
-    """Return the table of a planned run."""
+def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequence[tuple[str, str]] = ()) -> str:
+    """Return the table of a planned run; ``waves`` are rows on small waves."""
     schedule, times = plan.schedule, plan.times
     usual, most = duration(times.total), duration(times.longest)
     at_most = "at most " if schedule.block_steps else ""
@@ -32,9 +34,11 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None) -> str:
     return lines(
         [
             ("case", plan.name),
-            (assemble(case).grains_called, f"{plan.n_spheres}"),
+            _grains(case, plan),
             ("contacts at the start", f"{plan.n_contacts}"),
             *_coordination(case),
+            *_static(case),
+            *waves,
             *_inputs(inputs, at_most="at most " * (case.load.kind == "force")),
             ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
@@ -79,16 +83,48 @@ def _loss(case: Case) -> list[tuple[str, str]]:
 
 
 def _coordination(case: Case) -> list[tuple[str, str]]:
-    """Return the contacts of a grain that were found in a file of grains; a lattice has those that it must have."""
-    if case.packing.grains is None:
+    """Return the contacts of a grain that were found in a file of grains or a plane crystal."""
+    if case.packing.grains is None and not is_plane_crystal(case.packing.kind):
         return []
     assembly = assemble(case)
     found = Counter(assembly.contacts().ravel().tolist())
     grains = Counter(found.values())
     alone = assembly.n_spheres - len(found)
-    counts = ", ".join(f"{n} of {number}" for number, n in sorted((grains | Counter({0: alone})).items()) if n)
+    counts = [(number, n) for number, n in sorted((grains | Counter({0: alone})).items()) if n]
+    parts = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in counts)
     mean = sum(found.values()) / assembly.n_spheres
-    return [("contacts of a grain", f"{mean:.3g} in the mean; grains with so many: {counts}")]
+    return [("contacts of a grain", f"{mean:.3g} in the mean: {parts}")]
+
+
+def _grains(case: Case, plan: Plan) -> tuple[str, str]:
+    """Return what the grains are called, and their number; by shapes where there are several."""
+    assembly = assemble(case)
+    if assembly.grains_called != GRAINS:
+        return assembly.grains_called, f"{plan.n_spheres}"
+    cylinders = sum(shape is not None for shape in assembly.grain_shapes())
+    return GRAINS, f"{plan.n_spheres}: {plan.n_spheres - cylinders} spheres and {cylinders} cylinders"
+
+
+def _static(case: Case) -> list[tuple[str, str]]:
+    """Return the load before the impact."""
+    stage = case.precompression
+    if stage is None:
+        return []
+    parts = [f"{_wall(name)} by {length:.4g} m" for name, length in stage.moves.items()]
+    parts += [f"{_wall(name)} to {force:.4g} N" for name, force in stage.presses.items()]
+    if stage.pressure is not None:
+        parts.append(f"{stage.pressure:.4g} Pa on the free faces")
+    if stage.force is not None:
+        parts.append(f"{stage.force:.4g} N on each grain of the top")
+    if stage.kind == "gravity":
+        parts.append(f"weight at {stage.acceleration:.4g} m/s^2")
+    if stage.takes_overlaps:
+        parts.append("overlaps at the start press")
+    return [("precompression", "; ".join(parts))] if parts else []
+
+
+def _wall(name: str) -> str:
+    return "the tube shrinks" if name == "tube" else f"the walls across {name} move in"
 
 
 def _of_large_packings(assembly: Assembly) -> list[tuple[str, str]]:

@@ -22,7 +22,7 @@ _HIGHEST = 6.5  # inches, of the picture
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
-_BELOW = 0.12  # widths of the picture below a tube
+_BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
 _SURFACES: WeakKeyDictionary[Result, Surface] = WeakKeyDictionary()
@@ -174,8 +174,9 @@ def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
             seen = camera.project(line)
             before = ((line[:-1] + line[1:] - low - high)[:, :2] @ camera.towards[:2]) > 0
             for start, end, is_before in zip(seen[:-1] * _MILLI, seen[1:] * _MILLI, before, strict=True):
-                look = {"linewidth": 0.4, "zorder": 3} if is_before else {"linewidth": 0.8, "zorder": -1}
-                axes.plot([start[0], end[0]], [start[1], end[1]], color=GREY, clip_on=False, **look)
+                width, order = (0.4, 3) if is_before else (0.8, -1)
+                pair = zip(start[:2], end[:2], strict=True)
+                axes.plot(*pair, color=GREY, clip_on=False, linewidth=width, zorder=order)
 
 
 def _has_outlines(result: Result) -> bool:

@@ -235,7 +235,7 @@ def _painted_grains(
     pitch: float,
 ) -> _Grains:
     """Paint spheres, and then cylinders where they are nearer to the viewer."""
-    is_cylinder = halves.any(axis=1)
+    is_cylinder: NDArray[np.bool_] = np.asarray(halves.any(axis=1))
     spheres = np.flatnonzero(~is_cylinder)
     front = _front(seen[spheres], radius[spheres], low, high, pitch)
     if len(spheres) == len(seen):

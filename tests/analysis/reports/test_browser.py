@@ -78,7 +78,7 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
     """A two-column figure has the font size of the page, alone in its gallery or not; others share a row."""
     run = write_run(tmp_path / "run", figures=False)
     (run / "figures").mkdir()
-    sizes = {"wave_front": (2100, 1300)} | ({} if alone else {"impactor_velocity": (1020, 1080), "probes": (1020, 700)})
+    sizes = {"target": (2100, 1300)} | ({} if alone else {"impactor_velocity": (1020, 1080), "probes": (1020, 700)})
     for name, size in sizes.items():
         Image.new("RGB", size, "white").save(run / "figures" / f"{name}.png", dpi=(300, 300))
     write_report([run], tmp_path / "report.html")
@@ -86,7 +86,7 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
         browser.open((tmp_path / "report.html").as_uri(), 1200)
         gallery = browser.evaluate("document.querySelector('#figures .gallery').clientWidth")
         width = "document.querySelector('#figures img[alt^=\"{}\"]').clientWidth"
-        assert browser.evaluate(width.format("Wave front")) > 0.9 * gallery
+        assert browser.evaluate(width.format("What reaches")) > 0.9 * gallery
         if not alone:
             assert browser.evaluate(width.format("Velocity of the struck")) < 0.5 * gallery
             tops = "[...document.querySelectorAll('#figures figure')].map((f) => f.offsetTop)"
