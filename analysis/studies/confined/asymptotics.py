@@ -91,6 +91,8 @@ def select(runs: Sequence[FinishedRun]) -> list[Theory]:
     ]
     known = [run for run in known if math.isfinite(_amplitude(run))]
     known.sort(key=lambda run: run.a)
+    printed = [run for run in known if from_thesis(run) and round(run.a, 7) in _LEGENDS]
+    known = printed if len(printed) == len(_LEGENDS) else known
     return [Theory(known)] if len(known) > 2 else []
 
 
