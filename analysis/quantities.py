@@ -173,8 +173,8 @@ ENTRIES = (
              "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
              "largest; 0 where the row has one state at every amplitude.", digits=".2g"),
     Quantity("unsteady_part", "Unsteady part",
-             "Part of the motion of the loaded and of the last bead that is not a sine of the load's frequency; the "
-             "larger of both.",
+             "Part of the motion of the loaded and of the last bead that is neither of the load's frequency nor of "
+             "twice or three times it; the larger of both.",
              digits=".2g"),
     Quantity("deck_changed", "Files of the deck changed by hand",
              "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),

@@ -24,6 +24,7 @@ from granwave.lammps_inputs.contact.measured_row import MeasuredRow, measured_ro
 Array = NDArray[np.float64]
 
 STEADY = 0.02  # part of the motion that a steady fit may leave
+_DENSE = 8  # instants in a period from which on its second and third harmonic are fitted too
 _HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
 _FADING = 0.1  # part of the record, its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
@@ -72,8 +73,8 @@ class SteadyMotion:
 
     @property
     def ratio(self) -> float | None:
-        """Amplitude of the last sphere over that of the loaded one; None if the motion of either is not steady."""
-        if not self.driven or self.unsteady > STEADY:
+        """Amplitude of the last sphere over that of the loaded one; None of a single one, or if one is not steady."""
+        if not self.driven or self.unsteady > STEADY or self.first == self.last:
             return None
         return float(abs(self.velocity[self.row.last])) / self.driven
 
@@ -114,14 +115,17 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
     -------
     tuple
         Complex amplitudes a of Re(a exp(i omega t)), and what the fit leaves over the whole, both (n_signals,); None
-        if there are fewer than three periods.
+        if there are fewer than three periods. The second and third harmonic, which a nonlinear row has in its steady
+        motion, are fitted too where the records are dense enough.
     """
     periods = math.floor((time[-1] - time[0]) / 2 * frequency * (1 + 1e-12))
     if periods < LEAST_PERIODS:
         return None
     inside = time >= time[-1] - periods / frequency * (1 + 1e-9)
     angle = 2 * np.pi * frequency * time[inside]
-    terms = np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=1)
+    dense = np.count_nonzero(inside) >= periods * _DENSE
+    parts = [part(n * angle) for n in ((1, 2, 3) if dense else (1,)) for part in (np.cos, np.sin)]
+    terms = np.stack([np.ones_like(angle), *parts], axis=1)
     values = signals[inside]
     fit, *_ = np.linalg.lstsq(terms, values, rcond=None)
     moving = values - values.mean(axis=0)

@@ -78,6 +78,8 @@ def wave_speed_of(result: Result) -> float | None:
     if "chain" not in result:
         return None
     rise = result["chain/contact_force"] - result["chain/contact_force"][0]
+    if not rise.size:  # a single bead
+        return None
     largest = rise.max(axis=0)
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
     arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)

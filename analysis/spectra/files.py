@@ -157,6 +157,7 @@ def tables_of_transmission(state: State, found: Transmission) -> dict[str, Table
         "transmission": {
             "frequency": (found.frequency, "Hz"),
             "drive": (found.drive, "1"),
+            "driven_together": (np.array(found.together, dtype=np.int64), "1"),
             "sensor": (list(found.sensors), "1"),
             "amplitude_ratio": (found.amplitude, "1"),
             "phase": (found.phase, "rad"),

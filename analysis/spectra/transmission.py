@@ -50,6 +50,8 @@ class Transmission:
         Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion cos(2 pi f t).
     end
         Kind of the far end.
+    together
+        Ids of the grains that are moved as the drive is.
     """
 
     drive: int
@@ -58,6 +60,7 @@ class Transmission:
     frequency: Array
     ratio: NDArray[np.complex128]
     end: str
+    together: tuple[int, ...] = ()
 
     @property
     def amplitude(self) -> Array:
@@ -79,8 +82,9 @@ def transmission(
     axis: str = "z",
     end: str = "",
     dampers: Array | None = None,
+    together: Sequence[int] = (),
 ) -> Transmission:
-    """Find the steady response to a prescribed motion of one grain.
+    """Find the steady response to a prescribed motion of one grain, or of several alike.
 
     Parameters
     ----------
@@ -92,6 +96,8 @@ def transmission(
         Far end: ``reflecting``, ``matched`` or ``layer:N``.
     dampers
         Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m s; none by default.
+    together
+        Ids of grains that are moved as the drive is.
 
     Raises
     ------
@@ -109,9 +115,11 @@ def transmission(
         stiffness = stiffness_of(network)
         damping = _matched(network, last) if kind == MATCHED else _layer(network, stiffness, last, share)
     freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
-    driven = freedom[_row(network, drive, "--drive"), direction] if _moves(network, drive, direction) else -1
-    if driven < 0:
-        raise InputError(f"--drive: grain {drive} is held along {axis}, expected one that moves")
+    driven = []
+    for one in dict.fromkeys((drive, *together)):
+        if not _moves(network, one, direction):
+            raise InputError(f"--drive: grain {one} is held along {axis}, expected one that moves")
+        driven.append(freedom[_row(network, one, "--drive"), direction])
     places = []
     for sensor in sensors:
         row = _row(network, sensor, "--sensor")
@@ -132,13 +140,13 @@ def transmission(
         if damped is not None:
             whole = whole - 1j * omega * damped
         whole = whole.astype(np.complex128).tocsc()
-        column = whole[:, [driven]].toarray().ravel()
+        column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
         motion = np.zeros(network.n_freedoms, dtype=np.complex128)
         motion[driven] = 1.0
         if len(others):
             motion[others] = factorised(whole[others][:, others]).solve(-column[others])
         ratio[row] = motion[places]
-    return Transmission(drive, tuple(sensors), axis, frequency, ratio, end)
+    return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
 
 
 def _row(network: Network, grain: int, option: str) -> int:

@@ -52,6 +52,7 @@ STUDIES: dict[str, str] = {
     "precompressed-impact": "precompression.packing_impact",
     "bands": "bands.simulated",
     "tunable-gap": "bands.tunnel",
+    "resonance": "bands.resonance",
     "settled-packing": "precompression.settled",
     "preconditioned": "precompression.preconditioned",
     "repeated-hits": "precompression.hits",

@@ -20,6 +20,7 @@ from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.inference.quantities import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
 from granwave.analysis.quantity_notes import NOTES
+from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
@@ -162,6 +163,9 @@ _PARTS: dict[str, Callable[..., str]] = {
     "keys": keys_of,
     "quantities": quantities,
     "inference": lambda: quantities(OF_INFERENCE),
+    "bands": lambda: quantities(OF_BANDS),
+    "modes": lambda: quantities(OF_MODES),
+    "transmission": lambda: quantities(OF_TRANSMISSION),
     "commands": commands,
     "cases": studies_of(library.CASES),
     "scans": studies_of(library.SCANS),

@@ -45,7 +45,7 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
         if line is None:
             return None
         group, ids = f"lines/{line.name}", line_ids(assembly, line)
-    if len(ids) < 2:
+    if not ids:
         return None
     struck = set(struck_of(assembly))
     first = next((place for place, one in enumerate(ids) if one in struck), 0)

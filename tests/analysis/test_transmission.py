@@ -268,3 +268,32 @@ def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
     assert outcome.summary["amplitude_hysteresis"] == pytest.approx(found.apart) and found.apart < 0.15
     share = found.last[1] / found.last[0]
     assert share[3] > 1.5 * share[1] and share.max() < 0.2
+
+
+def test_a_driven_packing_transmits_what_the_linear_response_says(tmp_path):
+    """The top layer of an FCC packing is shaken: amplitudes down a line of a run, and from the springs."""
+    top, down = list(range(1, 13)), [1 + 12 * layer for layer in range(16)]
+    load = {
+        "kind": "displacement",
+        "shape": "harmonic",
+        "amplitude": 5e-9,
+        "frequency": 9e3,
+        "ramp": 4e-4,
+        "index": top,
+    }
+    changes = {"packing.size": [3, 4, 16], "load": load, "line": [{"name": "down", "index": down}],
+               "absorb": [{"layers": 12, "rate": 5e4}], "run.end_time": 2e-3, "run.timestep": 4e-7, "run.frames": 2}  # fmt: skip
+    case = load_case("precompressed-fcc", changes)
+    outcome = run_case(case, tmp_path / "run", figures=False)
+    with Result(tmp_path / "run") as result:
+        found = transmission_of(result)
+    assert (found.first, found.last) == (1, 37) and outcome.summary["transmission"] == found.ratio
+    linear, _, _ = steady(case, None, drive=top, sensors=down[1:4], frequency=np.array([9e3]))
+    assert np.abs(found.velocity[1:4]) / found.driven == pytest.approx(linear.amplitude[0], rel=0.02)
+
+
+def test_harmonics_belong_to_a_steady_motion():
+    time = np.linspace(0, 1e-2, 1201)
+    angle = 2 * np.pi * 1e3 * time
+    found = steady_amplitudes(time, (np.cos(angle) + 0.2 * np.cos(2 * angle))[:, None], 1e3)
+    assert found is not None and found[0][0] == pytest.approx(1) and found[1][0] == pytest.approx(0, abs=1e-12)

@@ -454,7 +454,13 @@ def _spectra(verbs: argparse._SubParsersAction) -> None:
         verbs, "transmission", spectra.transmission, "steady response of a finite packing to a grain that is shaken"
     )
     _source(steady)
-    steady.add_argument("--drive", type=positive, required=True, metavar="ID", help="grain that is shaken; required")
+    steady.add_argument(
+        "--drive",
+        type=spectra.ids,
+        required=True,
+        metavar="ID",
+        help="grain that is shaken, or several, with commas, that are shaken alike; required",
+    )
     steady.add_argument("--sensor", type=spectra.ids, required=True, metavar="ID,...", help="grains that are watched")
     steady.add_argument(
         "--frequencies",

@@ -143,7 +143,7 @@ def transmission(
     changes: Mapping[str, Any] | None = None,
     /,
     *,
-    drive: int,
+    drive: int | Sequence[int],
     sensors: int | Sequence[int],
     frequencies: ArrayLike,
     axis: str = "",
@@ -160,7 +160,7 @@ def transmission(
     source, changes, keys, directions, directory, force
         As in `bands`.
     drive, sensors
-        Ids of the grain that is moved, and of those that are watched.
+        Ids of the grain that is moved, or of several that are moved alike, and of those that are watched.
     frequencies
         (n,), Hz.
     axis
@@ -185,7 +185,7 @@ def transmission(
         found, state, _ = commands.steady(
             _source(source, changes, keys),
             None if directory is None else Path(home(directory)),
-            drive=drive,
+            drive=drive if isinstance(drive, int) else list(drive),
             sensors=[sensors] if isinstance(sensors, int) else list(sensors),
             frequency=np.atleast_1d(np.asarray(frequencies, dtype=float)),
             axis=axis,

@@ -171,7 +171,7 @@ def steady(
     source: Case | Path,
     directory: Path | None,
     *,
-    drive: int,
+    drive: int | Sequence[int],
     sensors: Sequence[int],
     frequency: Array,
     axis: str = "",
@@ -186,6 +186,8 @@ def steady(
     ----------
     directory
         As in `bands`.
+    drive
+        Grain that is moved, or several that are moved alike.
     frequency
         (n,), Hz.
     axis
@@ -199,7 +201,10 @@ def steady(
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
     dampers = dampers_of(assemble(state.case), state.network) if state.case.absorb else None
-    found = transmission(stiffness_of(state.network), drive, sensors, frequency, axis=axis, end=end, dampers=dampers)
+    first, *together = [drive] if isinstance(drive, int) else drive
+    found = transmission(
+        stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers, together=together
+    )
     if place is None:
         return found, state, []
     n = len(found.sensors)
@@ -229,6 +234,7 @@ def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
         "n_contacts": len(state.network.springs),
         "n_left_out": len(state.network.left_out),
         "drive": found.drive,
+        "driven_together": list(found.together),
         "sensors": list(found.sensors),
         "axis": found.axis,
         "end": found.end,

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 import granwave as gw
+from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
+from granwave.workflows import load_case
 from granwave.workflows.cli.parser import main
+from granwave.workflows.spectra import commands
 
 ROW = """
 name = "row"
@@ -96,3 +99,15 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
     np.testing.assert_allclose(gw.modes(run).frequency, gw.modes("row.toml").frequency, rtol=1e-6)
     assert main(["bands", str(run.directory), "--set", "packing.size=3"]) == 2
     assert "which is done" in capsys.readouterr().err
+
+
+def test_each_value_has_its_entry(row):
+    case, tables = load_case("row.toml"), (OF_BANDS, OF_MODES, OF_TRANSMISSION)
+    found, state, _ = commands.steady(case, None, drive=[1, 2], sensors=[5], frequency=np.array([1e3]))
+    values = (
+        commands.bands(case, None, points=3)[0].summary(),
+        commands.modes(case, None)[0].summary(),
+        commands.transmission_summary(state, found),
+    )
+    for table, summary in zip(tables, values, strict=True):
+        assert {one.name for one in table} == set(summary)
