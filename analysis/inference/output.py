@@ -64,7 +64,7 @@ def write_inference(
     claim(directory, [*written, SUMMARY_FILE], kind=INFERENCE)
     for name, columns in written.items():
         with replacing(directory / name) as scratch:
-            write_csv(columns, scratch)
+            write_csv(columns, scratch, exact=True)
     replace_text(directory / SUMMARY_FILE, json.dumps(plain(dict(summary)), indent=2, allow_nan=False) + "\n")
     if not figures:
         return

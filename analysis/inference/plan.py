@@ -16,7 +16,7 @@ from granwave.analysis.inference.grains import Array, Grains, State, stiffness
 from granwave.analysis.inference.infer import Inference, Settings, infer, relative_noise
 from granwave.analysis.inference.output import write_inference
 from granwave.analysis.inference.table import groups
-from granwave.analysis.inference.tables import summary_of
+from granwave.analysis.inference.tables import force_columns, summary_of
 from granwave.analysis.inference.truth import Run, read_run, seen_by_camera
 from granwave.analysis.inference.weights import Noise
 from granwave.analysis.result.reader import Result
@@ -72,9 +72,19 @@ class Plan:
     spread: Array
     summary: dict[str, Any]
 
+    @property
+    def true_columns(self) -> Columns:
+        """Columns of forces.csv with the true forces."""
+        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
+        return {"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear}
+
+    @property
+    def forces(self) -> Columns:
+        """All columns of forces.csv."""
+        return {**force_columns([self.found], [self.time]), **self.true_columns}
+
     def write(self, directory: Path, *, figures: bool = True) -> None:
         """Write the files of the inference, with the true forces and the table of the measurement."""
-        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
         drawing = drawings.against_noise(self.noise, self.error, self.spread) if len(self.noise) > 1 else None
         write_inference(
             directory,
@@ -83,7 +93,7 @@ class Plan:
             self.summary,
             figures=figures,
             measurement=self.measurement,
-            more_forces={"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear},
+            more_forces=self.true_columns,
             noise_drawing=drawing if figures else None,
         )
 
