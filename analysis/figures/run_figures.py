@@ -66,15 +66,15 @@ FIGURES: dict[str, RunFigure] = {
         "Dissipation, plane of the case", partial(sections.dissipation_section, name="section")
     ),
     "dissipation_parts_principal": RunFigure(
-        "Dissipation by yielding and by friction, principal plane",
+        "Dissipation by yielding, friction and viscous losses, principal plane",
         partial(sections.dissipation_parts_section, name="principal"),
     ),
     "dissipation_parts_orthogonal": RunFigure(
-        "Dissipation by yielding and by friction, plane orthogonal to it",
+        "Dissipation by yielding, friction and viscous losses, plane orthogonal to it",
         partial(sections.dissipation_parts_section, name="orthogonal"),
     ),
     "dissipation_parts_section": RunFigure(
-        "Dissipation by yielding and by friction, plane of the case",
+        "Dissipation by yielding, friction and viscous losses, plane of the case",
         partial(sections.dissipation_parts_section, name="section"),
     ),
     "dents_principal": RunFigure(

@@ -95,10 +95,10 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding or by friction only."""
+    """Return the colouring by dissipation over input; ``part``: by yielding, friction or (viscous) losses only."""
     values = result["spheres/dissipated_energy"]
     if part:
-        values = result["spheres/friction_energy"] if part == "friction" else result.yield_energy
+        values = result.yield_energy if part == "yielding" else result[f"spheres/{part}_energy"]
     column = f"{part}_over_input" if part else "dissipated_over_input"
     label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
     options = result.figure_options
@@ -122,10 +122,12 @@ def dissipation_section(result: Result, name: str) -> Drawing | None:
 
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
-    """Draw dissipation by yielding and by friction separately on the principal or orthogonal plane."""
-    if not result.has("spheres/friction_energy"):
+    """Draw dissipation by yielding, friction and viscous losses separately on the principal or orthogonal plane."""
+    parts = ["yielding"] if result.yields or result.yield_energy.any() else []
+    parts += [part for part in ("friction", "viscous") if result.has(f"spheres/{part}_energy")]
+    if len(parts) < 2:
         return None
-    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in ("yielding", "friction")))
+    return section_drawing(result, name, *(dissipation_colouring(result, part) for part in parts))
 
 
 def dents_section(result: Result, name: str) -> Drawing | None:
