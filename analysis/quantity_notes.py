@@ -69,7 +69,8 @@ NOTES = {
     "unprotected_ground_peak_force_N": "The same impact directly on the bottom.",
     "peak_reduction_per_kg": "Peak reduction over the mass of the packing.",
     "peak_reduction_per_m": "Peak reduction over the height of the packing.",
-    "wave_speed_m_s": "Of the first arrival in the deeper half of the packing; it takes nine layers.",
+    "wave_speed_m_s": "Of the first arrival in the deeper half of the packing; it takes nine layers. Null of cylinders "
+    "beside each other.",
     "impactor_velocity_m_s": "Along the impact; negative: it moves back.",
     "punch_peak_displacement_m": "Into the block.",
     "restitution": "Of a single sphere on a rigid wall, or of two spheres of which one is struck.",

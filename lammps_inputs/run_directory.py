@@ -65,6 +65,7 @@ FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml"
 
 # Of an inference of contact forces; its summary is SUMMARY_FILE.
 INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT = "forces.csv", "grains.csv", "measurement.csv"
+MADE_CASE = "measurement.toml"
 
 # Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in the file.
 SPECTRA_FILE = "spectra.h5"

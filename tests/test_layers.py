@@ -18,7 +18,7 @@ FLOORS = """
 workflows/__main__
 workflows/cli workflows/python
 workflows/bench
-workflows/spectra
+workflows/inference workflows/spectra
 workflows/scanning
 workflows/run
 workflows/library

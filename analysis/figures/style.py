@@ -262,21 +262,27 @@ class FigureFolder:
         return [path.stem for path in files if str(path.parent) == FIGURES_DIRECTORY and path.suffix == ".png"]
 
 
-def write_csv(columns: Columns, path: Path) -> None:
-    """Write columns as CSV with a header; columns may differ in length."""
-    path.write_bytes(_csv(columns))
+def write_csv(columns: Columns, path: Path, *, exact: bool = False) -> None:
+    """Write columns as CSV with a header; columns may differ in length.
+
+    Parameters
+    ----------
+    exact
+        True for all digits of numbers, so that they are read back as they are; 10 otherwise.
+    """
+    path.write_bytes(_csv(columns, exact=exact))
 
 
-def _csv(columns: Columns) -> bytes:
+def _csv(columns: Columns, *, exact: bool = False) -> bytes:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(zip_longest(*(_texts(values) for values in columns.values()), fillvalue=""))
+    writer.writerows(zip_longest(*(_texts(values, exact) for values in columns.values()), fillvalue=""))
     return text.getvalue().encode("utf-8")
 
 
-def _texts(values: ArrayLike) -> list[str]:
+def _texts(values: ArrayLike, exact: bool) -> list[str]:
     array = np.asarray(values)
     if array.dtype.kind == "f":
-        return ["" if value != value else f"{value:.10g}" for value in array.tolist()]
+        return ["" if value != value else repr(value) if exact else f"{value:.10g}" for value in array.tolist()]
     return [str(value) for value in array.tolist()]

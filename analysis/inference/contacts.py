@@ -64,6 +64,13 @@ class Contacts:
         """Unit normals into the first grain: (m, d)."""
         return self.basis[:, :, 0]
 
+    def touched(self, n_grains: int) -> NDArray[np.bool_]:
+        """Return True for grains with a possible contact: (n_grains,)."""
+        found = np.zeros(n_grains, dtype=bool)
+        found[self.first] = True
+        found[self.second[self.second >= 0]] = True
+        return found
+
     def vectors(self, force: Array) -> Array:
         """Return forces on the first grains as vectors, from normal and tangential components: (m, d), N."""
         return np.einsum("mij,mj->mi", self.basis, force)

@@ -9,7 +9,7 @@ z have one component in the plane.
 from __future__ import annotations
 
 import dataclasses
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +76,12 @@ class Grains:
 
     def __len__(self) -> int:
         return len(self.radius)
+
+    def take(self, rows: NDArray[np.bool_]) -> Grains:
+        """Return some of the grains."""
+        values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        taken: dict[str, Any] = {name: None if value is None else value[rows] for name, value in values.items()}
+        return Grains(**taken)
 
     @property
     def dimension(self) -> int:

@@ -199,9 +199,7 @@ def _few(ids: NDArray[np.int64]) -> str:
 
 def refuse_lonely(grains: Grains, contacts: Contacts, tolerance: float) -> None:
     """Raise InputError if a grain touches nothing."""
-    touched = np.zeros(len(grains), dtype=bool)
-    touched[contacts.first] = True
-    touched[contacts.second[contacts.second >= 0]] = True
+    touched = contacts.touched(len(grains))
     if not touched.all():
         raise InputError(
             f"grain {_few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
 from granwave.analysis.figures.style import Columns, Drawing, FigureFolder, style, write_csv
 from granwave.analysis.inference import drawings
 from granwave.analysis.inference.infer import Inference
@@ -17,12 +19,13 @@ from granwave.lammps_inputs.run_directory import (
     INFERENCE,
     INFERRED_FORCES,
     INFERRED_GRAINS,
+    MADE_CASE,
     MADE_MEASUREMENT,
     SUMMARY_FILE,
 )
 
 FIGURES = ("force_network", "residuals", "force_errors", "modulus", "noise")
-FILES = (INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT, SUMMARY_FILE)
+FILES = (INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT, MADE_CASE, SUMMARY_FILE)
 WRITTEN = (*FILES, *(file for name in FIGURES for file in figure_files(name)))
 
 
@@ -34,6 +37,7 @@ def write_inference(
     *,
     figures: bool = True,
     measurement: Columns | None = None,
+    case: Mapping[str, Any] | None = None,
     more_forces: Columns | None = None,
     noise_drawing: Drawing | None = None,
 ) -> None:
@@ -45,6 +49,8 @@ def write_inference(
     ----------
     measurement
         Columns of measurement.csv, of measurements made of a run.
+    case
+        Tables of measurement.toml, the case that measurement.csv is inferred with.
     more_forces
         Further columns of forces.csv.
     noise_drawing
@@ -61,11 +67,15 @@ def write_inference(
     written[INFERRED_GRAINS] = dict(grain_columns(found, times))
     if measurement is not None:
         written[MADE_MEASUREMENT] = dict(measurement)
-    claim(directory, [*written, SUMMARY_FILE], kind=INFERENCE)
+    texts = {SUMMARY_FILE: json.dumps(plain(dict(summary)), indent=2, allow_nan=False) + "\n"}
+    if case is not None:
+        texts[MADE_CASE] = tomli_w.dumps(plain(dict(case)))
+    claim(directory, [*written, *texts], kind=INFERENCE)
     for name, columns in written.items():
         with replacing(directory / name) as scratch:
-            write_csv(columns, scratch)
-    replace_text(directory / SUMMARY_FILE, json.dumps(plain(dict(summary)), indent=2, allow_nan=False) + "\n")
+            write_csv(columns, scratch, exact=True)
+    for name, text in texts.items():
+        replace_text(directory / name, text)
     if not figures:
         return
     shown = max(found, key=lambda one: float(one.force.max(initial=0.0)))

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import Columns
 from granwave.analysis.inference import drawings
-from granwave.analysis.inference.case import Infer, InferCase
+from granwave.analysis.inference.case import FIND, GIVEN, Infer, InferCase
+from granwave.analysis.inference.contacts import Wall, find_contacts
 from granwave.analysis.inference.grains import Array, Grains, State, stiffness
 from granwave.analysis.inference.infer import Inference, Settings, infer, relative_noise
 from granwave.analysis.inference.output import write_inference
 from granwave.analysis.inference.table import groups
-from granwave.analysis.inference.tables import summary_of
+from granwave.analysis.inference.tables import force_columns, summary_of
 from granwave.analysis.inference.truth import Run, read_run, seen_by_camera
 from granwave.analysis.inference.weights import Noise
 from granwave.analysis.result.reader import Result
@@ -59,6 +62,8 @@ class Plan:
         Inference from the first measurement with the largest noise.
     true
         True forces, components as in `Inference.force`: (m, d), N.
+    measurement, case
+        That measurement, and the tables of the case that it is inferred with.
     noise, error, spread
         Noise, and mean and standard deviation of the error of the forces over the repetitions: (n,).
     """
@@ -67,14 +72,25 @@ class Plan:
     true: Array
     time: float
     measurement: Columns
+    case: dict[str, Any]
     noise: Array
     error: Array
     spread: Array
     summary: dict[str, Any]
 
+    @property
+    def true_columns(self) -> Columns:
+        """Columns of forces.csv with the true forces."""
+        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
+        return {"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear}
+
+    @property
+    def forces(self) -> Columns:
+        """All columns of forces.csv."""
+        return {**force_columns([self.found], [self.time]), **self.true_columns}
+
     def write(self, directory: Path, *, figures: bool = True) -> None:
         """Write the files of the inference, with the true forces and the table of the measurement."""
-        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
         drawing = drawings.against_noise(self.noise, self.error, self.spread) if len(self.noise) > 1 else None
         write_inference(
             directory,
@@ -83,7 +99,8 @@ class Plan:
             self.summary,
             figures=figures,
             measurement=self.measurement,
-            more_forces={"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear},
+            case=self.case,
+            more_forces=self.true_columns,
             noise_drawing=drawing if figures else None,
         )
 
@@ -119,13 +136,15 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
     compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
     exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
     walls = run.walls(number)
+    kept_rows = find_contacts(exact, walls, settings.tolerance).touched(len(exact))
+    exact, notes = exact.take(kept_rows), _left_out(run, kept_rows)
     rng = np.random.default_rng(camera.seed)
     means, deviations, off, kept = [], [], [], None
     levels = sorted(camera.noise)
     for level in levels:
         errors = []
         for repetition in range(camera.repetitions if level or camera.position_noise else 1):
-            measured, noise = _measure(run, number, exact, level, camera, rng)
+            measured, noise = _measure(run, number, exact, kept_rows, level, camera, rng)
             off.append(_relative(measured.acceleration, exact.acceleration))
             own = dataclasses.replace(settings, noise=noise, repetitions=0)
             one = infer(measured, walls, own)
@@ -137,7 +156,7 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
     assert kept is not None
     found = infer(kept[0], walls, dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions))
     time = float(run.times[number])
-    summary = summary_of(name, str(source), state, [found], [time], [])
+    summary = summary_of(name, str(source), state, [found], [time], notes)
     several = len(levels) > 1
     summary |= {
         "true_force_error": means if several else means[0],
@@ -147,8 +166,38 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
         "acceleration_error": float(np.mean(off)),
     }
     return Plan(
-        found, true, time, _columns(kept[0], run), np.array(levels), np.array(means), np.array(deviations), summary
+        found,
+        true,
+        time,
+        _columns(kept[0], run, kept_rows),
+        _case(run, state, found.settings, walls),
+        np.array(levels),
+        np.array(means),
+        np.array(deviations),
+        summary,
     )
+
+
+def _case(run: Run, state: State, settings: Settings, walls: Mapping[str, Wall]) -> dict[str, Any]:
+    """Return the tables of a case with which `granwave infer` reads the measurement; materials are in its columns."""
+    wanted: dict[str, Any] = {
+        "state": state,
+        "friction": settings.friction,
+        "wall_friction": settings.wall_friction,
+        "thickness": run.length,
+        "contact_tolerance": settings.tolerance,
+        "modulus": FIND if settings.find_modulus else GIVEN,
+        "repetitions": settings.repetitions,
+        "ridge": settings.ridge,
+        "weights": settings.weights,
+        "walls": {name: {"point": list(wall.point), "normal": list(wall.normal)} for name, wall in walls.items()},
+    }
+    noise = {name: size for name, size in dataclasses.asdict(settings.noise).items() if size}
+    if noise:
+        wanted["noise"] = noise
+    names = ("density", "youngs_modulus", "poisson_ratio")
+    material = {name: float(getattr(run, name)[0]) for name in names}
+    return {"material": material, "infer": {name: value for name, value in wanted.items() if value is not None}}
 
 
 def _settings(run: Run, case: InferCase | None) -> tuple[State, Settings]:
@@ -177,9 +226,18 @@ def _snapshot(run: Run, camera: Camera) -> int:
 
 
 def _measure(
-    run: Run, number: int, exact: Grains, level: float, camera: Camera, rng: np.random.Generator
+    run: Run,
+    number: int,
+    exact: Grains,
+    rows: NDArray[np.bool_],
+    level: float,
+    camera: Camera,
+    rng: np.random.Generator,
 ) -> tuple[Grains, Noise]:
-    """Return grains with errors, and the standard deviations of these as an experimenter would know them."""
+    """Return grains with errors, and the standard deviations of these as an experimenter would know them.
+
+    ``exact`` are the grains ``rows`` of the run.
+    """
     scale = relative_noise(exact, level) if level else Noise()
     assert exact.compliance is not None
     strain = np.einsum("nij,nj->ni", exact.compliance, exact.stress)
@@ -193,7 +251,8 @@ def _measure(
         if scale.angular_acceleration:
             turning = turning + scale.angular_acceleration * rng.normal(size=turning.shape)
         return dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning), scale
-    acceleration, turning = seen_by_camera(run, number, camera.frame_rate, camera.position_noise, rng)
+    seen = seen_by_camera(run, number, camera.frame_rate, camera.position_noise, rng)
+    acceleration, turning = seen[0][rows], seen[1][rows]
     unseen = ~exact.has_motion
     acceleration[unseen], turning[unseen] = np.nan, np.nan
     # an experimenter knows the error of places, and sees the strains'; differences over too long frames stay unknown
@@ -208,8 +267,14 @@ def _relative(found: Array, true: Array) -> float:
     return float(np.linalg.norm((found - true)[known])) / size if size > 0 else 0.0
 
 
-def _columns(grains: Grains, run: Run) -> Columns:
-    """Return the columns of the measurement, as `granwave infer` reads them."""
+def _left_out(run: Run, rows: NDArray[np.bool_]) -> list[str]:
+    """Return the note on grains that touch nothing at the instant, whose forces are zero."""
+    lonely = run.ids[~rows]
+    return [f"{len(lonely)} of {len(rows)} grains touch nothing and are left out"] if len(lonely) else []
+
+
+def _columns(grains: Grains, run: Run, rows: NDArray[np.bool_]) -> Columns:
+    """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer` reads them."""
     names = groups(grains.dimension)
     assert grains.compliance is not None
     values = {
@@ -225,5 +290,5 @@ def _columns(grains: Grains, run: Run) -> Columns:
         if group == "force" and not table.any():
             continue
         columns |= dict(zip(names[group], table.T, strict=True))
-    material = (run.density, run.youngs_modulus, run.poisson_ratio)
+    material = (run.density[rows], run.youngs_modulus[rows], run.poisson_ratio[rows])
     return columns | dict(zip(names["material"], material, strict=True))

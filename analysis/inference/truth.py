@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +16,15 @@ from granwave.analysis.inference.grains import PAIRS, Array, Grains, volume_of
 from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.shape import Cylinder
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
 _OF_SPHERE = 0.4  # moment of inertia over m R^2
+#: Components of vectors of a run that are x and y of its measurement, by the axis of cylinders.
+_TURNS = {"y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), "z": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])}
 _REST = 1e-6  # of the largest contact force: a force beside those of contacts that is smaller is rounding
 
 
@@ -242,10 +247,12 @@ def read_run(result: Result) -> Run:
                         (any(wall.tube for wall in there), "a tube")):  # fmt: skip
         if found:
             raise InputError(f"{directory}: has {name}, expected grains between planes, as a camera would see them")
-    shape, length = getattr(case.packing, "shape", "sphere"), getattr(case.packing, "length", None)
-    plane = shape == "cylinder"
-    turn = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]) if plane else np.eye(3)
-    about = np.array([[0.0, 1.0, 0.0]]) if plane else np.eye(3)  # axis of rotation in the plane
+    cylinder = _cylinders(assembly, directory)
+    plane, axis = cylinder is not None, ""
+    turn, about = np.eye(3), np.eye(3)
+    if cylinder is not None:
+        axis = "y" if cylinder.axis[1] else "z"
+        turn, about = _TURNS[axis], np.eye(3)[["xyz".index(axis)]]  # about the axis of rotation
     frames, forces = list(read_frames(directory)), list(read_frame_forces(directory))
     by_step = {frame.step: frame for frame in forces}
     frames = [frame for frame in frames if frame.step in by_step]
@@ -257,7 +264,7 @@ def read_run(result: Result) -> Run:
     fixes = {
         wall.name: (wall, tuple(fix for fix, _, _ in wall_fixes(assembly, wall)))
         for wall in there
-        if not wall.held_layer
+        if not wall.held_layer and "xyz"[wall.axis] != axis
     }
     moved = {
         name: np.interp(times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
@@ -272,7 +279,7 @@ def read_run(result: Result) -> Run:
     run = Run(
         directory=str(directory),
         dimension=2 if plane else 3,
-        length=float(length) if plane and length else 1.0,
+        length=1.0 if cylinder is None else cylinder.length,
         density=density,
         youngs_modulus=np.array([material.youngs_modulus for material in materials]),
         poisson_ratio=np.array([material.poisson_ratio for material in materials]),
@@ -294,6 +301,24 @@ def read_run(result: Result) -> Run:
     inertia = _OF_SPHERE * density * run.volume * radius**2
     torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in run.frames])
     return dataclasses.replace(run, angular_acceleration=torque / inertia[:, None])
+
+
+def _cylinders(assembly: Assembly, directory: Path) -> Cylinder | None:
+    """Return the shape of the cylinders of a run; None for spheres.
+
+    Raises
+    ------
+    InputError
+        Grains have different shapes, or axes other than y and z.
+    """
+    shapes = set(assembly.grain_shapes())
+    one = shapes.pop()
+    if shapes or (one is not None and 1.0 not in np.abs(one.axis[1:])):
+        raise InputError(
+            f"{directory}: has cylinders of several lengths or axes, or spheres too; expected spheres, or cylinders of "
+            "one length along y or z"
+        )
+    return one
 
 
 def seen_by_camera(run: Run, number: int, rate: float, noise: float, rng: np.random.Generator) -> tuple[Array, Array]:

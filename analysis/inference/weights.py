@@ -43,9 +43,14 @@ class Noise:
 
     def complete(self, grains: Grains) -> bool:
         """Return True if the standard deviations of all that was measured are known."""
-        needed = [self.of_tensor(grains)] if grains.has_stress.any() else []
-        needed += [self.acceleration] if grains.has_motion.any() else []
-        return all(needed)
+        return not self.missing(grains)
+
+    def missing(self, grains: Grains) -> tuple[str, ...]:
+        """Return the names of the standard deviations that are not known of what was measured."""
+        tensor = "stress" if grains.compliance is None else "strain"
+        needed = {tensor: self.of_tensor(grains)} if grains.has_stress.any() else {}
+        needed |= {"acceleration": self.acceleration} if grains.has_motion.any() else {}
+        return tuple(name for name, size in needed.items() if not size)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

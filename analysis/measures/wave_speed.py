@@ -71,8 +71,13 @@ def wave_speed_of(result: Result) -> float | None:
     There the wave is at a contact once its force has risen by a tenth of its largest rise, if that was over before the
     end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with
     the contact stiffness k under the static force.
+
+    None of cylinders beside each other: the stiffness of their contacts hardly grows with the force, so that the first
+    force at all runs ahead of the wave without a limit. Lines of grains have a front speed.
     """
     diameter = result.case.packing.diameter
+    if _beside_each_other(result):
+        return None
     if result.case.precompression is None:
         return _slope(*_arrivals(result, diameter), diameter)
     if "chain" not in result:
@@ -84,6 +89,14 @@ def wave_speed_of(result: Result) -> float | None:
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
     arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)
     return wave_speed(result["chain/contact_position"] - result.origin[2], arrival, diameter)
+
+
+def _beside_each_other(result: Result) -> bool:
+    """Return True if all grains are cylinders with parallel axes."""
+    if not result.assembly.has_cylinders:
+        return False
+    axes = [one.axis if one else None for one in result.assembly.shapes]
+    return None not in axes and len(set(axes)) == 1
 
 
 def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 
+_ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
 _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
 
@@ -62,7 +63,9 @@ class _Spheres:
     def yield_energy(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
         others = [f"spheres/{name}" for name in ("friction_energy", "viscous_energy")]
-        return self["spheres/dissipated_energy"] - sum(self[name] for name in others if self.has(name))
+        whole = self["spheres/dissipated_energy"]
+        rest = whole - sum(self[name] for name in others if self.has(name))
+        return np.where(rest > _ROUNDING * whole, rest, 0.0)
 
 
 class Result(_Spheres):

@@ -124,7 +124,9 @@ class Striker:
     )
     length: float | None = length_field()
     axis: Vector | None = custom(  # noqa: RUF009
-        "direction of the axis of a cylinder; along y by default", parse_axis, default=None
+        "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
+        parse_axis,
+        default=None,
     )
     material: Material | None = None
 

@@ -360,10 +360,22 @@ def _read_sides(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case with implied values: strikers as the load, a bar for a bottom, frames of a film."""
+    """Return the tables of a case with implied values.
+
+    These are strikers as the load, the axis of strikers, a bar for a bottom, and frames of a film.
+    """
     data = dict(data)
     if "striker" in data and "load" not in data:
         data["load"] = {"kind": "striker"}
+    packing, strikers = data.get("packing"), data.get("striker")
+    if isinstance(packing, Mapping) and isinstance(strikers, list | tuple) and packing.get("shape") == "cylinder":
+        axis = packing.get("axis", "z" if packing.get("kind") == "square" else None)  # rows of a square are along y
+        data["striker"] = [
+            {**one, "axis": axis}
+            if axis is not None and isinstance(one, Mapping) and one.get("shape") == "cylinder" and "axis" not in one
+            else one
+            for one in strikers
+        ]
     boundary = data.get("boundary", {})
     if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
         data["boundary"] = {**boundary, "bottom": "free"}

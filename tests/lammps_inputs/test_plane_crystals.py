@@ -131,3 +131,15 @@ def test_what_cannot_be(changes: dict[str, Any], said: str) -> None:
     with pytest.raises(InputError) as found:
         crystal(size=size, **changes)
     assert any(said in line for line in found.value.errors), found.value.errors
+
+
+def test_a_cylinder_that_strikes_lies_as_those_of_the_packing() -> None:
+    """In a square, whose rows are along x and y, cylinders are along z."""
+    case = case_from_dict({
+        "name": "square", "packing": {"kind": "square", "size": [3, 3], "shape": "cylinder", "length": 0.02,
+                                      "diameter": 0.01},
+        "material": "steel", "contact": {"law": "line"}, "boundary": {"bottom": "free"},
+        "striker": [{"touches": [2], "velocity": [0, 1, 0], "shape": "cylinder", "length": 0.02}],
+    })  # fmt: skip
+    assert case.striker[0].body == case.packing.of_grain
+    assert case.packing.of_grain is not None and case.packing.of_grain.axis == (0.0, 0.0, 1.0)

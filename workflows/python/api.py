@@ -21,6 +21,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
 from granwave.workflows.python.contacts import contact_energy, contact_force, contact_overlap, contact_stiffness
+from granwave.workflows.python.inference import InferredForces, infer
 from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
 from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
 from granwave.workflows.python.spectra import bands, modes, transmission
@@ -31,6 +32,7 @@ from granwave.workflows.solvers import GRANULAR
 __all__ = [
     "Case",
     "GranwaveError",
+    "InferredForces",
     "InputError",
     "MissingOutputError",
     "OutputFormatError",
@@ -43,6 +45,7 @@ __all__ = [
     "contact_force",
     "contact_overlap",
     "contact_stiffness",
+    "infer",
     "load",
     "modes",
     "run",

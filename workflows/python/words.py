@@ -15,6 +15,9 @@ _WORDS = (
     (re.compile(r"--(force|resume)\b"), r"\1=True"),
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r" with -o\b"), " with directory=..."),
+    (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
+    (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
+    (re.compile(r"^-o "), "directory: "),
 )
 
 

@@ -103,9 +103,10 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
         for part, (name, colour, line) in styles.items()
         if result.has(f"spheres/{name}")
     }
-    if not others or (not result.yields and "friction" not in others):
-        return {}
-    return {"yielding": (result.yield_energy, ORANGE, "--")} | others
+    yielding = result.yield_energy
+    if result.yields or yielding.any():
+        others = {"yielding": (yielding, ORANGE, "--")} | others
+    return others if len(others) > 1 else {}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:

@@ -46,6 +46,7 @@ _LOST_OTHERWISE = {
     "friction": "friction", "viscous losses": "viscous", "holder": "holder", "support's damper": "support_lost",
     "absorbed": "absorbed",
 }  # fmt: skip
+_ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
 
@@ -101,6 +102,8 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
             parts[name] = result[f"energy/{source}"]
     if any(part in parts for part in _LOST_OTHERWISE):
         parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
+        if not result.yields and float(np.abs(parts["yielding"]).max()) <= _ROUNDING * result.energy_input:
+            del parts["yielding"]
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import label, panels
@@ -48,6 +49,7 @@ def line_decay(result: Result) -> Drawing | None:
     for axes, line in zip(stack, lines, strict=True):
         _draw_decay(axes, line)
         label(axes, y="Peak speed (m/s)", title=line.name if len(lines) > 1 else "", yscale="log")
+        axes.yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
         columns |= {
             f"{line.name}_distance_m": line.distance,
             f"{line.name}_peak_m_s": line.peak_speed,

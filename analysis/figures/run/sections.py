@@ -125,7 +125,7 @@ def dissipation_section(result: Result, name: str) -> Drawing | None:
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
     """Draw dissipation by yielding, friction and viscous losses separately, as far as there are several of them."""
-    parts = ["yielding"] if result.yields else []
+    parts = ["yielding"] if result.yields or result.yield_energy.any() else []
     parts += [part for part in ("friction", "viscous") if result.has(f"spheres/{part}_energy")]
     if len(parts) < 2:
         return None

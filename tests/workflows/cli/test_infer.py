@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import granwave as gw
 from granwave.analysis.inference.quantities import QUANTITIES
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.parser import main
@@ -187,11 +188,52 @@ def test_a_run_is_measured_exactly(run_of_spheres, tmp_path, monkeypatch, capsys
     assert summary["true_force_error"] < 1e-11
     rows = rows_of("forces.csv")
     assert max(float(row["true_tangential_force_N"]) for row in rows) > 1e-3 * summary["largest_force_N"]
-    # the measurement is a table that the command reads
-    levels = "left = -1.0"
-    case = f'[material]\ndensity = 1.0\n[infer]\nfriction = 0.3\nstate = "space"\nwalls = {{{levels}}}\n'
-    Path("case.toml").write_text(case)
-    assert main(["infer", "infer/measurement.csv", "--case", "case.toml", "-o", "again", "--no-figures"]) in (0, 2)
+    # the measurement and its case are read as those of an experiment, and nothing is lost on the way
+    again = gw.infer("infer/measurement.csv", "infer/measurement.toml")
+    true = np.array([float(row["true_normal_force_N"]) for row in rows])
+    assert np.abs(again.forces["normal_force_N"] - true).max() < 1e-12 * summary["largest_force_N"]
+    made = gw.infer(gw.load(run_of_spheres), noise=0.05, repeat=2, directory="made")
+    assert made.measurement is not None and 0 < made["true_force_error"] < 0.5
+    assert Path("made/measurement.toml").exists()
+
+
+def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch, capsys):
+    """Two cylinders collide beside a third; the measurement is in the plane, and leaves that one out."""
+    monkeypatch.chdir(tmp_path)
+    Path("grains.csv").write_text(
+        "x,y,z,diameter,shape,length,axis,vz\n0,0,0,0.01,cylinder,0.02,y,2\n0,0,0.01,0.01,cylinder,0.02,y,0\n"
+        "0.03,0,0,0.01,cylinder,0.02,y,0\n"
+    )
+    run = gw.run({
+        "name": "three", "packing": {"kind": "file", "file": "grains.csv", "diameter": 0.01},
+        "material": {"name": "soft", "youngs_modulus": 70e6, "poisson_ratio": 0.45, "density": 1100},
+        "contact": {"law": "line", "loss": {"time": 1e-5}}, "load": {"kind": "grains"},
+        "boundary": {"bottom": "free"}, "run": {"end_time": 1e-4, "frames": 5}, "output": {"contact_forces": True},
+    }, progress=False)  # fmt: skip
+    found = gw.infer(run)
+    assert found["n_grains"] == 2 and found["state"] == "plane-stress"
+    assert found["notes"] == ["1 of 3 grains touch nothing and are left out"]
+    assert found["true_force_error"] < 1e-11
+    measured = found.measurement
+    force = found.forces["normal_force_N"].iloc[0]
+    assert 0.005**2 * np.pi * 0.02 * 1100 * np.abs(measured["ay_m_s2"].to_numpy()) == pytest.approx(np.full(2, force))
+
+
+def test_python_says_what_is_wrong(tmp_path):
+    for arguments, keys, said in [
+        (("none.csv", "none.toml"), {}, "none.csv: no such file"),
+        ((3,), {}, "measurement: found 3"),
+        ((tmp_path,), {"noise": -1}, "noise: found -1, expected a number from 0 up"),
+        ((tmp_path,), {"directory": tmp_path / "not" / "there"}, "directory: .*there is no directory"),
+    ]:
+        with pytest.raises(gw.InputError, match=said):
+            gw.infer(*arguments, **keys)
+
+
+def test_noise_that_is_not_complete_is_not_used_and_said(infer):
+    status, out, _ = infer(column(500.0), case=CASE + "noise = {strain = 1e-5}\n")
+    assert status == 0
+    assert "infer.noise lacks acceleration: it is not used" in out
 
 
 def test_noise_and_frames_of_a_run(run_of_spheres, tmp_path, monkeypatch, capsys):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.lines.record import lines_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -135,3 +136,15 @@ def test_front_speeds_of_both_crystals(
         arrival = [time[np.argmax(one > 0.3)] for one in speeds.T]
         front = np.polyfit(arrival, down.distance, 1)[0]
         assert front == pytest.approx(down.front_speed, rel=0.005 if constant else 0.002)
+
+
+def test_figures_show_what_dissipates(run: Path) -> None:
+    """Friction and losses, no yielding of an elastic law; no wave speed of contacts whose first force has no front."""
+    with Result(run) as result:
+        figures = {name: FIGURES[name].draw(result) for name in ("dissipation_parts_principal", "energies")}
+        whole = result["spheres/dissipated_energy"] / result.energy_input
+        assert not result.yield_energy.any()
+    parts, energies = (figures[name].columns for name in figures)
+    assert np.allclose(parts["friction_over_input"] + parts["viscous_over_input"], whole, rtol=1e-9)
+    assert not any("yielding" in name for name in (*parts, *energies))
+    assert json.loads((run / "summary.json").read_text())["wave_speed_m_s"] is None

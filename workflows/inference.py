@@ -1,0 +1,149 @@
+"""Forces inferred from a table of grains or from measurements made of a run, for the command line and for Python."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, results_in
+from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
+
+if TYPE_CHECKING:
+    from granwave.analysis.figures.style import Columns
+    from granwave.analysis.inference.plan import Camera
+
+CASE_MISSING = "--case: missing; expected a file with [material] and [infer] (granwave keys infer)"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Inferred:
+    """Forces of a table or of a run, before they are written.
+
+    Attributes
+    ----------
+    summary
+        Content of summary.json.
+    forces, grains, measurement
+        Columns of the files of these names; the last is None for a table.
+    write
+        Function that writes all files into a directory; its second argument is True for figures.
+    """
+
+    summary: dict[str, Any]
+    forces: Columns
+    grains: Columns
+    measurement: Columns | None
+    write: Callable[[Path, bool], None]
+
+    def save(self, directory: Path, *, figures: bool) -> None:
+        """Write the files into a directory, which is locked meanwhile."""
+        from granwave.workflows.run.directory import held
+
+        with held(directory):
+            self.write(directory, figures)
+
+
+def is_run(source: Path) -> bool:
+    """Return True for a run, False for a table of grains.
+
+    Raises
+    ------
+    InputError
+        There is no such file or directory.
+    """
+    if not source.exists():
+        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
+    return source.is_dir() or source.name == RESULT_FILE
+
+
+def results_place(wanted: str | Path, *, force: bool) -> Path:
+    """Return the directory of the results.
+
+    Raises
+    ------
+    InputError
+        It holds other things, or results that are not to be replaced, or cannot be made.
+    """
+    from granwave.analysis.inference.output import WRITTEN
+
+    directory = results_directory(wanted, force=force)
+    if not directory.parent.is_dir():
+        raise InputError(f"-o {directory}: there is no directory {directory.parent}")
+    refuse_other_kind(directory, INFERENCE)
+    if not force and set(WRITTEN) & set(results_in(directory)):
+        raise InputError(f"{directory}: already holds results; --force replaces them, or choose another with -o")
+    refuse_foreign(directory, WRITTEN)
+    return directory
+
+
+def infer_table(source: Path, case_file: Path, repetitions: int | None = None) -> Inferred:
+    """Infer the forces of a table of grains.
+
+    Parameters
+    ----------
+    case_file
+        File with [material] and [infer].
+    repetitions
+        Repetitions with noise; None: those of the case.
+
+    Raises
+    ------
+    InputError
+        The table or the case is wrong, or the equations do not determine the forces.
+    """
+    from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.infer import infer
+    from granwave.analysis.inference.measurement import read_measurement
+    from granwave.analysis.inference.output import write_inference
+    from granwave.analysis.inference.tables import force_columns, grain_columns, summary_of
+    from granwave.analysis.inference.weights import Noise
+
+    case = read_infer_case(case_file)
+    measured = read_measurement(source, case)
+    settings = case.settings
+    if repetitions is not None:
+        settings = dataclasses.replace(settings, repetitions=repetitions)
+    found = []
+    for time, grains in zip(measured.times, measured.grains, strict=True):
+        try:
+            found.append(infer(grains, case.walls, settings))
+        except InputError as error:
+            at = "" if math.isnan(time) else f" at {time:g} s"
+            raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
+    notes = list(measured.notes)
+    lacking = settings.noise.missing(measured.grains[0])
+    if lacking and settings.noise != Noise():
+        notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
+    summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
+
+    def write(directory: Path, figures: bool) -> None:
+        write_inference(directory, found, measured.times, summary, figures=figures)
+
+    return Inferred(summary, force_columns(found, measured.times), grain_columns(found, measured.times), None, write)
+
+
+def infer_run(source: Path, case_file: Path | None, camera: Camera) -> Inferred:
+    """Infer the forces of measurements made of a run.
+
+    Raises
+    ------
+    InputError
+        The run cannot be measured, or the case is wrong.
+    """
+    from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.plan import plan_experiment
+    from granwave.analysis.inference.tables import grain_columns
+
+    case = None if case_file is None else read_infer_case(case_file, of_run=True)
+    planned = plan_experiment(source, case, camera)
+
+    def write(directory: Path, figures: bool) -> None:
+        planned.write(directory, figures=figures)
+
+    grains = grain_columns([planned.found], [planned.time])
+    return Inferred(planned.summary, planned.forces, grains, planned.measurement, write)
