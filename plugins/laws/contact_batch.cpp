@@ -63,30 +63,30 @@ FOR_EACH_PROCESSOR void ContactBatch::compute_forces_and_torques()
 
 // Pairs of one row are consecutive: the sums of sphere i stay in registers.
 
-FOR_EACH_PROCESSOR void ContactBatch::add_normal(TwofoldSums &sums, int owned, char *reached, int block) const
+FOR_EACH_PROCESSOR void ContactBatch::add_normal(TwofoldSums &sums, int owned, char *reached, int bits) const
 {
   for (int m = 0; m < size;) {
     const int of = i[m];
     TwofoldSum sum = sums[of];
-    reached[of / block] = 1;
+    reached[of >> bits] = 1;
     for (; m < size && i[m] == of; m++) {
       const Components f = del[m] * pair_force[m];
       sum.add(f);
       if (j[m] >= owned) continue;
       sums[j[m]].add(-f);
-      reached[j[m] / block] = 1;
+      reached[j[m] >> bits] = 1;
     }
     sums[of] = sum;
   }
 }
 
 FOR_EACH_PROCESSOR void ContactBatch::add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned,
-                                                             char *reached, int block) const
+                                                             char *reached, int bits) const
 {
   for (int m = 0; m < size;) {
     const int of = i[m];
     TwofoldSum sum = forces[of], turning = torques[of];
-    reached[of / block] = 1;
+    reached[of >> bits] = 1;
     for (; m < size && i[m] == of; m++) {
       const Components f = {force_i[0][m], force_i[1][m], force_i[2][m], 0.0};
       const Components t = {torque[0][m], torque[1][m], torque[2][m], 0.0};
@@ -95,7 +95,7 @@ FOR_EACH_PROCESSOR void ContactBatch::add_forces_and_torques(TwofoldSums &forces
       if (j[m] >= owned) continue;
       forces[j[m]].add(-f);
       torques[j[m]].add(lever_j[m] * t);
-      reached[j[m] / block] = 1;
+      reached[j[m] >> bits] = 1;
     }
     forces[of] = sum;
     torques[of] = turning;

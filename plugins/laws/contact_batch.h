@@ -54,10 +54,10 @@ struct ContactBatch {
   void compute_tangential(double dt);
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
-  /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[i / block] of those summed. */
-  void add_normal(TwofoldSums &, int owned, char *reached, int block) const;
+  /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[i >> bits] of those summed. */
+  void add_normal(TwofoldSums &, int owned, char *reached, int bits) const;
   /* Add forces and torques including friction likewise. */
-  void add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned, char *reached, int block) const;
+  void add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned, char *reached, int bits) const;
 };
 
 }    // namespace granwave

@@ -9,8 +9,10 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__gnu_linux__) &&                            \
     !defined(GRANWAVE_ONE_PROCESSOR)
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
+#define FOR_FOUR_DOUBLES __attribute__((target_clones("avx2", "default")))    // where wider ones are of no use
 #else
 #define FOR_EACH_PROCESSOR
+#define FOR_FOUR_DOUBLES
 #endif
 
 #endif

@@ -9,16 +9,26 @@
 #ifndef GRANWAVE_RESTING_BLOCKS_H
 #define GRANWAVE_RESTING_BLOCKS_H
 
+#include "row_groups.h"
+
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <vector>
 
 namespace granwave {
 
+/* Copy the coordinates of n spheres, three a sphere, to arrays of x, y and z, and set for each block of `size` spheres whether one
+   of its coordinates is another than in these before. It need not be copied where none is. `moved` holds the results of the
+   last call. */
+void compare_blocks(const double *coordinates, int n, int size, double *x, double *y, double *z, char *moved);
+
 class RestingBlocks {
  public:
-  static constexpr int SIZE =
-      32;    // spheres of a block: large enough for its checks to cost little, yet the wave front is sharp
+  // spheres of a block: enough for its checks to cost little, yet the wave front is sharp
+  static constexpr int BITS = 5, SIZE = 1 << BITS;
+
+  static constexpr int PADDING = RowGroup::LANES;    // so that as many can be read from any sphere on
 
   static int of(int i) { return i / SIZE; }
   static int number(int n) { return (n + SIZE - 1) / SIZE; }
@@ -45,7 +55,7 @@ class RestingBlocks {
     }
     first_.push_back(static_cast<int>(needed_.size()));
     quiet_.assign(number(rows), 0);
-    last_.clear();
+    n_ = -1;
   }
 
   /* Compare the coordinates of n spheres, and radii, with those of the last call. Returns true in the first call, and if a
@@ -53,25 +63,24 @@ class RestingBlocks {
   bool compare(const double *x, int n, const double *radius, int radii)
   {
     moved_.resize(number(n));
-    if (last_.size() != 3 * static_cast<std::size_t>(n) + 1 || last_radius_.size() != static_cast<std::size_t>(radii) ||
-        std::memcmp(last_radius_.data(), radius, radii * sizeof(double)) != 0) {
-      last_.assign(x, x + 3 * static_cast<std::size_t>(n));
-      last_.push_back(0.0);
+    const bool first = n != n_ || last_radius_.size() != static_cast<std::size_t>(radii) + PADDING ||
+                       std::memcmp(last_radius_.data(), radius, radii * sizeof(double)) != 0;
+    if (first) {
+      n_ = n;
+      for (auto &last : last_) last.assign(n + PADDING, 0.0);
       last_radius_.assign(radius, radius + radii);
+      last_radius_.resize(radii + PADDING, 0.0);
       std::fill(moved_.begin(), moved_.end(), 1);
-      return true;
     }
-    for (int b = 0; b < number(n); b++) {
-      const std::size_t begin = 3 * static_cast<std::size_t>(b) * SIZE,
-                        bytes = 3 * std::min(SIZE, n - b * SIZE) * sizeof(double);
-      moved_[b] = std::memcmp(last_.data() + begin, x + begin, bytes) != 0;
-      if (moved_[b]) std::memcpy(last_.data() + begin, x + begin, bytes);
-    }
-    return false;
+    compare_blocks(x, n, SIZE, last_[0].data(), last_[1].data(), last_[2].data(), moved_.data());
+    if (first) std::fill(moved_.begin(), moved_.end(), 1);
+    return first;
   }
 
-  /* Coordinates of the spheres as of the last comparison, and one number more, so that four can be read for each sphere. */
-  const double *x() const { return last_.data(); }
+  /* Coordinates of the spheres as of the last comparison, along x, y or z, and PADDING numbers more. */
+  const double *coordinates(int axis) const { return last_[axis].data(); }
+  /* Radii as of the last comparison, likewise. */
+  const double *radii() const { return last_radius_.data(); }
 
   /* Return true if the rows of this block need not be evaluated. */
   bool rests(int block) const
@@ -91,13 +100,14 @@ class RestingBlocks {
   double bytes() const
   {
     return static_cast<double>((first_.capacity() + needed_.capacity()) * sizeof(int) + quiet_.capacity() +
-                               moved_.capacity() + (last_.capacity() + last_radius_.capacity()) * sizeof(double));
+                               moved_.capacity() + (3 * last_[0].capacity() + last_radius_.capacity()) * sizeof(double));
   }
 
  private:
   std::vector<int> first_, needed_;    // of each block of rows: blocks of their spheres and partners
   std::vector<char> quiet_, moved_;
-  std::vector<double> last_, last_radius_;
+  int n_ = -1;    // number of spheres at the last comparison
+  std::vector<double> last_[3], last_radius_;
 };
 
 }    // namespace granwave

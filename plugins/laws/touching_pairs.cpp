@@ -3,61 +3,132 @@
 
 #include "processors.h"
 
-#include <algorithm>
 #include <cstring>
 
 using namespace granwave;
 
+namespace {
+
+constexpr int LANES = RowGroup::LANES;
+static_assert(LANES == 8 && RowGroup::PARTNERS == 8);    // a byte of bits for each row
+
+typedef std::int64_t Bits __attribute__((vector_size(sizeof(Components))));
+
+inline void load(Components &numbers, const double *from) { std::memcpy(&numbers, from, sizeof(numbers)); }
+
+/* Bytes as a word, the first as its lowest. */
+inline std::uint64_t word_of(const void *bytes)
+{
+  std::uint64_t word;
+  std::memcpy(&word, bytes, sizeof(word));
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+  word = __builtin_bswap64(word);
+#endif
+  return word;
+}
+
+/* Eight bytes 0 or 1 as the bits of one byte. */
+inline std::uint64_t packed(std::uint64_t word) { return word * 0x0102040810204080 >> 56; }
+
+}    // namespace
+
+/* Compute the distances of the present group: which of its pairs touch, and which rows have pairs beyond the gap. */
+
+template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs::measure()
+{
+  const RowGroup &g = *group;
+  const double radsum = 2.0 * uniform_radius, touch_sq = touch_squared(radsum), forget_sq = (radsum + gap) * (radsum + gap);
+  constexpr int WIDTH = sizeof(Components) / sizeof(double);
+  std::uint64_t touch = 0, apart = 0;
+  for (int first = 0; first < g.lanes; first += WIDTH) {
+    const int i = g.sphere + first;
+    Components xi, yi, zi, xj, yj, zj, ri, rj;
+    load(xi, x + i);
+    load(yi, y + i);
+    load(zi, z + i);
+    if (!UNIFORM) load(ri, radius + i);
+    Components limit = Components{} + touch_sq, last = Components{} + forget_sq;
+    Bits touches = {}, beyond = {};
+    for (int m = 0; m < g.partners; m++) {
+      const int j = g.partner[m] + first;
+      load(xj, x + j);
+      load(yj, y + j);
+      load(zj, z + j);
+      const Components delx = xi - xj, dely = yi - yj, delz = zi - zj;
+      const Components rsq = delx * delx + dely * dely + delz * delz;
+      std::memcpy(distances.delx[m] + first, &delx, sizeof(delx));
+      std::memcpy(distances.dely[m] + first, &dely, sizeof(dely));
+      std::memcpy(distances.delz[m] + first, &delz, sizeof(delz));
+      std::memcpy(distances.rsq[m] + first, &rsq, sizeof(rsq));
+      if (!UNIFORM) {
+        load(rj, radius + j);
+        const Components sum = ri + rj;
+        limit = sum * sum * touch_squared(1.0);
+        last = (sum + gap) * (sum + gap);
+      }
+      const Bits bit = Bits{} + (1 << m);
+      touches |= ~(rsq >= limit) & bit;    // NaN touches
+      beyond |= (rsq > last) & bit;
+    }
+    for (int l = 0; l < WIDTH; l++) {
+      touch |= static_cast<std::uint64_t>(touches[l]) << 8 * (first + l);
+      apart |= static_cast<std::uint64_t>(beyond[l]) << 8 * (first + l);
+    }
+  }
+  const std::uint64_t used = g.lanes == LANES ? ~std::uint64_t(0) : (std::uint64_t(1) << 8 * g.lanes) - 1;
+  touching = touch & used;
+  if ((apart & used) == 0) return;
+  for (int l = 0; l < g.lanes; l++)
+    if (apart >> 8 * l & 0xff) far.push_back(g.row + l);
+}
+
+/* Add the pairs of the present group that have a spring and do not touch. */
+
+inline void TouchingPairs::release()
+{
+  const RowGroup &g = *group;
+  const std::uint64_t all = (std::uint64_t(1) << g.partners) - 1;
+  std::uint64_t springs = 0;
+  for (int l = 0; l < g.lanes; l++) springs |= (packed(word_of(has_spring + g.pair + l * g.stride)) & all) << 8 * l;
+  for (std::uint64_t rest = springs & ~touching; rest != 0; rest &= rest - 1) {
+    const int at = __builtin_ctzll(rest);
+    released.push_back(g.pair + (at >> 3) * g.stride + (at & 7));
+  }
+}
+
 template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline bool TouchingPairs::search(ContactBatch &batch)
 {
   constexpr int CAPACITY = ContactBatch::CAPACITY;
-  const double radsum = 2.0 * uniform_radius;
-  double touch_sq = touch_squared(radsum), forget_sq = (radsum + gap) * (radsum + gap);
-  int n = 0, loose = 0, outside = 0, at = r, k = pair;    // in registers
-  for (; at < end; at++) {
-    const int i = row[at], next = begin[at + 1], last = std::min(next, k + CAPACITY - std::max(n, loose));
-    Components xi, xj;
-    std::memcpy(&xi, x + 3 * i, sizeof(xi));    // the fourth is not used
-    int is_far = 0;
-    for (; k < last; k++) {
-      const int j = partner[k];
-      std::memcpy(&xj, x + 3 * j, sizeof(xj));
-      const Components del = xi - xj, square = del * del;
-      const double rsq = square[0] + square[1] + square[2];
-      if (!UNIFORM) {
-        const double sum = radius[i] + radius[j];
-        touch_sq = touch_squared(sum);
-        forget_sq = (sum + gap) * (sum + gap);
-      }
-      const int touches = !(rsq >= touch_sq), of_touching = -touches;    // NaN touches
-      batch.k[n] = k;
-      batch.i[n] = i;
-      batch.j[n] = j;
-      batch.del[n] = del;
-      batch.rsq[n] = rsq;
-      n += touches;
-      is_far |= rsq > forget_sq;
-      // needed soon, and then not before the next step: it should not displace others from the cache
-      __builtin_prefetch(peak + (k & of_touching), 0, 0);
-      if (!FRICTION) continue;
-      released[loose] = k;
-      loose += (1 - touches) & has_spring[k];
-      __builtin_prefetch(spring + (k & of_touching), 0, 0);
+  const Distances &d = distances;
+  int n = 0;
+  for (; group != end; group++, measured = false) {
+    if (!measured) {
+      measure<UNIFORM>();
+      if (FRICTION) release();
+      measured = true;
     }
-    far[outside] = at;
-    outside += is_far;
-    if (k < next) break;
+    const RowGroup &g = *group;
+    std::uint64_t rest = touching;
+    for (; rest != 0 && n < CAPACITY; rest &= rest - 1) {    // row by row
+      const int at = __builtin_ctzll(rest), l = at >> 3, m = at & 7;
+      batch.k[n] = g.pair + l * g.stride + m;
+      batch.i[n] = g.sphere + l;
+      batch.j[n] = g.partner[m] + l;
+      batch.del[n] = Components{d.delx[m][l], d.dely[m][l], d.delz[m][l], 0.0};
+      batch.rsq[n] = d.rsq[m][l];
+      n++;
+    }
+    touching = rest;
+    if (rest != 0) break;
   }
   batch.size = n;
-  n_released = loose;
-  n_far = outside;
-  r = at;
-  pair = k;
-  return at == end;
+  return group == end;
 }
 
-FOR_EACH_PROCESSOR bool TouchingPairs::collect(ContactBatch &batch)
+FOR_FOUR_DOUBLES bool TouchingPairs::collect(ContactBatch &batch)
 {
+  far.clear();
+  released.clear();
   if (!radius) return has_spring ? search<true, true>(batch) : search<true, false>(batch);
   return has_spring ? search<false, true>(batch) : search<false, false>(batch);
 }

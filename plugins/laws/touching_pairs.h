@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Search for the touching pairs of a half neighbor list, from row to row. No LAMMPS types.
+/* Search for the touching pairs of a half neighbor list, from one group of rows (row_groups.h) to the next. No LAMMPS types.
 
-   A pair is written to the batch whether it touches or not, and the next one takes its place if it does not: in a rattling
-   packing the outcome is unpredictable, and a mispredicted branch would cost more than the distance. */
+   Distances are computed for four rows at a time, from coordinates in arrays of their own. The outcome is a word of bits: in a
+   rattling packing it is unpredictable, and a mispredicted branch would cost more than a distance. */
 
 #ifndef GRANWAVE_TOUCHING_PAIRS_H
 #define GRANWAVE_TOUCHING_PAIRS_H
 
 #include "contact_batch.h"
+#include "row_groups.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace granwave {
@@ -19,36 +21,39 @@ struct TouchingPairs {
   static constexpr double ROUNDING = 5e-13;
   static double touch_squared(double radsum) { return radsum * radsum * (1.0 - 2.0 * ROUNDING); }
 
-  // the list: spheres of the rows, first pair of each row (and of the one beyond the last), partners
-  const int *row, *begin, *partner;
-  const double *x;         // coordinates of all spheres, and one number more
-  const double *radius;    // null if all are equal to uniform_radius
+  const double *x, *y, *z;    // coordinates of all spheres, and RowGroup::LANES numbers more
+  const double *radius;       // likewise; null if all are equal to uniform_radius
   double uniform_radius, gap;
-  const char *has_spring;    // by pair; null without friction
-
-  // by pair: read soon if it touches
-  const double *peak;
-  const TangentialSpring *spring;
+  const char *has_spring;    // by pair, 1 or 0, and RowGroup::PARTNERS more; null without friction
 
   // found by collect(), for the caller to deal with
-  int n_released, n_far;
-  int released[ContactBatch::CAPACITY];    // pairs that have a spring and do not touch
-  std::vector<int> far;                    // rows with pairs beyond the gap
+  std::vector<int> released;    // pairs that have a spring and do not touch
+  std::vector<int> far;         // rows with pairs beyond the gap
 
-  /* Search the rows from `first` up to the one before `last`. */
-  void start(int first, int last)
+  /* Search the groups from `first` up to the one before `last`. */
+  void start(const RowGroup *first, const RowGroup *last)
   {
-    r = first;
+    group = first;
     end = last;
-    pair = begin[first];
-    if (static_cast<int>(far.size()) < last - first) far.resize(last - first);
+    measured = false;
   }
 
   /* Put touching pairs into an empty batch. Returns false if there is no room for more, and the search must go on. */
   bool collect(ContactBatch &);
 
  private:
-  int r, pair, end;    // where the search goes on, and the row where it ends
+  struct Distances {    // of a group, from partner to row
+    alignas(64) double delx[RowGroup::PARTNERS][RowGroup::LANES], dely[RowGroup::PARTNERS][RowGroup::LANES];
+    double delz[RowGroup::PARTNERS][RowGroup::LANES], rsq[RowGroup::PARTNERS][RowGroup::LANES];
+  };
+
+  const RowGroup *group, *end;    // where the search goes on, and where it ends
+  bool measured;                  // true if distances and touching are those of the present group
+  Distances distances;
+  std::uint64_t touching;    // bits of the pairs that are still to be put into a batch, a byte for each row
+
+  template <bool UNIFORM> void measure();
+  void release();
   template <bool UNIFORM, bool FRICTION> bool search(ContactBatch &);
 };
 

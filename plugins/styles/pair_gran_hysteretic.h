@@ -25,6 +25,7 @@
 #include "../laws/line_batch.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/resting_blocks.h"
+#include "../laws/row_groups.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
 #include "pair.h"
@@ -143,6 +144,7 @@ class PairGranHysteretic : public Pair {
     std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
     std::vector<int> row_type, partner_type;
     granwave::RestingBlocks resting;
+    granwave::RowGroups groups;    // of the plain rows
   };
 
   struct PairParameters {    // parameters of a contact, from its two spheres

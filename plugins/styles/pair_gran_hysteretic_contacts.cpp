@@ -77,10 +77,12 @@ void PairGranHysteretic::build_contacts()
       if (j < i) c.ordered = false;
       if (j < atom->nlocal) c.span = std::max(c.span, j - i);
     }
+    std::sort(c.partner.begin() + c.begin.back(), c.partner.end());    // the same order in rows of the same kind
   }
   c.begin.push_back(static_cast<int>(c.partner.size()));
   c.plain = static_cast<int>(c.row.size());
   c.resting.build(c.row, c.begin, c.partner);
+  c.groups.build(c.row, c.begin, c.partner, granwave::RestingBlocks::SIZE);
   if (!special.empty()) add_special_rows(special);
 
   const std::size_t n = c.partner.size();
@@ -94,7 +96,7 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction || has_loss) c.has_spring.assign(n, 0);
+  if (has_friction || has_loss) c.has_spring.assign(n + granwave::RowGroup::PARTNERS, 0);
   if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);

@@ -19,6 +19,13 @@ using granwave::ScaledLaw;
 using granwave::TangentialSpring;
 using granwave::TouchingPairs;
 
+namespace {
+
+// Pairs of the next batch or the one after it, whose memory is fetched meanwhile.
+constexpr int PEAKS_AHEAD = 256, SPRINGS_AHEAD = 192;
+
+}    // namespace
+
 /* Turning point of a contact that has yielded, recomputed if its history has changed since. */
 
 int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
@@ -115,6 +122,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   int raised[Batch::CAPACITY], yielded[Batch::CAPACITY], n_raised = 0, n_yielded = 0;
   bool is_raised[Batch::CAPACITY];
   for (int m = 0; m < batch.size; m++) {    // without branches, which would be unpredictable
+    __builtin_prefetch(c.peak.data() + batch.k[m] + PEAKS_AHEAD, 1);
     const double overlap = batch.overlap[m], before = c.peak[batch.k[m]];
     raised[n_raised] = yielded[n_yielded] = m;
     is_raised[m] = overlap > before;
@@ -183,6 +191,8 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       if (c.has_spring[k]) release_spring(k);
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
+    __builtin_prefetch(c.spring.data() + k + SPRINGS_AHEAD, 1);    // with the next, for about every second pair touches
+    __builtin_prefetch(c.spring.data() + k + SPRINGS_AHEAD + 1, 1);
     const TangentialSpring &spring = c.spring[k];
     for (int d = 0; d < 3; d++) {
       batch.direction[d][m] = batch.del[m][d];
@@ -255,10 +265,10 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (has_loss) compute_viscous(batch);
   if (has_friction) {
     compute_tangential(batch);
-    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
+    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::BITS);
   } else {
     batch.compute_normal();
-    batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::SIZE);
+    batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::BITS);
   }
   if (what != Tally::NONE) tally(batch, what);
 }
@@ -295,16 +305,13 @@ void PairGranHysteretic::compute_forces(Tally what)
   Contacts &c = contacts;
   const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = c.plain;
   if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
-  pairs.row = c.row.data();
-  pairs.begin = c.begin.data();
-  pairs.partner = c.partner.data();
-  pairs.x = c.resting.x();
-  pairs.radius = uniform ? nullptr : atom->radius;
+  pairs.x = c.resting.coordinates(0);
+  pairs.y = c.resting.coordinates(1);
+  pairs.z = c.resting.coordinates(2);
+  pairs.radius = uniform ? nullptr : c.resting.radii();
   pairs.uniform_radius = atom->radius[0];
   pairs.gap = gap;
   pairs.has_spring = has_friction || has_loss ? c.has_spring.data() : nullptr;
-  pairs.peak = c.peak.data();
-  pairs.spring = c.spring.data();
 
   const int in_use = c.ordered ? c.span + 2 * RestingBlocks::SIZE : nlocal;
   force_sums.reserve(in_use);
@@ -314,11 +321,11 @@ void PairGranHysteretic::compute_forces(Tally what)
     const int end = std::min(rows, begin + RestingBlocks::SIZE), block = RestingBlocks::of(begin);
     if (!c.resting.rests(block)) {
       bool quiet = true;
-      pairs.start(begin, end);
+      pairs.start(c.groups.begin(block), c.groups.end(block));
       for (bool done = false; !done;) {
         done = pairs.collect(batch);
-        for (int n = 0; n < pairs.n_released; n++) release_contact(pairs.released[n]);
-        for (int n = 0; n < pairs.n_far; n++) forget_far_pairs(pairs.far[n]);
+        for (const int k : pairs.released) release_contact(k);
+        for (const int r : pairs.far) forget_far_pairs(r);
         if (batch.size == 0) continue;
         compute_batch(what);
         quiet = false;
