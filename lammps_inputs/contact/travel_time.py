@@ -95,8 +95,8 @@ def row_of(assembly: Assembly) -> Row | None:
         cosines = lattice.rule.supports[:, 2]
         if assembly.sites is not None or not len(cosines):
             return None
-        stiffness = static_stiffness(assembly) * float(np.sum(cosines**2))
-        return Row(np.array([case.sphere_mass]), np.array([stiffness]))
+        along = static_stiffness(assembly) * float(np.sum(cosines**2))
+        return Row(np.array([case.sphere_mass]), np.array([along]))
     force, n = force_on_top(assembly), lattice.n_spheres
     if assembly.sites is None:
         return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
