@@ -58,5 +58,5 @@ def test_nothing_without_a_static_force():
 def test_a_case_of_inference_is_named_as_such(tmp_path):
     file = tmp_path / "crystal.toml"
     file.write_text("[infer]\nfriction = 0.3\n")
-    with pytest.raises(InputError, match="granwave infer GRAINS.csv --case"):
+    with pytest.raises(InputError, match=r"granwave infer GRAINS\.csv --case"):
         find_for(str(file), "run", "continuum")
