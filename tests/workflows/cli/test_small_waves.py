@@ -7,8 +7,9 @@ import re
 
 import pytest
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.small_waves import small_waves
-from granwave.workflows.library import load_case
+from granwave.workflows.library import find_for, load_case
 
 FORCE, DIAMETER = 20.0, 0.010
 
@@ -52,3 +53,10 @@ def test_frequency_of_the_load(share, fate):
 
 def test_nothing_without_a_static_force():
     assert small_waves(load_case("elastic-impact")) == []
+
+
+def test_a_case_of_inference_is_named_as_such(tmp_path):
+    file = tmp_path / "crystal.toml"
+    file.write_text("[infer]\nfriction = 0.3\n")
+    with pytest.raises(InputError, match=r"granwave infer GRAINS\.csv --case"):
+        find_for(str(file), "run", "continuum")
