@@ -5,7 +5,8 @@
     /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
 
 ``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the magnitudes of the
-contact forces along x, y and z; the lateral force is half of that across the line, at the instant of the peak.
+contact forces along x, y and z; the lateral force is half of that across the line, at the instant of the peak. In a
+packing in a vertical plane it is half of the horizontal sum for lines in any direction.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ from granwave.analysis.lammps_output.lines import read_lines
 from granwave.analysis.result.first_pulse import first_pulses
 from granwave.lammps_inputs.packing.assembly import Assembly, velocities_of
 from granwave.lammps_inputs.packing.lines import all_line_ids, line_ids
+
+_FLAT = 1e-6  # diameters; a packing that extends by less along an axis lies in a plane
 
 
 def line_groups(
@@ -36,7 +39,7 @@ def line_groups(
     """
     history = read_lines(directory, all_line_ids(assembly), last)
     centre, row = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True)), history.ids
-    time = np.asarray(history.steps * timestep, dtype=np.float64)
+    time, across = np.asarray(history.steps * timestep, dtype=np.float64), _across(assembly)
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))
@@ -57,7 +60,7 @@ def line_groups(
             "peak_speed": pulses.peak,
             "peak_time": pulses.time,
             "width": pulses.width,
-            "lateral_force": _lateral(sums, pulses.row, position),
+            "lateral_force": _lateral(sums, pulses.row, position, across),
             "largest_speed": speed.max(axis=0),
         }
         if history.angular_velocity is not None:
@@ -73,14 +76,21 @@ def reference_speed(assembly: Assembly) -> float:
     return max(speeds, default=0.0)
 
 
-def _lateral(sums: NDArray[np.float64], row: NDArray[np.int64], position: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return half the sum of the contact forces across the line at the peaks: (n,), N; NaN without a peak.
+def _lateral(
+    sums: NDArray[np.float64], row: NDArray[np.int64], position: NDArray[np.float64], across: int | None
+) -> NDArray[np.float64]:
+    """Return half the sum of the horizontal contact forces at the peaks: (n,), N; NaN without a peak.
 
-    Across is the horizontal axis that is most nearly normal to the line.
+    In a packing in a vertical plane they are along ``across``, the horizontal axis of the plane, whatever the line;
+    elsewhere (None) along the horizontal axis that is most nearly normal to the line.
     """
     way = np.abs(position[-1] - position[0])
-    axis = int(np.argmin(way[:2]))
-    if way[0] == way[1]:
-        axis = 0
+    axis = int(np.argmin(way[:2])) if across is None else across
     found = 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis]
     return np.where(row >= 0, found, np.nan)
+
+
+def _across(assembly: Assembly) -> int | None:
+    """Return the horizontal axis of a packing in a vertical plane, 0 or 1; None for other packings."""
+    extent = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
+    return int(np.argmax(extent)) if np.count_nonzero(extent) == 1 else None

@@ -82,8 +82,12 @@ def test_energy_momentum_and_symmetry(run: Path) -> None:
 
 def test_a_line_is_measured(run: Path) -> None:
     with Result(run) as result:
-        down, _ = lines_of(result)
+        down, every = lines_of(result)
         assert result.unit("lines/down/lateral_force") == "N"
+        own = np.isin(result["lines/all/id"], result["lines/down/id"])
+        # half the horizontal sum of any line in the plane, so that a grain has one value
+        assert np.array_equal(every.lateral_force[own], down.lateral_force, equal_nan=True)
+        assert np.nanmin(down.lateral_force) > 0
     assert down.straight and down.distance / D == pytest.approx([0, np.sqrt(3), 2 * np.sqrt(3)])
     assert np.all(np.diff(down.arrival) > 0) and 150 < (down.front_speed or 0) < 250
 
