@@ -364,8 +364,7 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_cylinders", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
-    "n_steps",
-    "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "viscous_fraction", "holder_fraction",
+    "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "viscous_fraction", "holder_fraction",
     "absorbed_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",

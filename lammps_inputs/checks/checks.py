@@ -149,13 +149,8 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             case.contact.law,
         )
     for wall, grain, depth in untouched(assembly):
-        _LOG.warning(
-            "%s: grain %d reaches %.3g m into the wall %s, which does not act on it: boundary.sides_touch",
-            case.name,
-            grain,
-            depth,
-            wall,
-        )
+        text = "%s: grain %d reaches %.3g m into the wall %s, which does not act on it: boundary.sides_touch"
+        _LOG.warning(text, case.name, grain, depth, wall)
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
