@@ -166,7 +166,10 @@ def _refuse_parts(assembly: Assembly) -> None:
             "that stays, or --end matched"
         )
     if case.boundary.bottom == "periodic":
-        raise InputError(f'{case.name}: boundary.bottom: found "periodic": granwave bands is for endless packings')
+        raise InputError(
+            f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
+            "granwave bands without --slab takes endless packings"
+        )
 
 
 def _refuse_unloaded(case: Case, network: Network) -> None:

@@ -106,14 +106,14 @@ def row_of(assembly: Assembly) -> Row | None:
     beads = np.arange(1, n + 1) if period is None else np.arange(1, period + 1)
     mass = np.array([assembly.mass_of(one) for one in beads.tolist()])
     known: dict[tuple[tuple[float, int], ...], float] = {}
-    stiffness = np.empty(len(beads))
+    behind = np.empty(len(beads))
     for row, one in enumerate(beads.tolist()):
         pair = (one, one + 1) if one < n else (one - 1, one)
         key = tuple(_kind(assembly.sites, bead) for bead in pair)
         if key not in known:
             known[key] = _stiffness(pair_contact(assembly, *pair), force)
-        stiffness[row] = known[key]
-    return Row(mass, stiffness, repeats=period is not None)
+        behind[row] = known[key]
+    return Row(mass, behind, repeats=period is not None)
 
 
 def _kind(sites: Sites, bead: int) -> tuple[float, int]:
