@@ -52,7 +52,8 @@ class RowGroups {
   std::vector<int> first_;    // group of each block of rows, and the number of groups
 
   /* True if the spheres of row r + l are those of row r, each plus l. */
-  static bool follows(int r, int l, const std::vector<int> &row, const std::vector<int> &begin, const std::vector<int> &partner)
+  static bool follows(int r, int l, const std::vector<int> &row, const std::vector<int> &begin,
+                      const std::vector<int> &partner)
   {
     if (row[r + l] != row[r] + l || begin[r + l + 1] - begin[r + l] != begin[r + 1] - begin[r]) return false;
     for (int m = 0; m < begin[r + 1] - begin[r]; m++)

@@ -91,3 +91,33 @@ def test_a_wall_that_moves_far_meets_the_sphere(lammps):
     assert found[0]["v"][1, 2] < 0, "hit by the plane on its way back"
     for name in ALL:
         assert np.array_equal(found[0][name], found[1][name]), name
+
+
+@pytest.mark.parametrize("law", [BRASS, f"{BRASS} friction 0.3"])
+@pytest.mark.parametrize("radii", [(R, R), (R, 0.999 * R)])
+def test_the_order_of_the_spheres_changes_no_bit(lammps, law, radii):
+    """In order of their places rows of spheres are searched together, in random order each alone."""
+    places = 2 * R * np.array([(x, y, z) for z in range(4) for y in range(5) for x in range(11)])
+    rng = np.random.default_rng(1)
+    speeds, radius = rng.uniform(-0.5, 0.5, places.shape), np.resize(radii, len(places))
+    found = []
+    for order in (np.arange(len(places)), rng.permutation(len(places))):
+        lmp = lammps()
+        box = [-0.05, 0.2, -0.05, 0.1, -0.05, 0.1]
+        lmp.commands_string(
+            rubbing(
+                places[order],
+                law,
+                radius=radius[order].tolist(),
+                velocities=speeds[order],
+                density=8500.0,
+                box=box,
+                extra=SELDOM,
+            )
+        )
+        lmp.command("run 1000 post no")
+        place = np.argsort(order)
+        found.append({name: values[place] for name, values in state(lmp, *ALL).items()})
+    assert found[0]["f"].any()
+    for name in ALL:
+        assert np.array_equal(found[0][name], found[1][name]), name
