@@ -96,12 +96,45 @@ inline void TouchingPairs::release()
   }
 }
 
+/* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
+   batch whether it touches or not, and the next one takes its place if it does not. */
+
+template <bool UNIFORM, bool FRICTION>
+__attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch &batch, int n)
+{
+  const RowGroup &g = *group;
+  const int i = g.sphere;
+  double radsum = 2.0 * uniform_radius;
+  bool is_far = false;
+  for (int m = 0; m < g.partners; m++) {
+    const int j = g.partner[m], k = g.pair + m;
+    const double delx = x[i] - x[j], dely = y[i] - y[j], delz = z[i] - z[j];
+    const double rsq = delx * delx + dely * dely + delz * delz;
+    if (!UNIFORM) radsum = radius[i] + radius[j];
+    const bool touches = !(rsq >= touch_squared(radsum));    // NaN touches
+    batch.k[n] = k;
+    batch.i[n] = i;
+    batch.j[n] = j;
+    batch.del[n] = Components{delx, dely, delz, 0.0};
+    batch.rsq[n] = rsq;
+    n += touches;
+    is_far |= rsq > (radsum + gap) * (radsum + gap);
+    if (FRICTION && has_spring[k] > touches) released.push_back(k);
+  }
+  if (is_far) far.push_back(g.row);
+  return n;
+}
+
 template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline bool TouchingPairs::search(ContactBatch &batch)
 {
   constexpr int CAPACITY = ContactBatch::CAPACITY;
   const Distances &d = distances;
   int n = 0;
   for (; group != end; group++, measured = false) {
+    if (group->lanes == 1 && !measured && n + group->partners <= CAPACITY) {
+      n = search_row<UNIFORM, FRICTION>(batch, n);
+      continue;
+    }
     if (!measured) {
       measure<UNIFORM>();
       if (FRICTION) release();

@@ -54,6 +54,7 @@ struct TouchingPairs {
 
   template <bool UNIFORM> void measure();
   void release();
+  template <bool UNIFORM, bool FRICTION> int search_row(ContactBatch &, int n);
   template <bool UNIFORM, bool FRICTION> bool search(ContactBatch &);
 };
 
