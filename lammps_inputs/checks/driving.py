@@ -39,8 +39,11 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
 
     Weak waves in a row under a static load that surely do not arrive are an error, all else a warning.
     """
-    load, row = assembly.case.load, measured_row(assembly)
-    if not load.driven or not load.oscillates or row is None or assembly.bars or assembly.case.output.history == 0:
+    load = assembly.case.load
+    if not load.driven or not load.oscillates or assembly.bars or assembly.case.output.history == 0:
+        return
+    row = measured_row(assembly)
+    if row is None:
         return
     if (fault := _too_few_periods(assembly)) is not None:
         _LOG.warning("%s: %s: %s", assembly.case.name, *fault)

@@ -16,7 +16,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
@@ -122,6 +121,7 @@ def _kind(sites: Sites, bead: int) -> tuple[float, int]:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
+    from scipy.optimize import brentq  # takes longer to load than a case to check
 
     def miss(overlap: float) -> float:
         return float(law.loading_force(np.array([overlap]))[0]) - force

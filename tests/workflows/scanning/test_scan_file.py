@@ -312,7 +312,7 @@ def test_a_warning_is_given_once_and_not_for_every_point(load: Load, caplog) -> 
 @pytest.mark.parametrize("name", [name for name in library.names(library.SCANS) if not is_suite(name)])
 def test_built_in_scans_can_be_read(name: str) -> None:
     scan = load_scan(name)
-    assert scan.name == name and len(scan.distinct) == len(scan.points) > 1
+    assert scan.name == name and len(scan.distinct) == len(scan.points) > 0
     assert library.text(name).startswith("# ")
 
 
