@@ -172,8 +172,8 @@ ENTRIES = (
     Quantity("load_power_W", "Power of the load", "Mean over the last half of a run under a harmonic load.",
              digits=".4g"),
     Quantity("absorbed_power_W", "Power absorbed",
-             "Mean power that the spheres of [[absorb]] and the damper below the packing take in the last half of a run "
-             "under a harmonic load; null where there is neither.", digits=".4g"),
+             "Mean power that the spheres of [[absorb]] and the damper below take in the last half of a run under a "
+             "harmonic load; null where there is neither.", digits=".4g"),
     Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
              "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
              "largest; 0 where the row has one state at every amplitude.", digits=".2g"),

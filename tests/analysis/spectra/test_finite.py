@@ -125,10 +125,8 @@ def test_losses_of_contacts(loss, time):
     losses = losses_of(assemble(case), network)
     found = transmission(stiffness_of(network), 1, [2], frequency, losses=losses).ratio[:, 0]
     k, wall, mass = float(network.springs.stiffness[0]), float(network.supports.stiffness[0]), float(network.mass[0])
-    if time:
-        c = 3e-7 * np.array([k, wall])
-    else:
-        c = 0.1 * np.sqrt(2 / 3 * np.array([mass / 2 * k, mass * wall]))
+    of_dashpot = 0.1 * np.sqrt(2 / 3 * np.array([mass / 2 * k, mass * wall]))
+    c = 3e-7 * np.array([k, wall]) if time else of_dashpot
     omega = 2 * np.pi * frequency
     between, below = k - 1j * omega * c[0], wall - 1j * omega * c[1]
     np.testing.assert_allclose(found, between / (between + below - mass * omega**2), rtol=1e-9)
