@@ -16,7 +16,7 @@ SHARES = (50, 90, 99)  # per cent of the energy dissipated by yielding: those th
 #: Unit by the end of a name; the first that fits counts.
 UNITS = {
     "_m_s2": "m/s^2", "_m_s": "m/s", "_per_kg": "1/kg", "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m^3",
-    "_Ns": "N s", "_Pa": "Pa", "_J": "J", "_N": "N", "_s": "s", "_m": "m",
+    "_Ns": "N s", "_Pa": "Pa", "_J": "J", "_W": "W", "_N": "N", "_s": "s", "_m": "m",
 }  # fmt: skip
 
 
@@ -169,6 +169,11 @@ ENTRIES = (
              digits=".4g"),
     Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
              digits=".4g"),
+    Quantity("load_power_W", "Power of the load", "Mean over the last half of a run under a harmonic load.",
+             digits=".4g"),
+    Quantity("absorbed_power_W", "Power absorbed",
+             "Mean power that the spheres of [[absorb]] and the damper below take in the last half of a run under a "
+             "harmonic load; null where there is neither.", digits=".4g"),
     Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
              "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
              "largest; 0 where the row has one state at every amplitude.", digits=".2g"),
@@ -348,7 +353,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
     "dissipated_fraction", "plastic_fraction", "friction_fraction", "viscous_fraction", "holder_fraction",
-    "absorbed_fraction",
+    "absorbed_fraction", "load_power_W", "absorbed_power_W",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
@@ -369,7 +374,7 @@ RUN_ROWS = _quantities(
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
-    "transmission", "wall_time_s", "sphere_steps_per_s",
+    "transmission", "load_power_W", "absorbed_power_W", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 
 #: The same of continuum runs and of contacts of two spheres.

@@ -13,6 +13,7 @@ import numpy as np
 
 from granwave.analysis.measures.amplitude_sweep import amplitude_sweep_of
 from granwave.analysis.measures.lines.record import line_summary
+from granwave.analysis.measures.mean_power import mean_power_of
 from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
@@ -201,10 +202,13 @@ def _transmission(result: Result) -> Summary:
     """Return what a row passes on of a load that oscillates."""
     found = transmission_of(result)
     swept = amplitude_sweep_of(result)
+    power = mean_power_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
     return {
         "transmission": steady.ratio if steady else None,
         "driven_velocity_m_s": steady.driven if steady else None,
+        "load_power_W": power.given if power else None,
+        "absorbed_power_W": power.absorbed if power else None,
         "amplitude_hysteresis": None if swept is None else swept.apart,
         "unsteady_part": steady.unsteady if steady else None,
     }

@@ -11,7 +11,8 @@ with the stiffness A of the contacts of a grain of the last layer with those bef
 
 which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a layer the grains are
 damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the
-ends are, walls do not hold. Grains that the case lets absorb waves are damped as in its runs.
+ends are, walls do not hold. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
+they do there, -i omega C.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ def transmission(
     axis: str = "z",
     end: str = "",
     dampers: Array | None = None,
+    losses: Network | None = None,
     together: Sequence[int] = (),
 ) -> Transmission:
     """Find the steady response to a prescribed motion of one grain, or of several alike.
@@ -96,6 +98,8 @@ def transmission(
         Far end: ``reflecting``, ``matched`` or ``layer:N``.
     dampers
         Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m s; none by default.
+    losses
+        The network with the damping constants of its contacts for stiffnesses, N s/m; none by default.
     together
         Ids of grains that are moved as the drive is.
 
@@ -111,7 +115,8 @@ def transmission(
     direction = "xyz".index(axis)
     if kind != REFLECTING:
         last, share = _far(network, drive, direction, n_layer if kind == LAYER else 0.0)
-        network = dataclasses.replace(network, supports=network.supports.where(~np.isin(network.supports.grain, last)))
+        network = _without_walls(network, last)
+        losses = None if losses is None else _without_walls(losses, last)
         stiffness = stiffness_of(network)
         damping = _matched(network, last) if kind == MATCHED else _layer(network, stiffness, last, share)
     freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
@@ -128,6 +133,7 @@ def transmission(
         places.append(freedom[row, direction])
     root = sparse.diags_array(np.sqrt(network.masses))
     matrix = (root @ stiffness.matrix(np.zeros(3)).real @ root).tocsc()
+    lossy = None if losses is None else (root @ stiffness_of(losses).matrix(np.zeros(3)).real @ root).tocsc()
     mass = sparse.diags_array(network.masses)
     damped = None if dampers is None else sparse.diags_array(dampers[network.freedoms])
     others = np.delete(np.arange(network.n_freedoms), driven)
@@ -139,6 +145,8 @@ def transmission(
             whole = whole + damping(omega)
         if damped is not None:
             whole = whole - 1j * omega * damped
+        if lossy is not None:
+            whole = whole - 1j * omega * lossy
         whole = whole.astype(np.complex128).tocsc()
         column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
         motion = np.zeros(network.n_freedoms, dtype=np.complex128)
@@ -147,6 +155,12 @@ def transmission(
             motion[others] = factorised(whole[others][:, others]).solve(-column[others])
         ratio[row] = motion[places]
     return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
+
+
+def _without_walls(network: Network, rows: NDArray[np.int64]) -> Network:
+    """Take the walls from grains."""
+    supports = network.supports
+    return dataclasses.replace(network, supports=supports.where(~np.isin(supports.grain, rows)))
 
 
 def _row(network: Network, grain: int, option: str) -> int:

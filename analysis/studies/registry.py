@@ -53,6 +53,7 @@ STUDIES: dict[str, str] = {
     "bands": "bands.simulated",
     "tunable-gap": "bands.tunnel",
     "resonance": "bands.resonance",
+    "rectification": "bands.rectification",
     "settled-packing": "precompression.settled",
     "preconditioned": "precompression.preconditioned",
     "repeated-hits": "precompression.hits",

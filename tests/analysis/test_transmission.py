@@ -103,6 +103,30 @@ def test_a_matched_end_reflects_little(tmp_path):
     due = abs((stiffness / (1j * omega) * step - end) / (stiffness / (1j * omega) / step - end))
     assert due < 0.2 and reflected == pytest.approx(due, abs=0.01)
     assert outcome.summary["absorbed_fraction"] > 0.5 and outcome.summary["energy_balance_error"] < 1e-5
+    power = impedance * abs(found.velocity[-1]) ** 2 / 2
+    assert outcome.summary["absorbed_power_W"] == pytest.approx(power, rel=0.02)
+    assert outcome.summary["load_power_W"] == pytest.approx(power, rel=0.02)
+
+
+def test_power_and_losses_of_small_motions(tmp_path):
+    """In the gap of a row that loses energy: motion and power of the steady response, K - i omega C."""
+    frequency, impedance, amplitude = np.array([2.1e4]), 500.0, 1e-9
+    load = {"kind": "displacement", "shape": "harmonic", "amplitude": amplitude, "frequency": 2.1e4, "ramp": 1e-3}
+    changes = {"packing.size": 5, "boundary.bottom": "free", "absorb": [{"index": [5], "impedance": impedance}],
+               "run.end_time": 4e-3, "load": load}  # fmt: skip
+    case = load_case("driven-row", changes | {"contact.loss": {"time": 2e-6}})
+    summary = run_case(case, tmp_path / "run", figures=False).summary
+    lossy, lossless = (
+        steady(one, None, drive=1, sensors=[5], frequency=frequency)[0].amplitude[0, 0]
+        for one in (case, load_case("driven-row", changes))
+    )
+    with Result(tmp_path / "run") as result:
+        found = transmission_of(result)
+    assert abs(found.velocity[4] / found.velocity[0]) == pytest.approx(lossy, rel=2e-3)
+    assert abs(lossless / lossy - 1) > 0.02
+    power = impedance * (lossy * 2 * math.pi * frequency[0] * amplitude) ** 2 / 2
+    assert summary["absorbed_power_W"] == pytest.approx(power, rel=4e-3)
+    assert summary["load_power_W"] > 2 * power  # most is lost in the contacts
 
 
 def test_a_row_on_a_damper(tmp_path):
@@ -118,6 +142,7 @@ def test_a_row_on_a_damper(tmp_path):
         lost = result["energy/support_lost"][-1] / result.energy_input
     assert pressed[0] == pytest.approx(20, rel=1e-4) and np.abs(pressed / 20 - 1).max() < 0.05
     assert outcome.summary["energy_balance_error"] < 1e-5 and lost > 0.7
+    assert outcome.summary["absorbed_power_W"] == pytest.approx(outcome.summary["load_power_W"], rel=0.02)
     stiffness, mass, omega = static_stiffness(assembly), assembly.case.sphere_mass, 2j * math.pi * 4e3
     at_plate = 2 * stiffness  # Hertz: K of a rigid plane is 2 sqrt(2) times that of two spheres, and k ~ K^(2/3)
     end = omega * mass + 1 / (1 / impedance + omega / at_plate) + stiffness / omega

@@ -12,6 +12,7 @@ import numpy as np
 from granwave.analysis.spectra import files
 from granwave.analysis.spectra.band_structure import POINTS, BandStructure, band_structure
 from granwave.analysis.spectra.dampers import dampers_of
+from granwave.analysis.spectra.losses import losses_of
 from granwave.analysis.spectra.modes import Modes, solve_modes
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.states import State, packing_state
@@ -200,11 +201,13 @@ def steady(
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
-    dampers = dampers_of(assemble(state.case), state.network) if state.case.absorb else None
+    assembly = assemble(state.case)
+    dampers = dampers_of(assembly, state.network) if state.case.absorb else None
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
-        stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers, together=together
-    )
+        stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers,
+        losses=losses_of(assembly, state.network), together=together,
+    )  # fmt: skip
     if place is None:
         return found, state, []
     n = len(found.sensors)

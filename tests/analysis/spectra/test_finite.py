@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from granwave.analysis.spectra.losses import losses_of
 from granwave.analysis.spectra.modes import solve_modes
 from granwave.analysis.spectra.network import Network, Springs
 from granwave.analysis.spectra.states import packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import transmission
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers.springs import endless
 
 AXIAL = {"kind": "uniaxial", "force": 20.0}
@@ -112,3 +114,21 @@ def test_turning_as_a_whole_costs_nothing():
 def test_wrong_places(drive, sensors, end, message):
     with pytest.raises(InputError, match=message):
         transmission(stiffness_of(chain(12).network), drive, sensors, np.array([100.0]), end=end)
+
+
+@pytest.mark.parametrize(("loss", "time"), [({"time": 3e-7}, True), ({"dashpot": 0.1}, False)])
+def test_losses_of_contacts(loss, time):
+    """Two beads on a wall: u_2/u_1 = K/(K + K_w - m omega^2), K = k - i omega c of each contact."""
+    case = endless("chain", 2, AXIAL, boundary={"bottom": "wall"}, contact={"law": "hertz", "loss": loss})
+    network = packing_state(case).network
+    frequency = np.array([3e3, 1.5e4, 2.2e4])
+    losses = losses_of(assemble(case), network)
+    found = transmission(stiffness_of(network), 1, [2], frequency, losses=losses).ratio[:, 0]
+    k, wall, mass = float(network.springs.stiffness[0]), float(network.supports.stiffness[0]), float(network.mass[0])
+    of_dashpot = 0.1 * np.sqrt(2 / 3 * np.array([mass / 2 * k, mass * wall]))
+    c = 3e-7 * np.array([k, wall]) if time else of_dashpot
+    omega = 2 * np.pi * frequency
+    between, below = k - 1j * omega * c[0], wall - 1j * omega * c[1]
+    np.testing.assert_allclose(found, between / (between + below - mass * omega**2), rtol=1e-9)
+    lossless = endless("chain", 2, AXIAL, boundary={"bottom": "wall"})
+    assert losses_of(assemble(lossless), network) is None
