@@ -32,6 +32,7 @@ _STALLED, _OF_STALLED = 6, 100.0  # steps without progress, and how much more ne
 _SMALLEST_STEP = 2.0**-10
 _FARTHEST = 1e3  # mean diameters: steps beyond it are those of motions that nothing resists
 _DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
+_BUCKLED_UP_TO = 6000  # unknowns: whose balance is sought with the turning of forces, by factors with pivots
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
 _FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
 _ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
@@ -228,7 +229,7 @@ def relax(bodies: Bodies) -> StaticState:
     """
     problem = _Problem(bodies)
     x, now, steps = _search(problem, _start(problem))
-    if problem.loaded and not _balanced(problem, now):
+    if problem.loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
         turning = _Problem(bodies, with_turning=True)
         there, at, more = _search(turning, _start(turning))
         if _balanced(turning, at):
