@@ -22,6 +22,8 @@ _LONG = 1e-6  # |k| times the period: a uniform displacement
 _BATCH = 2**24  # numbers in the matrices that are solved at once
 _FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
 _PRECISION, _MOST_RESTARTS = 1e-9, 20_000
+_TURNING = 0.99  # of the energy in rotations: grains that roll
+ROLLING = "like gears: they roll on each other, which friction does not resist"
 _BELOW = 1e-7  # of the largest omega^2, where values are sought from
 
 
@@ -194,10 +196,13 @@ def refuse_floppy(bands: Bands, name: str) -> None:
         They can; the message says in how many modes, where, and which grains move how.
     """
     if bands.floppy.any():
-        raise InputError(
-            f'{name}: {describe_floppy(bands)}; friction, a load from all sides (precompression.kind = "uniform"), '
-            "--directions, [[hold]], or another --path makes it rigid, and --allow-floppy leaves these modes blank"
-        )
+        found = describe_floppy(bands)
+        if ROLLING in found:
+            cure = "[[hold]] with rotation = true, --set contact.friction=0, or another --path"
+        else:
+            cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]], or another '
+            cure += "--path"
+        raise InputError(f"{name}: {found}; {cure} makes it rigid, and --allow-floppy leaves these modes blank")
 
 
 def describe_floppy(bands: Bands) -> str:
@@ -215,9 +220,19 @@ def describe_floppy(bands: Bands) -> str:
     at = int(np.count_nonzero(counts))
     return (
         f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no resistance at "
-        f"{bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors there are some); "
-        f"{who_moves(bands.network, loose.sum(axis=1))}"
+        f"{bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors there are some)"
+        f"{growing(bands.square, bands.largest)}; {who_moves(bands.network, loose.sum(axis=1))}"
     )
+
+
+def growing(square: Array, largest: float) -> str:
+    """Describe the modes that grow, given omega^2 (..., n_modes) and its upper bound, s^-2; empty if there are none."""
+    grow = square < -_ZERO * largest
+    if not grow.any():
+        return ""
+    rate = float(np.sqrt(-square.min()))
+    n = f"{'up to ' if square.ndim > 1 else ''}{grow.sum(axis=-1).max()}"
+    return f", and {n} of them grow, by {rate:.3g} 1/s at most: the packing buckles under its load"
 
 
 def who_moves(network: Network, share: Array) -> str:
@@ -225,11 +240,12 @@ def who_moves(network: Network, share: Array) -> str:
     grain, direction = network.freedoms
     total = share.sum()
     along = np.bincount(direction, share, 6) / total
+    rolling = f" ({ROLLING})" if along[3:].sum() > _TURNING else ""
     words = [f"{100 * one:.0f} % {_WORDS[place]}" for place, one in enumerate(along) if one > 0.005]
     own = np.bincount(grain, share, network.n_grains) / total
     most = np.argsort(-own)[:3]
     ids = ", ".join(str(network.ids[one]) for one in most if own[one] > 0.01)
-    return f"they move {', '.join(words)}; grains {ids} most" if ids else f"they move {', '.join(words)}"
+    return f"they move {', '.join(words)}{rolling}" + (f"; grains {ids} most" if ids else "")
 
 
 _WORDS = {place: f"along {name}" if place < 3 else f"turning about {name[1]}" for place, name in enumerate(FREEDOMS)}

@@ -11,7 +11,7 @@ import dataclasses
 
 import numpy as np
 
-from granwave.analysis.spectra.bands import _ZERO, lowest, who_moves
+from granwave.analysis.spectra.bands import _ZERO, growing, lowest, who_moves
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.stiffness import Stiffness
 
@@ -71,7 +71,9 @@ class Modes:
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
         n = int(loose.sum())
         known = "" if self.complete or n < len(self.square) else " or more"
-        return f"{n}{known} of {self.network.n_freedoms} modes meet no resistance; {who_moves(self.network, share)}"
+        text = f"{n}{known} of {self.network.n_freedoms} modes meet no resistance{growing(self.square, self.largest)}; "
+        text += who_moves(self.network, share)
+        return text
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:

@@ -2,6 +2,9 @@
 
 Unknown are the displacements of the grains and the strains of the cell that are free. The energy of the contacts and
 of the loads is smallest in the static state; contacts are loaded for the first time, without friction.
+
+A packing that buckles has no such state near the places that it is given. Newton's method with the turning of forces
+then finds the one in which all forces balance and from which it buckles: some motions lower its energy.
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ import dataclasses
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import cg
+from scipy.sparse.linalg import cg, splu
 
 from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
@@ -27,7 +30,9 @@ _BALANCED, _BALANCED_OF_MANY = 1e-11, 1e-9  # net force over the largest contact
 _TOLERATED = 1e-6  # the same where rounding leaves more
 _STALLED, _OF_STALLED = 6, 100.0  # steps without progress, and how much more net force is then allowed
 _SMALLEST_STEP = 2.0**-10
+_FARTHEST = 1e3  # mean diameters: steps beyond it are those of motions that nothing resists
 _DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
+_BUCKLED_UP_TO = 6000  # unknowns: whose balance is sought with the turning of forces, by factors with pivots
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
 _FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
 _ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
@@ -63,23 +68,30 @@ class _At:
     tables: list[tuple[Array, sparse.csr_array]]
     largest: float
     rounding: float
+    turning: list[tuple[Array, sparse.csr_array]] = dataclasses.field(default_factory=list)
 
-    @property
-    def hessian(self) -> sparse.csr_array:
-        """Second derivatives of the energy, without the turning of forces, which is small."""
-        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
+    def hessian(self, *, turning: bool = False) -> sparse.csr_array:
+        """Second derivatives of the energy, with or without the turning of the forces of grains, which is small."""
+        tables = self.tables + self.turning if turning else self.tables
+        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in tables))
 
 
 class _Problem:
     """Unknowns and their energy."""
 
-    def __init__(self, bodies: Bodies) -> None:
+    def __init__(self, bodies: Bodies, *, with_turning: bool = False) -> None:
         self.bodies = bodies
+        self.with_turning = with_turning
         self.free = bodies.moves[:, :3].copy()
         self.number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
         self.n = self.n_motions + len(self.strains)
+
+    @property
+    def loaded(self) -> bool:
+        """True if a load acts, on grains or on the cell."""
+        return bool(self.bodies.dead_load.any() or any(self.bodies.stress.values()))
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """Centres and periods."""
@@ -110,7 +122,7 @@ class _Problem:
         position, periods = self.state(x)
         first, second, image = bodies.near(position, periods, _MARGIN * bodies.spacing)
         step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
-        apart, _, _ = bodies.separations(first, second, step)
+        apart, _, turns = bodies.separations(first, second, step)
         distance = np.linalg.norm(apart, axis=1)
         normal = apart / distance[:, None]
         radii = np.stack([bodies.radius[first], bodies.radius[second]], axis=1)
@@ -121,6 +133,11 @@ class _Problem:
         shifts = image @ bodies.periods if len(periods) else np.zeros((len(first), 3))
         stretch = self._stretch(first, second, normal, shifts)
         tables = [(values, stretch)]
+        turning = []
+        if self.with_turning:
+            across = np.eye(3) - normal[:, :, None] * normal[:, None, :] if turns is None else turns
+            weight = -values[0] / distance
+            turning = [(weight, self._stretch(first, second, across[:, axis], shifts)) for axis in range(3)]
         for wall in bodies.walls:
             if not wall.held_layer:
                 tables.append(self._at_wall(wall, position))
@@ -142,6 +159,7 @@ class _Problem:
             [(slope, rows) for (_, slope, _), rows in tables],
             largest,
             _ROUNDING * stiffest * np.finfo(float).eps * span,
+            turning,
         )
 
     def by_linear_springs(self) -> Array:
@@ -200,7 +218,7 @@ class _Problem:
 
 
 def relax(bodies: Bodies) -> StaticState:
-    """Find the static state of grains under their loads.
+    """Find the static state of grains under their loads, or, if they buckle, the balance from which they do.
 
     Raises
     ------
@@ -210,8 +228,30 @@ def relax(bodies: Bodies) -> StaticState:
         No balance was found.
     """
     problem = _Problem(bodies)
-    x = _start(problem)
-    now = problem.at(x)
+    x, now, steps = _search(problem, _start(problem))
+    if problem.loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
+        turning = _Problem(bodies, with_turning=True)
+        there, at, more = _search(turning, _start(turning))
+        if _balanced(turning, at):
+            problem, x, now, steps = turning, there, at, steps + more
+    net = _net(problem, now)
+    residual = net / now.largest if now.largest else 0.0
+    if now.largest and not _balanced(problem, now):
+        raise RunError(
+            f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
+            f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
+        )
+    position, periods = problem.state(x)
+    return StaticState(position, periods, residual, steps)
+
+
+def _balanced(problem: _Problem, now: _At) -> bool:
+    return now.largest > 0 and _net(problem, now) <= max(_TOLERATED * now.largest, now.rounding)
+
+
+def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
+    """Return the unknowns, what they give, and the steps, of Newton's method from a start."""
+    bodies, now = problem.bodies, problem.at(x)
     balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
     best, since, steps = np.inf, 0, 0
     for rounds in range(_ROUNDS):
@@ -225,29 +265,24 @@ def relax(bodies: Bodies) -> StaticState:
             break
         if since > _STALLED and net <= _OF_STALLED * balanced * now.largest:
             break  # rounding, of more contacts than one
-        move = _move(now)
+        move = _move(now, turning=problem.with_turning)
         size = 1.0
         largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)
+        if largest_move > _FARTHEST * bodies.spacing:
+            break  # motions that nothing resists: the packing buckles
         if largest_move > _MARGIN / 2 * bodies.spacing:
             size = _MARGIN / 2 * bodies.spacing / largest_move
         while True:
             there = problem.at(x + size * move)
             slack = 1e-13 * abs(now.energy)
-            if there.energy <= now.energy + slack or _net(problem, there) < net or size < _SMALLEST_STEP:
+            lower = not problem.with_turning and there.energy <= now.energy + slack
+            if lower or _net(problem, there) < net or size < _SMALLEST_STEP:
                 break
             size /= 2
         if size < _SMALLEST_STEP:
             break
         x, now = x + size * move, there
-    net = _net(problem, now)
-    residual = net / now.largest if now.largest else 0.0
-    if now.largest and net > max(_TOLERATED * now.largest, now.rounding):
-        raise RunError(
-            f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
-            f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
-        )
-    position, periods = problem.state(x)
-    return StaticState(position, periods, residual, steps)
+    return x, now, steps
 
 
 def _net(problem: _Problem, now: _At) -> float:
@@ -258,13 +293,15 @@ def _net(problem: _Problem, now: _At) -> float:
     return max(motions, cell / float(lengths.mean()) if len(lengths) else 0.0)
 
 
-def _move(now: _At) -> Array:
-    """Newton's step."""
-    hessian = now.hessian
+def _move(now: _At, *, turning: bool = False) -> Array:
+    """Newton's step; with the turning of forces also towards balances that are no minimum of the energy."""
+    hessian = now.hessian(turning=turning)
     diagonal = hessian.diagonal()
     soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
     soft = soft or 1.0
     matrix = (hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
+    if turning:
+        return np.asarray(splu(matrix).solve(-now.gradient))  # indefinite: with pivots
     if len(diagonal) <= _DIRECT_UP_TO:
         return np.asarray(factorised(matrix).solve(-now.gradient))
     scale = sparse.diags_array(1 / matrix.diagonal())
