@@ -112,3 +112,12 @@ def test_turning_as_a_whole_costs_nothing():
 def test_wrong_places(drive, sensors, end, message):
     with pytest.raises(InputError, match=message):
         transmission(stiffness_of(chain(12).network), drive, sensors, np.array([100.0]), end=end)
+
+
+def test_bcc_between_walls_buckles():
+    """The balance of even forces is found, and the modes that leave it are counted."""
+    load = {"kind": "uniaxial", "pressure": 1e6}
+    state = packing_state(endless("bcc", [4, 4, 6], load, boundary={"sides": "periodic", "bottom": "wall"}))
+    assert state.residual < 1e-9 and np.ptp(state.network.springs.force) < 1e-6
+    modes = solve_modes(stiffness_of(state.network))
+    assert "14 of 288 modes meet no resistance, and 12 of them grow, by " in modes.describe_floppy()
