@@ -1,7 +1,7 @@
 """Frequencies of a load against those that contacts pass on.
 
-No wave runs above the cut-off; grains then move by a share that falls with the square of the frequency, and the timestep
-follows the load. Far above, a run takes long, and shows rounding.
+No wave runs above the cut-off; grains then move by a share that falls with the square of the frequency, and the
+timestep follows the load. Far above, a run takes long, and shows rounding.
 """
 
 from __future__ import annotations

@@ -240,7 +240,7 @@ def test_bcc_under_pressure_buckles():
     k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
     """
     case = endless("bcc", [4, 4, 6], ALL_ROUND)
-    with pytest.raises(InputError, match="1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"):
+    with pytest.raises(InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"):
         band_structure(case, "0,0,0; 100,100,0")
     state = cell_state(case)
     springs = state.network.springs
@@ -254,5 +254,5 @@ def test_bcc_under_pressure_buckles():
 def test_beads_that_roll_like_gears_are_named():
     """Neighbours that turn against each other slip nowhere, so that friction does not hold them."""
     case = endless("square", [4, 4], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
-    with pytest.raises(InputError, match="1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"):
+    with pytest.raises(InputError, match=r"1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"):
         band_structure(case, "G-M")
