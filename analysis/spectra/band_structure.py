@@ -20,6 +20,7 @@ from granwave.analysis.spectra.surfaces import PLANES, Surface, long_wave_speeds
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 
+_MOST_POINTS = 100_000
 POINTS = 61  # wave vectors of a stretch
 _FREQUENCIES = 401  # for attenuation
 _BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
@@ -142,8 +143,8 @@ def band_structure(
     """
     if set(directions) - set("xyz"):
         raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
-    if points < 2:
-        raise InputError(f"--points: found {points}, expected 2 or more in each stretch")
+    if not 2 <= points <= _MOST_POINTS:
+        raise InputError(f"--points: found {points}, expected 2 to {_MOST_POINTS} in each stretch")
     if plane and plane not in PLANES:
         raise InputError(f'--plane: found "{plane}", expected {", ".join(PLANES)}')
     state = source if isinstance(source, State) else cell_state(source, slab=slab)

@@ -200,7 +200,9 @@ def refuse_floppy(bands: Bands, name: str) -> None:
         if ROLLING in found:
             cure = "[[hold]] with rotation = true, --set contact.friction=0, or another --path"
         else:
-            cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]], or another '
+            cure = (
+                'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]], or another '
+            )
             cure += "--path"
         raise InputError(f"{name}: {found}; {cure} makes it rigid, and --allow-floppy leaves these modes blank")
 

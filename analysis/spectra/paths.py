@@ -136,7 +136,8 @@ def make_path(text: str, periods: Array, points: int) -> Path:
         for (_, start), (name, end) in pairwise(stretch):
             length = float(np.linalg.norm(end - start))
             if length == 0:
-                raise InputError(f"--path: found {show(name)} twice in a row, expected points that differ")
+                where = show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
+                raise InputError(f"--path: found {where} twice in a row, expected points that differ")
             for share in np.linspace(0, 1, points)[1:]:
                 k.append(start + share * (end - start))
                 distance.append(distance[-1] + length / (points - 1))

@@ -325,7 +325,7 @@ def _start(problem: _Problem) -> Array:
         if high > _LARGEST_STRAIN:
             raise InputError(
                 f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
-                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load"
+                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load, or a cell across which the grains touch"
             )
     low = high / 4 if high > _FIRST_STRAIN else 0.0
     for _ in range(_HALVINGS):

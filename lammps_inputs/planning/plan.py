@@ -16,6 +16,7 @@ from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.planning.load_frequency import check_load_frequency
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.planning.space import Space, expected_space
 from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
@@ -101,6 +102,7 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     assembly = assemble(case)
     case = assembly.case
     _refuse_endless(case)
+    check_load_frequency(assembly)
     try:
         schedule, law = make_schedule(assembly), sphere_contact(case)
         overlap = expected_peak_overlap(assembly)

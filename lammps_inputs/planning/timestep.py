@@ -172,11 +172,15 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
         No contact absorbs energy.
     """
     assembly = assemble(case)
-    slowest = min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly))
-    for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR * slowest)
+    for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR) * shortest_time(assembly)
     share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
     of_load = [share * time for time in _times_of_load(assembly.case.load)]
     return _round_down(min(for_contacts, largest_timestep(assembly), *of_load))
+
+
+def shortest_time(assembly: Assembly) -> float:
+    """Return the smallest sqrt(mass/stiffness) of the contacts expected, s."""
+    return math.sqrt(min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly)))
 
 
 def largest_timestep(assembly: Assembly) -> float:

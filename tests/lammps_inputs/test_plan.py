@@ -227,3 +227,26 @@ def test_memory_of_each_rank() -> None:
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
     assert "first rank, which makes the analysis" in plan_table(case, four)
     assert "first rank" not in plan_table(case, one)
+
+
+def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
+    """A steel row under 20 N passes waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is within 15 % of it."""
+
+    def planned(frequency: float) -> None:
+        table = {
+            "name": "row", "material": "steel", "packing": {"kind": "chain", "size": 8, "diameter": 0.01},
+            "contact": {"law": "hertz"}, "precompression": {"kind": "uniaxial", "force": 20.0},
+            "load": {"kind": "force", "shape": "harmonic", "amplitude": 0.1, "frequency": frequency},
+            "run": {"end_time": 2e-3}, "output": {"history": 0},
+        }  # fmt: skip
+        plan(case_from_dict(table))
+
+    with caplog.at_level(logging.WARNING, "granwave"):
+        planned(4.3 * 19.8e3)
+    assert not caplog.messages
+    with caplog.at_level(logging.WARNING, "granwave"):
+        planned(5.8 * 19.8e3)
+    (message,) = caplog.messages
+    assert "load.frequency: found 114840 Hz" in message
+    with pytest.raises(InputError, match=r"load.frequency: found 1e\+07 Hz, 461 times .* expected at most 100 times"):
+        planned(1e7)

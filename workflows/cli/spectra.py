@@ -94,12 +94,15 @@ def transmission(options: argparse.Namespace, _: Any) -> int:
     return 0
 
 
+_MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
+
+
 def frequencies(text: str) -> np.ndarray:
     """Read frequencies, Hz: numbers with commas between them, or START:END:COUNT."""
     try:
         if ":" in text:
             start, end, count = text.split(":")
-            if int(count) < 1:
+            if not 1 <= int(count) <= _MOST_FREQUENCIES:
                 raise ValueError
             values = np.linspace(float(start), float(end), int(count))
         else:
@@ -108,7 +111,8 @@ def frequencies(text: str) -> np.ndarray:
         values = np.empty(0)
     if not len(values) or not np.isfinite(values).all() or (values < 0).any():
         raise argparse.ArgumentTypeError(
-            f"found {text or 'nothing'}, expected numbers from 0 up with commas between them (Hz), or START:END:COUNT"
+            f"found {text or 'nothing'}, expected numbers from 0 up with commas between them (Hz), or START:END:COUNT "
+            f"with a COUNT from 1 to {_MOST_FREQUENCIES}"
         )
     return values
 

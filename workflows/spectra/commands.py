@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,10 @@ import numpy as np
 
 from granwave.analysis.spectra import files
 from granwave.analysis.spectra.band_structure import POINTS, BandStructure, band_structure
+from granwave.analysis.spectra.bands import growing
 from granwave.analysis.spectra.dampers import dampers_of
 from granwave.analysis.spectra.losses import losses_of
-from granwave.analysis.spectra.modes import Modes, solve_modes
+from granwave.analysis.spectra.modes import ALL_UP_TO, Modes, solve_modes
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
@@ -26,6 +28,9 @@ from granwave.workflows.spectra.output import Figures, check_place, write_output
 
 _BANDS, _MODES, _TRANSMISSION = "bands", "modes", "transmission"
 _FREQUENCIES = 400  # between the lowest and highest mode, where none are given
+_HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
+_LOWEST_MODES = 2  # of a large packing: whether it buckles
+_LOG = logging.getLogger("granwave")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -197,12 +202,15 @@ def steady(
     place = None if directory is None else check_place(directory, _TRANSMISSION, force=force)
     if not len(frequency) or not np.isfinite(frequency).all() or (frequency < 0).any():
         raise InputError("--frequencies: expected numbers from 0 up (Hz)")
+    if frequency.max() > _HIGHEST:
+        raise InputError(f"--frequencies: found {frequency.max():g} Hz, expected at most {_HIGHEST:g} Hz")
     state = _finite(source, directions)
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
     assembly = assemble(state.case)
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
+    _note_buckling(state)
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
         stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers,
@@ -225,6 +233,20 @@ def steady(
     tables = files.tables_of_transmission(state, found)
     summary = transmission_summary(state, found)
     return found, state, write_output(place, _TRANSMISSION, state, tables, columns, summary, drawn)
+
+
+def _note_buckling(state: State) -> None:
+    """Log a warning if some modes of a packing grow: a steady motion about such a state does not last."""
+    stiffness = stiffness_of(state.network)
+    small = state.network.n_freedoms <= ALL_UP_TO
+    found = solve_modes(stiffness, None if small else _LOWEST_MODES)
+    if words := growing(found.square, found.largest):
+        _LOG.warning(
+            "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
+            "granwave modes names them",
+            state.name,
+            words.replace(", and ", ": ", 1).replace(" of them", " modes" if small else " modes or more"),
+        )
 
 
 def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:

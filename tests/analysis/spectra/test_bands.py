@@ -232,3 +232,27 @@ def test_floppy_modes_are_left_blank_where_allowed():
     found = band_structure(endless("square", [4, 4], ALL_ROUND), "G-X", allow_floppy=True)
     assert np.isnan(found.bands.frequency[1:, 0]).all() and np.isfinite(found.bands.frequency[:, 1]).all()
     assert "along" in found.note
+
+
+def test_bcc_under_pressure_buckles():
+    """Eight contacts hold no shear of the cube; the static force F/d of each then makes it grow.
+
+    k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
+    """
+    case = endless("bcc", [4, 4, 6], ALL_ROUND)
+    with pytest.raises(InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"):
+        band_structure(case, "0,0,0; 100,100,0")
+    state = cell_state(case)
+    springs = state.network.springs
+    np.testing.assert_allclose(springs.force, 1e5 * 0.01**2 / np.sqrt(3), rtol=1e-3)
+    bands = band_structure(case, "0,0,0; 100,100,0", points=3, allow_floppy=True).bands
+    side = 0.01 * 2 / np.sqrt(3)
+    expected = -4 * springs.force[0] / springs.distance[0] / state.network.mass[0] * (1 - np.cos(100 * side))
+    np.testing.assert_allclose(bands.square[-1, 0], expected, rtol=1e-6)
+
+
+def test_beads_that_roll_like_gears_are_named():
+    """Neighbours that turn against each other slip nowhere, so that friction does not hold them."""
+    case = endless("square", [4, 4], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
+    with pytest.raises(InputError, match=r"1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"):
+        band_structure(case, "G-M")

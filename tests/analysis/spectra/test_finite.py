@@ -132,3 +132,12 @@ def test_losses_of_contacts(loss, time):
     np.testing.assert_allclose(found, between / (between + below - mass * omega**2), rtol=1e-9)
     lossless = endless("chain", 2, AXIAL, boundary={"bottom": "wall"})
     assert losses_of(assemble(lossless), network) is None
+
+
+def test_bcc_between_walls_buckles():
+    """The balance of even forces is found, and the modes that leave it are counted."""
+    load = {"kind": "uniaxial", "pressure": 1e6}
+    state = packing_state(endless("bcc", [4, 4, 6], load, boundary={"sides": "periodic", "bottom": "wall"}))
+    assert state.residual < 1e-9 and np.ptp(state.network.springs.force) < 1e-6
+    modes = solve_modes(stiffness_of(state.network))
+    assert "14 of 288 modes meet no resistance, and 12 of them grow, by " in modes.describe_floppy()
