@@ -2,10 +2,10 @@
 
 A row under a static force does not pass frequencies above its cut-off f_c. A light bead near one end has a mode of its
 own above f_c. A drive between the two excites it if it is near, the more the larger the motion, for Hertz's contacts
-soften; above some amplitude this motion is not stable, and feeds frequencies that the row passes. From the other end
-the drive does not reach the light bead, and the row stays shut (Boechler, Theocharis, Daraio, Nature Materials 10,
-665, 2011). Small amplitudes: the steady response of the static state with its losses and dampers, whose power goes as
-the square of the amplitude.
+soften; above some amplitude this motion is not stable, and feeds two frequencies that the row passes and whose sum is
+that of the drive. From the other end the drive hardly reaches the light bead, and the row stays shut up to a larger
+amplitude (Boechler, Theocharis, Daraio, Nature Materials 10, 665, 2011). Small amplitudes: the steady response of the
+static state with its losses and dampers, whose power goes as the square of the amplitude.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ import numpy as np
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, legend_above
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.transmission import motion_of
+from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.dampers import dampers_of
 from granwave.analysis.spectra.losses import losses_of
 from granwave.analysis.spectra.modes import solve_modes
@@ -35,7 +37,8 @@ TEXT = (
     "A row under a static force with a light bead near one end, driven at its first bead at a frequency that the row "
     "does not pass. The mean power that its absorbing end takes in the last half of each run is drawn against the "
     "amplitude of the drive, with the light bead near the drive and near the other end. Dashed: the steady response of "
-    "small motions, with the losses of contacts."
+    "small motions, with the losses of contacts. Next to the amplitude at which the row opens, the motion that opens it "
+    "grows or dies so slowly that the mean is that of a state which still changes."
 )
 _Z = 2
 _OPEN = 10.0  # power over that of small motions: above it the row has switched
@@ -99,6 +102,19 @@ class Driven(FinishedRun):
         moves = network.moves.copy()
         moves[np.isin(network.ids, (1, self.assembly.lattice.n_spheres))] = False
         return float(solve_modes(stiffness_of(dataclasses.replace(network, moves=moves))).frequency[-1])
+
+    @cached_property
+    def below(self) -> float:
+        """Share of the last bead's motion at frequencies below the cut-off, in the last half; NaN if not recorded."""
+        with Result(self.directory) as result:
+            found = motion_of(result)
+        if found is None:
+            return math.nan
+        _, time, velocity = found
+        last = velocity[time >= time[-1] / 2, -1]
+        power = np.abs(np.fft.rfft((last - last.mean()) * np.hanning(len(last)))) ** 2
+        frequency = np.fft.rfftfreq(len(last), (time[-1] - time[0]) / (len(time) - 1))
+        return float(power[frequency < self.cut_off].sum() / power.sum())
 
     @property
     def gain(self) -> float:
@@ -181,6 +197,12 @@ def rows(runs: Sequence[Driven]) -> Iterator[Row]:
         for place, which in ((0, "smallest amplitude"), (int(np.argmax(ratio)), "amplitude where it is largest")):
             quantity = f"Power through, light bead near the drive over at the far end, {which}"
             yield Row(quantity, "", None, float(ratio[place]), "", f"At {size[place]:g} m.", digits=3)
+        best = float(size[np.argmax(ratio)])
+        for name, same in found.items():
+            below = next(one for one in same if one.amplitude == best).below
+            if math.isfinite(below):
+                quantity = f"Light bead {name}, {best:g} m: share of the last bead's motion below the row's cut-off"
+                yield Row(quantity, "", None, below, "power spectrum, last half of the run", digits=3)
 
 
 def pictures(runs: Sequence[Driven]) -> Iterator[Picture]:
@@ -191,7 +213,7 @@ def pictures(runs: Sequence[Driven]) -> Iterator[Picture]:
     for number, (name, same) in enumerate(found.items()):
         size, through = (np.array([getattr(one, key) for one in same]) for key in ("amplitude", "through"))
         small = np.array([one.of_small for one in same]) * size**2
-        axes.plot(1e6 * size, through, "os"[number] + "-", color=f"C{number}", label=f"light bead {name}")
+        axes.plot(1e6 * size, through, "os"[number] + "-", markersize=3, color=f"C{number}", label=f"light bead {name}")
         axes.plot(1e6 * size, small, "--", color=f"C{number}", linewidth=0.8)
         short = name.split()[0] if number == 0 else "far"
         columns |= {f"amplitude_m_{short}": size, f"power_W_{short}": through, f"small_W_{short}": small}
@@ -202,7 +224,7 @@ def pictures(runs: Sequence[Driven]) -> Iterator[Picture]:
     legend_above(axes, 1)
     size, ratio = ratios(runs)
     beside.axhline(1.0, color="k", linewidth=0.6)
-    beside.plot(1e6 * size, ratio, "o-", color="C2")
+    beside.plot(1e6 * size, ratio, "o-", markersize=3, color="C2")
     label(beside, "Amplitude of the drive (µm)", "Power, near over far", log="xy")
     columns |= {"amplitude_m": size, "near_over_far": ratio}
     yield Picture("_power", "Power through a row against the amplitude of its drive in the gap (dashed: small motions; "
