@@ -37,7 +37,7 @@ TEXT = (
     "A row under a static force with a light bead near one end, driven at its first bead at a frequency that the row "
     "does not pass. The mean power that its absorbing end takes in the last half of each run is drawn against the "
     "amplitude of the drive, with the light bead near the drive and near the other end. Dashed: the steady response of "
-    "small motions, with the losses of contacts. Next to the amplitude at which the row opens, the motion that opens it "
+    "small motions, with the losses of contacts. Next to the amplitude at which the row opens, what opens it "
     "grows or dies so slowly that the mean is that of a state which still changes."
 )
 _Z = 2
