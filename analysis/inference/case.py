@@ -199,7 +199,7 @@ class InferCase:
 
     @property
     def settings(self) -> Settings:
-        """How forces are inferred."""
+        """Settings of the inference."""
         wanted = self.infer
         return Settings(
             friction=wanted.friction,

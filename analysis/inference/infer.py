@@ -30,7 +30,7 @@ NEAR = 5.0  # standard errors of the modulus within which repetitions search
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """How forces are inferred.
+    """Settings of the inference.
 
     Attributes
     ----------

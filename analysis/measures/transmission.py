@@ -1,4 +1,4 @@
-"""What a row passes on of a load that oscillates: amplitudes along it at one frequency, or against frequency.
+"""Transmission of a load that oscillates: amplitudes along it at one frequency, or against frequency.
 
 A harmonic load: the velocity of every sphere is fitted by a constant and a sine and cosine of its frequency over the
 last whole periods, at most half of the run; what the fit leaves tells how far from steady the motion is.

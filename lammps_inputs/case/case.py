@@ -156,7 +156,7 @@ class Case:
 
     @property
     def holds(self) -> dict[str, Hold]:
-        """What ``[[hold]]`` and ``[[guide]]`` hold, by the name of its LAMMPS group."""
+        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by the name of its LAMMPS group."""
         n = math.prod(self.packing.size)
         held = {f"hold{number}": hold for number, hold in enumerate(self.hold, start=1)}
         return held | {f"guide{number}": guide.hold(n) for number, guide in enumerate(self.guide, start=1)}

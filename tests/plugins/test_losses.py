@@ -90,7 +90,7 @@ def test_linear_spring_with_a_damper(time):
 
 
 def test_a_dashpot_has_one_restitution():
-    """That of Tsuji's dashpot does not depend on speed or mass; where it may pull it is known in closed form."""
+    """The restitution of Tsuji's dashpot does not depend on speed or mass; where it may pull it is known in closed form."""
     found = [
         law_of("hertz").collide(mass, speed, loss_dashpot=0.1, steps=2000)["restitution"]
         for mass in (MASS / 2, 10 * MASS)

@@ -48,7 +48,7 @@ class Limit:
 
     @property
     def k(self) -> float:
-        """Of (6.12)."""
+        """Coefficient k of (6.12)."""
         return (2 * self.eta * self.tangent / self.gamma) ** (2 / 3)
 
     @property
@@ -58,7 +58,7 @@ class Limit:
 
     @property
     def eta_hat(self) -> float:
-        """Of (6.13); eta has cos^2.5(theta) already."""
+        """Coefficient of (6.13); eta has cos^2.5(theta) already."""
         return self.n * self.eta / (2 * self.soft) ** 1.5
 
 

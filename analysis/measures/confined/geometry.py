@@ -112,30 +112,30 @@ class Row:
 
     @property
     def k_beads(self) -> Array:
-        """Of two beads, N/m^1.5."""
+        """Contact constant of two beads, N/m^1.5."""
         return 4 / 3 * self.modulus / 2 * np.sqrt(self.bead / 4)
 
     @property
     def k_side(self) -> Array:
-        """Of a bead and a small sphere, N/m^1.5."""
+        """Contact constant of a bead and a small sphere, N/m^1.5."""
         modulus = 1 / (1 / self.modulus + 1 / self.small_modulus)
         return 4 / 3 * modulus * np.sqrt(self.bead * self.small / 2 / (self.bead + self.small))
 
     @property
     def k_ring(self) -> Array:
-        """Of two small spheres, N/m^1.5."""
+        """Contact constant of two small spheres, N/m^1.5."""
         return 4 / 3 * self.small_modulus / 2 * np.sqrt(self.small / 4)
 
     @cached_property
     def k_wall(self) -> Array:
-        """Of a small sphere inside the rigid tube, N/m^1.5."""
+        """Contact constant of a small sphere inside the rigid tube, N/m^1.5."""
         r = self.small / 2
         radius = np.asarray(elliptic_radius(1 / r, 1 / r - 1 / (self.tube - self.shrinks)))
         return 4 / 3 * self.small_modulus * np.sqrt(radius)
 
     @property
     def k_thesis_wall(self) -> Array:
-        """Of the same as the thesis has it (6.4), N/m^1.5."""
+        """Contact constant of the same as the thesis has it (6.4), N/m^1.5."""
         return THESIS_WALL * self.small_modulus * np.sqrt(self.small / 2)
 
     @property
@@ -145,7 +145,7 @@ class Row:
 
     @property
     def eta(self) -> Array:
-        """Of (6.8)."""
+        """Stiffness of the side contacts along the row over that of the beads, eta of (6.8)."""
         return self.k_side * self.cosine**2.5 / self.k_beads
 
     @property

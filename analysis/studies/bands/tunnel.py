@@ -85,7 +85,7 @@ def rows(runs: Sequence[FinishedRun]) -> Iterator[Row]:
 
 
 def verdict(runs: Sequence[FinishedRun]) -> list[str]:
-    """What the walls do."""
+    """Effect of the walls."""
     low, high = (brass_tunnel(a).edges for a in (_APPROACHES[0], _APPROACHES[-1]))
     way = 1e6 * (_APPROACHES[-1] - _APPROACHES[0]) * brass_tunnel(0.0).diameter
     return [

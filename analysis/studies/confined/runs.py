@@ -98,7 +98,7 @@ class ConfinedRun(FinishedRun):
 
     @property
     def velocity(self) -> float:
-        """Of the struck bead, m/s."""
+        """Velocity of the struck bead, m/s."""
         return self.case.load.velocity
 
     @property

@@ -33,7 +33,7 @@ class Scaled:
 
     @property
     def ratio(self) -> float:
-        """Of the velocities."""
+        """Ratio of the velocities."""
         return self.similar.velocity / self.first.velocity
 
 

@@ -64,7 +64,7 @@ class Pair:
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Pair]:
-    """Of n = 8 and 1 m/s, if both are there and recorded."""
+    """Select the runs of n = 8 and 1 m/s, if both are there and recorded."""
     known = [run for run in confined_runs(runs) if run.n == 8 and run.velocity == 1 and run.probe(BEADS[0], "vz")]
     known.sort(key=lambda run: run.a)
     if len(known) < 2 or known[0].a:

@@ -72,7 +72,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Crystals]:
 
 
 def rows(group: Crystals) -> Iterator[Row]:
-    """What the source prints, then the independent program's values, then what only the runs tell."""
+    """Rows of what the source prints, then the independent program's values, then what only the runs tell."""
     yield from _printed(group)
     for name, run in group.walls.items():
         yield from _verified(run, 0 if name == "BCC" else 1)

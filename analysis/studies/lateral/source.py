@@ -1,4 +1,4 @@
-"""What the source on lateral constraints prints and how it stands up: its own numbers, and a list of its errors."""
+"""The source on lateral constraints: its own numbers, whether they stand up, and a list of its errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How deep a plane crystal is as one without sides: where its first pulse parts from that of a much wider one."""
+"""Depth to which a plane crystal is as one without sides: where its first pulse parts from that of a much wider one."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ class LayeredRun(FinishedRun):
 
     @property
     def small(self) -> str:
-        """What is in the holes."""
+        """Grains in the holes."""
         grains = self.case.packing.grains
         if grains is None or len(np.unique(grains.diameter)) == 1:
             return "empty holes"

@@ -127,7 +127,7 @@ class SwitchRun(RowRun):
 
     @cached_property
     def variant(self) -> str:
-        """What differs from the row of the source; empty for this row."""
+        """Difference from the row of the source; empty for this row."""
         if not self.n_cylinders:
             return ""
         found = []
@@ -141,7 +141,7 @@ class SwitchRun(RowRun):
 
     @property
     def loose(self) -> tuple[float, float]:
-        """Of the first cylinder: distance along the row from the nearer sphere, and gap to the other one, m."""
+        """Place of the first cylinder: distance along the row from the nearer sphere, and gap to the other one, m."""
         z, across = float(self.cylinder_places[0]), float(self.cylinder_across[0])
         apart = np.sort(np.abs(self.sphere_places - z))
         return float(apart[0]), float(np.hypot(apart[1], across)) - (_SPHERE + self.cylinder_diameter) / 2

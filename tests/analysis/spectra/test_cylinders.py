@@ -137,15 +137,20 @@ def test_sizes_of_lines_have_laws_of_their_own():
     np.testing.assert_allclose(springs.stiffness, contact.tangent_stiffness(overlap, overlap), rtol=1e-9)
 
 
+def pile(grains):
+    """Endless pile of the grains of a table, 10 mm high, under 20 N."""
+    return case_from_dict(
+        {"name": "pile", "material": "brass", "contact": {"law": "hertz"}, "boundary": {"bottom": "free"},
+         "packing": {"kind": "file", "grains": grains, "cell": [[0.0, 0.0, 0.01]]},
+         "precompression": {"kind": "uniaxial", "force": 20.0}}
+    )  # fmt: skip
+
+
 def test_crossed_cylinders_move_along_their_axes_without_force():
     """A pile of crossed cylinders: the static force neither turns nor resists a shift along an axis."""
     text = ("x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n0,0,0.002,0.004,cylinder,0.02,1,0,0\n"
             "0,0,0.007,0.006,cylinder,0.02,0,1,0\n")  # fmt: skip
-    case = case_from_dict(
-        {"name": "pile", "material": "brass", "contact": {"law": "hertz"}, "boundary": {"bottom": "free"},
-         "packing": {"kind": "file", "grains": text, "cell": [[0.0, 0.0, 0.01]]},
-         "precompression": {"kind": "uniaxial", "force": 20.0}}
-    )  # fmt: skip
+    case = pile(text)
     network = cell_state(case).network
     contact = pair_contact(case, 1, 2)
     overlap = 0.005 - network.springs.distance
@@ -159,11 +164,7 @@ def test_the_force_at_the_side_of_a_cylinder_turns_across_its_axis_alone():
     """A sphere rolls off a cylinder across its axis (-F/d), and not along it."""
     text = ("x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n0,0,0.002,0.004,sphere,0,0,0,0\n"
             "0,0,0.007,0.006,cylinder,0.02,0,1,0\n")  # fmt: skip
-    case = case_from_dict(
-        {"name": "pile", "material": "brass", "contact": {"law": "hertz"}, "boundary": {"bottom": "free"},
-         "packing": {"kind": "file", "grains": text, "cell": [[0.0, 0.0, 0.01]]},
-         "precompression": {"kind": "uniaxial", "force": 20.0}}
-    )  # fmt: skip
+    case = pile(text)
     network = cell_state(case).network
     own = stiffness_of(network).own.toarray()[:3, :3]
     expected = -(network.springs.force / network.springs.distance).sum()

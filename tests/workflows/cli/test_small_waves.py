@@ -1,4 +1,4 @@
-"""What ``granwave check`` tells of small waves, against the closed forms of a loaded Hertzian chain."""
+"""Small waves as ``granwave check`` tells them, against the closed forms of a loaded Hertzian chain."""
 
 from __future__ import annotations
 
