@@ -8,7 +8,6 @@
 #define GRANWAVE_CONTACT_BATCH_H
 
 #include "tangential.h"
-#include "twofold_sum.h"
 
 #include <cmath>
 
@@ -21,8 +20,8 @@ struct ContactBatch {
   int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // indices of the pair and its spheres, as set by the caller
 
   // input, by pair
-  Components del[CAPACITY];    // from j to i
-  double rsq[CAPACITY];        // its length squared
+  double del[3][CAPACITY];    // components of the vector from j to i
+  double rsq[CAPACITY];       // its length squared
   double radius_i[CAPACITY], radius_j[CAPACITY], radsum[CAPACITY], effective_radius[CAPACITY];
   double hertz[CAPACITY];              // force = hertz overlap^(3/2)
   double shear_stiffness[CAPACITY];    // k_t of a contact circle of radius 1: 8 G*
@@ -35,7 +34,6 @@ struct ContactBatch {
   double pair_force[CAPACITY];                               // normal force over distance
 
   // friction, input
-  double direction[3][CAPACITY];    // components of del
   double limit[CAPACITY];           // Coulomb's limit of the tangential force; 0 without friction
   double keeps[CAPACITY];           // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
   double velocity[3][CAPACITY];     // of i relative to j
@@ -50,14 +48,17 @@ struct ContactBatch {
   bool compute_overlap();
   /* Compute normal force over distance. */
   void compute_normal();
-  /* Advance tangential force, compliance and loss by a timestep dt; the force is 0 if the limit is 0. */
-  void compute_tangential(double dt);
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
-  /* Add the normal forces to the sums of both spheres, of j only if j < owned, and set reached[i >> bits] of those summed. */
-  void add_normal(TwofoldSums &, int owned, char *reached, int bits) const;
+  /* The same after tangential force, compliance and loss have been advanced by a timestep dt; the force is 0 if the limit is 0. */
+  void advance_forces_and_torques(double dt);
+  /* Add the normal forces to those of both spheres, as far as their indices are below `owned`. */
+  void add_normal(double (*forces)[3], int owned) const;
   /* Add forces and torques including friction likewise. */
-  void add_forces_and_torques(TwofoldSums &forces, TwofoldSums &torques, int owned, char *reached, int bits) const;
+  void add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned) const;
+
+ private:
+  template <bool ADVANCES> void compute_friction(double dt);
 };
 
 }    // namespace granwave

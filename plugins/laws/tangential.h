@@ -66,9 +66,9 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
 /* Rotate the force into the plane normal to n with unchanged magnitude, whose square is given. No branches (contact_batch.h). */
 inline void rotate(TangentialSpring &spring, double square, const double (&n)[3])
 {
-  const double along = dot(spring.force, n), q = along * along / square;
-  const bool turns = q < 1.0;    // otherwise the force is parallel to n, or negligible
-  const double taken = turns ? along : 0.0, stretch = turns ? 1.0 / std::sqrt(1.0 - q) : 1.0;
+  const double along = dot(spring.force, n), rest = square - along * along;
+  const bool turns = rest > 0.0;    // otherwise the force is parallel to n, or negligible
+  const double taken = turns ? along : 0.0, stretch = turns ? std::sqrt(square / rest) : 1.0;
   for (int d = 0; d < 3; d++) spring.force[d] = stretch * (spring.force[d] - taken * n[d]);
 }
 

@@ -12,9 +12,11 @@ namespace {
 constexpr int LANES = RowGroup::LANES;
 static_assert(LANES == 8 && RowGroup::PARTNERS == 8);    // a byte of bits for each row
 
-typedef std::int64_t Bits __attribute__((vector_size(sizeof(Components))));
+// four rows at a time (extension of GCC and Clang)
+typedef double Numbers __attribute__((vector_size(4 * sizeof(double))));
+typedef std::int64_t Bits __attribute__((vector_size(sizeof(Numbers))));
 
-inline void load(Components &numbers, const double *from) { std::memcpy(&numbers, from, sizeof(numbers)); }
+inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, from, sizeof(numbers)); }
 
 /* Bytes as a word, the first as its lowest. */
 inline std::uint64_t word_of(const void *bytes)
@@ -38,31 +40,31 @@ template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs
 {
   const RowGroup &g = *group;
   const double radsum = 2.0 * uniform_radius, touch_sq = touch_squared(radsum), forget_sq = (radsum + gap) * (radsum + gap);
-  constexpr int WIDTH = sizeof(Components) / sizeof(double);
+  constexpr int WIDTH = sizeof(Numbers) / sizeof(double);
   std::uint64_t touch = 0, apart = 0;
   for (int first = 0; first < g.lanes; first += WIDTH) {
     const int i = g.sphere + first;
-    Components xi, yi, zi, xj, yj, zj, ri, rj;
+    Numbers xi, yi, zi, xj, yj, zj, ri, rj;
     load(xi, x + i);
     load(yi, y + i);
     load(zi, z + i);
     if (!UNIFORM) load(ri, radius + i);
-    Components limit = Components{} + touch_sq, last = Components{} + forget_sq;
+    Numbers limit = Numbers{} + touch_sq, last = Numbers{} + forget_sq;
     Bits touches = {}, beyond = {};
     for (int m = 0; m < g.partners; m++) {
       const int j = g.partner[m] + first;
       load(xj, x + j);
       load(yj, y + j);
       load(zj, z + j);
-      const Components delx = xi - xj, dely = yi - yj, delz = zi - zj;
-      const Components rsq = delx * delx + dely * dely + delz * delz;
+      const Numbers delx = xi - xj, dely = yi - yj, delz = zi - zj;
+      const Numbers rsq = delx * delx + dely * dely + delz * delz;
       std::memcpy(distances.delx[m] + first, &delx, sizeof(delx));
       std::memcpy(distances.dely[m] + first, &dely, sizeof(dely));
       std::memcpy(distances.delz[m] + first, &delz, sizeof(delz));
       std::memcpy(distances.rsq[m] + first, &rsq, sizeof(rsq));
       if (!UNIFORM) {
         load(rj, radius + j);
-        const Components sum = ri + rj;
+        const Numbers sum = ri + rj;
         limit = sum * sum * touch_squared(1.0);
         last = (sum + gap) * (sum + gap);
       }
@@ -115,7 +117,9 @@ __attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch
     batch.k[n] = k;
     batch.i[n] = i;
     batch.j[n] = j;
-    batch.del[n] = Components{delx, dely, delz, 0.0};
+    batch.del[0][n] = delx;
+    batch.del[1][n] = dely;
+    batch.del[2][n] = delz;
     batch.rsq[n] = rsq;
     n += touches;
     is_far |= rsq > (radsum + gap) * (radsum + gap);
@@ -147,7 +151,9 @@ template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline boo
       batch.k[n] = g.pair + l * g.stride + m;
       batch.i[n] = g.sphere + l;
       batch.j[n] = g.partner[m] + l;
-      batch.del[n] = Components{d.delx[m][l], d.dely[m][l], d.delz[m][l], 0.0};
+      batch.del[0][n] = d.delx[m][l];
+      batch.del[1][n] = d.dely[m][l];
+      batch.del[2][n] = d.delz[m][l];
       batch.rsq[n] = d.rsq[m][l];
       n++;
     }

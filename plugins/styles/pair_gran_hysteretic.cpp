@@ -225,7 +225,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 double PairGranHysteretic::memory_usage()
 {
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + force_sums.bytes() + torque_sums.bytes() + c.resting.bytes() + c.groups.bytes();
+  double bytes = Pair::memory_usage() + c.resting.bytes() + c.groups.bytes();
   bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));

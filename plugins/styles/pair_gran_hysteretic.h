@@ -29,7 +29,6 @@
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
 #include "pair.h"
-#include "../laws/twofold_sum.h"
 
 #include <functional>
 #include <map>
@@ -124,9 +123,7 @@ class PairGranHysteretic : public Pair {
     bool valid = false, published = false;
     int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
     int owned = 0;                  // number of owned spheres when the list was built
-    bool ordered = true;            // each sphere has a row, in their order, and no partner precedes its row
-    int span = 0;                   // largest difference of indices between a row and an owned partner
-    std::vector<int> row, begin;    // sphere of each row; index of its first pair (one element longer)
+    std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
     std::vector<int> partner;       // local or ghost index
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
@@ -190,7 +187,8 @@ class PairGranHysteretic : public Pair {
   granwave::CylinderPair::Separation separation(int i, int j) const;
   double distance(int i, int j, double rsq) const;
   double longest_cylinder(int axis) const;
-  void add_special_rows(const std::vector<std::pair<int, int>> &);
+  bool near_special(int i, int j) const;
+  void add_rows(const std::vector<std::pair<int, int>> &);
   void build_contacts();
   void check_displacements();
   void restore_history();
@@ -202,7 +200,6 @@ class PairGranHysteretic : public Pair {
   void compute_batch(Tally, bool special = false);
   void compute_special(Tally);
   void set_elastic(Batch &);
-  void give_sums(int begin, int end);
   void update_history(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
@@ -219,13 +216,14 @@ class PairGranHysteretic : public Pair {
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
   void pack_block(int k, double side, double *block) const;
-  void unpack_block(int k, const granwave::BlockLayout &, const double *block);
+  void unpack_block(int k, double side, const granwave::BlockLayout &, const double *block);
   void reset_history(int k, double peak, bool initial);
   void forget(int row, int k);
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
                               double overlap) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
-  Report report_pair(int i, int j, int k, double rsq);
+  Report report_pair(int i, int j, int k, double side, double rsq);
+  Report report_pair(std::size_t r, int k);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
@@ -250,8 +248,6 @@ class PairGranHysteretic : public Pair {
   granwave::LineBatch lines{};    // those along lines
   granwave::TouchingPairs pairs{};
   std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
-  granwave::TwofoldSums force_sums, torque_sums;
-  std::vector<char> reached;       // of each block of spheres: 1 if one of its sums may not be zero
   double now = 0.0;                // simulation time of this force evaluation
   bool springs_advance = false;    // true if springs are updated in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;

@@ -40,50 +40,33 @@ void PairGranHysteretic::build_contacts()
   uniform = true;
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
 
-  Contacts &c = contacts;
-  c.row.clear();
-  c.begin.clear();
-  c.partner.clear();
-  c.row_tag.clear();
-  c.partner_tag.clear();
-  c.owned = atom->nlocal;
-  c.span = 0;
-  c.ordered = list->inum == atom->nlocal;
-  std::vector<std::pair<int, int>> special;
-  std::size_t pairs = 0;
-  for (int ii = 0; ii < list->inum; ii++) pairs += list->numneigh[list->ilist[ii]];
-  c.row.reserve(list->inum);
-  c.begin.reserve(list->inum + 1);
-  c.partner.reserve(pairs);
-
+  std::vector<std::pair<int, int>> plain, special;
   for (int ii = 0; ii < list->inum; ii++) {
     const int i = list->ilist[ii];
     const int *jlist = list->firstneigh[i];
-    if (i != ii) c.ordered = false;
-    c.row.push_back(i);
-    c.begin.push_back(static_cast<int>(c.partner.size()));
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       if (is_special(type[i], type[j])) {
-        special.emplace_back(i, j);
+        if (near_special(i, j)) special.emplace_back(i, j);
         continue;
       }
       const double far = radius[i] + radius[j] + reach;
-      if (delx * delx + dely * dely + delz * delz >= far * far) continue;
-      c.partner.push_back(j);
-      if (j < i) c.ordered = false;
-      if (j < atom->nlocal) c.span = std::max(c.span, j - i);
+      if (delx * delx + dely * dely + delz * delz < far * far) plain.emplace_back(i, j);
     }
-    std::sort(c.partner.begin() + c.begin.back(), c.partner.end());    // the same order in rows of the same kind
   }
-  c.begin.push_back(static_cast<int>(c.partner.size()));
+  Contacts &c = contacts;
+  c.owned = atom->nlocal;
+  c.row.clear();
+  c.begin.assign(1, 0);
+  c.partner.clear();
+  add_rows(plain);
   c.plain = static_cast<int>(c.row.size());
   c.resting.build(c.row, c.begin, c.partner);
   c.groups.build(c.row, c.begin, c.partner, granwave::RestingBlocks::SIZE);
-  if (!special.empty()) add_special_rows(special);
+  add_rows(special);
 
   const std::size_t n = c.partner.size();
   c.peak.assign(n, 0.0);
@@ -127,6 +110,37 @@ void PairGranHysteretic::build_contacts()
   c.published = false;
 }
 
+/* Append the rows of these pairs, in the order of the IDs of their spheres. The row is that of the lower ID, whose sphere may be
+   a ghost, and has its partners in the order of their IDs: the forces on a sphere are summed in the order of the IDs of its
+   partners, and are the same to the last bit on any number of processors. */
+
+void PairGranHysteretic::add_rows(const std::vector<std::pair<int, int>> &pairs)
+{
+  Contacts &c = contacts;
+  const tagint *const tag = atom->tag;
+  const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
+  const auto in_order = [&](const std::pair<int, int> &pair) { return std::minmax(pair.first, pair.second, precedes); };
+  std::vector<int> place(atom->nlocal + atom->nghost, 0);    // number of pairs of a row, then where the next one goes
+  for (const auto &pair : pairs) place[in_order(pair).first]++;
+  const auto first_row = static_cast<std::ptrdiff_t>(c.row.size());
+  for (std::size_t i = 0; i < place.size(); i++)
+    if (place[i] > 0) c.row.push_back(static_cast<int>(i));
+  if (!std::is_sorted(c.row.begin() + first_row, c.row.end(), precedes))
+    std::sort(c.row.begin() + first_row, c.row.end(), precedes);
+  for (std::size_t r = first_row; r < c.row.size(); r++) {
+    const int n = place[c.row[r]];
+    place[c.row[r]] = c.begin.back();
+    c.begin.push_back(c.begin.back() + n);
+  }
+  c.partner.resize(c.begin.back());
+  for (const auto &pair : pairs) {
+    const auto [i, j] = in_order(pair);
+    c.partner[place[i]++] = j;
+  }
+  for (std::size_t r = first_row; r < c.row.size(); r++)
+    std::sort(c.partner.begin() + c.begin[r], c.partner.begin() + c.begin[r + 1], precedes);
+}
+
 /* Stop with an error if a sphere moves by a large part of its radius in one timestep, or a face by a large part of the radius
    of the largest sphere: they could pass through others undetected. */
 
@@ -162,30 +176,25 @@ void PairGranHysteretic::restore_history()
                  atom->tag[i], history.owner(i));
   Contacts &c = contacts;
   constexpr int FOUND = 2;
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    const int i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      const int j = c.partner[k];
-      const auto find = [&](int of, tagint partner) -> ContactRecord * {
-        ContactRecord *record = history.records(of);
-        for (int m = 0; m < history.count(of); m++, record++)
-          if (record->live && record->partner == partner) return record;
-        return nullptr;
-      };
-      ContactRecord *record = find(i, c.partner_tag[k]);
-      if (record) {
-        if (history.layout().size() > 0)
-          unpack_block(k, history.layout(), history.block(i, static_cast<int>(record - history.records(i))));
-        c.peak[k] = record->dent.peak;
-        c.time_first[k] = record->dent.time_first;
-        c.time_peak[k] = record->dent.time_peak;
-        c.time_yield[k] = record->dent.time_yield;
-        record->live = FOUND;
-      }
-      if (j < atom->nlocal)
-        if (ContactRecord *other = find(j, c.row_tag[r])) other->live = FOUND;
+  const auto restore = [&](int k, int of, tagint partner, double side) {    // from the record of one of the spheres
+    if (of >= atom->nlocal) return;
+    ContactRecord *record = history.records(of);
+    for (int m = 0; m < history.count(of); m++, record++) {
+      if (!record->live || record->partner != partner) continue;
+      if (history.layout().size() > 0) unpack_block(k, side, history.layout(), history.block(of, m));
+      c.peak[k] = record->dent.peak;
+      c.time_first[k] = record->dent.time_first;
+      c.time_peak[k] = record->dent.time_peak;
+      c.time_yield[k] = record->dent.time_yield;
+      record->live = FOUND;
+      return;
     }
-  }
+  };
+  for (std::size_t r = 0; r < c.row.size(); r++)
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
+      restore(k, c.row[r], c.partner_tag[k], 1.0);
+      restore(k, c.partner[k], c.row_tag[r], -1.0);
+    }
   for (int i = 0; i < atom->nlocal; i++) {
     ContactRecord *record = history.records(i);
     for (int m = 0; m < history.count(i); m++, record++)
@@ -204,22 +213,24 @@ void PairGranHysteretic::publish_contacts()
   std::vector<int> extra(c.owned, 0);
   for (int r = 0; r < rows; r++)
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.peak[k] > 0.0) {
-        extra[c.row[r]]++;
-        if (c.partner[k] < c.owned) extra[c.partner[k]]++;
-      }
+      if (c.peak[k] > 0.0)
+        for (const int i : {c.row[r], c.partner[k]})
+          if (i < c.owned) extra[i]++;
   history.reserve(c.owned, extra);
-  for (int r = 0; r < rows; r++) history.own(c.row[r], c.row_tag[r]);
   for (int r = 0; r < rows; r++) {
-    const int of_row = uniform ? 0 : r;
+    const int of_row = uniform ? 0 : r, i = c.row[r];
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
       if (c.peak[k] <= 0.0) continue;
-      const int of_pair = uniform ? 0 : k;
+      const int of_pair = uniform ? 0 : k, j = c.partner[k];
       const Dent dent = dent_of(k);
-      pack_block(k, 1.0,
-                 history.place(c.row[r], {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
-      if (c.partner[k] < c.owned)
-        pack_block(k, -1.0, history.place(c.partner[k], {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}));
+      if (i < c.owned) {
+        history.own(i, c.row_tag[r]);
+        pack_block(k, 1.0, history.place(i, {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
+      }
+      if (j < c.owned) {
+        history.own(j, c.partner_tag[k]);
+        pack_block(k, -1.0, history.place(j, {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}));
+      }
     }
   }
   c.published = true;
@@ -274,12 +285,17 @@ void PairGranHysteretic::pack_block(int k, double side, double *block) const
   if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
 }
 
-void PairGranHysteretic::unpack_block(int k, const BlockLayout &layout, const double *block)
+/* Read the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1). */
+
+void PairGranHysteretic::unpack_block(int k, double side, const BlockLayout &layout, const double *block)
 {
   Contacts &c = contacts;
   const BlockView view(layout, block);
   std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
-  if (has_friction) c.spring[k] = view.spring;
+  if (has_friction) {
+    c.spring[k] = view.spring;
+    for (double &force : c.spring[k].force) force *= side;
+  }
   if (has_friction || has_loss) c.has_spring[k] = view.spring.compliance > 0.0 || (has_loss && viscous(k)->step > 0.0);
   if (!has_initial_dents) return;
   c.initial[k] = view.initial;
@@ -311,18 +327,17 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
 void PairGranHysteretic::forget(int row, int k)
 {
   Contacts &c = contacts;
-  const int i = c.row[row], j = c.partner[k];
   const Dent dent = dent_of(k);
   granwave::ContactHistory &history = fix_history->history;
   std::vector<double> block(history.layout().size(), 0.0);
-  history.own(i, c.row_tag[row]);
-  if (j < atom->nlocal) history.own(j, c.partner_tag[k]);
-  pack_block(k, 1.0, block.data());
-  history.append(i, {c.partner_tag[k], atom->radius[j], atom->type[j], 0, dent}, block.data());
-  if (j < atom->nlocal) {
-    pack_block(k, -1.0, block.data());
-    history.append(j, {c.row_tag[row], atom->radius[i], atom->type[i], 0, dent}, block.data());
-  }
+  const auto append = [&](int i, int j, double side) {
+    if (i >= atom->nlocal) return;
+    history.own(i, atom->tag[i]);
+    pack_block(k, side, block.data());
+    history.append(i, {atom->tag[j], atom->radius[j], atom->type[j], 0, dent}, block.data());
+  };
+  append(c.row[row], c.partner[k], 1.0);
+  append(c.partner[k], c.row[row], -1.0);
   reset_history(k, 0.0, false);
 }
 

@@ -24,6 +24,9 @@ namespace {
 // Pairs of the next batch or the one after it, whose memory is fetched meanwhile.
 constexpr int PEAKS_AHEAD = 256, SPRINGS_AHEAD = 192;
 
+/* Vectors of all spheres, which LAMMPS stores contiguously. */
+double (*triples(double **vectors))[3] { return reinterpret_cast<double(*)[3]>(vectors[0]); }
+
 }    // namespace
 
 /* Turning point of a contact that has yielded, recomputed if its history has changed since. */
@@ -195,7 +198,6 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     __builtin_prefetch(c.spring.data() + k + SPRINGS_AHEAD + 1, 1);
     const TangentialSpring &spring = c.spring[k];
     for (int d = 0; d < 3; d++) {
-      batch.direction[d][m] = batch.del[m][d];
       batch.velocity[d][m] = v[i + d] - v[j + d];
       batch.omega_i[d][m] = omega[i + d];
       batch.omega_j[d][m] = omega[j + d];
@@ -204,28 +206,29 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     batch.compliance[m] = spring.compliance;
     batch.loss[m] = spring.loss;
   }
-  if (springs_advance) {
-    batch.compute_tangential(update->dt);
-    for (int m = 0; m < batch.size; m++) {
-      if (batch.limit[m] == 0.0) continue;
-      c.spring[batch.k[m]] = {
-          {batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
-      c.has_spring[batch.k[m]] = 1;
-    }
+  if (!springs_advance) {
+    batch.compute_forces_and_torques();
+    return;
   }
-  batch.compute_forces_and_torques();
+  batch.advance_forces_and_torques(update->dt);
+  for (int m = 0; m < batch.size; m++) {
+    if (batch.limit[m] == 0.0) continue;
+    c.spring[batch.k[m]] = {
+        {batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
+    c.has_spring[batch.k[m]] = 1;
+  }
 }
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
 {
   const int nlocal = atom->nlocal;
   for (int m = 0; m < batch.size; m++) {
-    const double delx = batch.del[m][0], dely = batch.del[m][1], delz = batch.del[m][2];
+    const double delx = batch.del[0][m], dely = batch.del[1][m], delz = batch.del[2][m];
     double f[3];
-    for (int d = 0; d < 3; d++) f[d] = has_friction ? batch.force_i[d][m] : batch.del[m][d] * batch.pair_force[m];
+    for (int d = 0; d < 3; d++) f[d] = has_friction ? batch.force_i[d][m] : batch.del[d][m] * batch.pair_force[m];
     const double fx = f[0], fy = f[1], fz = f[2];
     if (what == Tally::VIRIAL) {
-      const double share = batch.j[m] < nlocal ? 1.0 : 0.5;
+      const double share = batch.i[m] < nlocal && batch.j[m] < nlocal ? 1.0 : 0.5;
       virial[0] += share * delx * fx;
       virial[1] += share * dely * fy;
       virial[2] += share * delz * fz;
@@ -265,10 +268,10 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (has_loss) compute_viscous(batch);
   if (has_friction) {
     compute_tangential(batch);
-    batch.add_forces_and_torques(force_sums, torque_sums, atom->nlocal, reached.data(), RestingBlocks::BITS);
+    batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal);
   } else {
     batch.compute_normal();
-    batch.add_normal(force_sums, atom->nlocal, reached.data(), RestingBlocks::BITS);
+    batch.add_normal(triples(atom->f), atom->nlocal);
   }
   if (what != Tally::NONE) tally(batch, what);
 }
@@ -286,24 +289,10 @@ void PairGranHysteretic::forget_far_pairs(int r)
   }
 }
 
-/* Give the spheres of whole blocks their forces. */
-
-void PairGranHysteretic::give_sums(int begin, int end)
-{
-  for (int b = RestingBlocks::of(begin); b < RestingBlocks::number(end); b++) {
-    if (!reached[b]) continue;
-    reached[b] = 0;
-    const int last = std::min(end, (b + 1) * RestingBlocks::SIZE);
-    for (int i = b * RestingBlocks::SIZE; i < last; i++) force_sums.give(i, atom->f[i]);
-    if (!has_friction) continue;
-    for (int i = b * RestingBlocks::SIZE; i < last; i++) torque_sums.give(i, atom->torque[i]);
-  }
-}
-
 void PairGranHysteretic::compute_forces(Tally what)
 {
   Contacts &c = contacts;
-  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost, rows = c.plain;
+  const int nall = atom->nlocal + atom->nghost, rows = c.plain;
   if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
   pairs.x = c.resting.coordinates(0);
   pairs.y = c.resting.coordinates(1);
@@ -313,12 +302,8 @@ void PairGranHysteretic::compute_forces(Tally what)
   pairs.gap = gap;
   pairs.has_spring = has_friction || has_loss ? c.has_spring.data() : nullptr;
 
-  const int in_use = c.ordered ? c.span + 2 * RestingBlocks::SIZE : nlocal;
-  force_sums.reserve(in_use);
-  if (has_friction) torque_sums.reserve(in_use);
-  reached.resize(RestingBlocks::number(nlocal));
   for (int begin = 0; begin < rows; begin += RestingBlocks::SIZE) {
-    const int end = std::min(rows, begin + RestingBlocks::SIZE), block = RestingBlocks::of(begin);
+    const int block = RestingBlocks::of(begin);
     if (!c.resting.rests(block)) {
       bool quiet = true;
       pairs.start(c.groups.begin(block), c.groups.end(block));
@@ -332,9 +317,7 @@ void PairGranHysteretic::compute_forces(Tally what)
       }
       c.resting.set_quiet(block, quiet);
     }
-    if (c.ordered) give_sums(begin, end);    // no later row adds to them
   }
-  if (!c.ordered) give_sums(0, nlocal);
   if (has_special) compute_special(what);
 }
 

@@ -68,7 +68,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
                                                       : mass[i] * mass[j] / (mass[i] + mass[j]);
     const double coefficient = p.loss.coefficient(stiffness, effective_mass);
     double approach = 0.0;    // from the velocities
-    for (int d = 0; d < 3; d++) approach -= batch.del[m][d] * (v[3 * i + d] - v[3 * j + d]);
+    for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[3 * i + d] - v[3 * j + d]);
     approach /= batch.r[m];
     batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, approach, update->dt)
                                               : history.start(overlap, force, coefficient, approach, update->dt));

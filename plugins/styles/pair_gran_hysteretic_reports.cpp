@@ -85,7 +85,7 @@ double PairGranHysteretic::tally_totals()
       const double peak = c.peak[k];
       if (peak == 0.0) continue;
       const int j = c.partner[k];
-      const double weight = j < nlocal ? 1.0 : 0.5;
+      const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
       if (!uniform) p = pair_parameters(type[i], type[j], radius[i], radius[j]);
       const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       const double overlap = p.radsum - distance(i, j, delx * delx + dely * dely + delz * delz);
@@ -163,7 +163,9 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
 }
 
-PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double rsq)
+/* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
+
+PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double side, double rsq)
 {
   const PairParameters p = pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   Report report{};
@@ -178,6 +180,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   if (k >= 0) {
     report.dent = dent_of(k);
     view = block_view(k);
+    for (double &force : view.spring.force) force *= side;
   } else {
     fresh.assign(contacts.n_extra, 0.0);
     view.extra = view.initial_extra = fresh.data();
@@ -186,27 +189,31 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   return report;
 }
 
+/* Report on pair k of row r. The first sphere is that of the row unless that is a ghost. */
+
+PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
+{
+  int i = contacts.row[r], j = contacts.partner[k];
+  const bool ghost = i >= atom->nlocal;
+  if (ghost) std::swap(i, j);
+  const double *const *x = atom->x;
+  const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
+  const double rsq = delx * delx + dely * dely + delz * delz, apart = std::sqrt(rsq);
+  Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, rsq);
+  double normal[3] = {delx / apart, dely / apart, delz / apart};
+  if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
+  for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
+  return report;
+}
+
 void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
 {
   require_contacts();
   granwave::require_finite_motion(lmp);
-  const double *const *x = atom->x;
-  Contacts &c = contacts;
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    const int i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      if (c.peak[k] == 0.0) continue;
-      const int j = c.partner[k];
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      Report report = report_pair(i, j, k, delx * delx + dely * dely + delz * delz);
-      const double r = std::sqrt(delx * delx + dely * dely + delz * delz);
-      double normal[3] = {delx / r, dely / r, delz / r};
-      if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
-      for (int d = 0; d < 3; d++)
-        report.on_first[d] = report.force * normal[d] + (has_friction ? c.spring[k].force[d] : 0.0);
-      visit(report);
-    }
-  }
+  const Contacts &c = contacts;
+  for (std::size_t r = 0; r < c.row.size(); r++)
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
+      if (c.peak[k] != 0.0) visit(report_pair(r, k));
   const granwave::ContactHistory &history = fix_history->history;
   for (int i = 0; i < atom->nlocal; i++) {
     const ContactRecord *record = history.records(i);
@@ -229,17 +236,12 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
 void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)
 {
   require_contacts();
-  const double *const *x = atom->x;
   const Contacts &c = contacts;
+  const auto [lower, higher] = std::minmax(one, other);
   for (std::size_t r = 0; r < c.row.size(); r++) {
-    if (c.row_tag[r] != one && c.row_tag[r] != other) continue;
-    const tagint wanted = c.row_tag[r] == one ? other : one;
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      if (c.partner_tag[k] != wanted) continue;
-      const int i = c.row[r], j = c.partner[k];
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      visit(report_pair(i, j, k, delx * delx + dely * dely + delz * delz));
-    }
+    if (c.row_tag[r] != lower) continue;
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
+      if (c.partner_tag[k] == higher) visit(report_pair(r, k));
   }
 }
 
@@ -247,18 +249,14 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
 {
   require_contacts();
   const Contacts &c = contacts;
+  const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
+  const auto rows = c.row_tag.begin(), plain = rows + c.plain;    // both parts are in the order of the IDs
+  const bool special = is_special(atom->type[i], atom->type[j]);
+  const auto [first, last] = std::equal_range(special ? plain : rows, special ? c.row_tag.end() : plain, lower);
   int found = -1;
-  const int first = is_special(atom->type[i], atom->type[j]) ? c.plain : 0;
-  for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}}) {
-    if (a >= c.plain || found >= 0) continue;
-    // rows are in the order of the list of owned spheres, which is the identity except in a hybrid style
-    std::size_t r = a;
-    if (first > 0 || c.row[r] != a) r = std::find(c.row.begin() + first, c.row.end(), a) - c.row.begin();
-    if (r == c.row.size()) continue;
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.partner[k] == b || c.partner_tag[k] == atom->tag[b]) found = k;
-  }
-  const Report report = report_pair(i, j, found, rsq);
+  for (int k = c.begin[first - rows]; k < c.begin[last - rows]; k++)
+    if (c.partner_tag[k] == higher) found = k;
+  const Report report = report_pair(i, j, found, 1.0, rsq);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;

@@ -109,25 +109,13 @@ double PairGranHysteretic::longest_cylinder(int axis) const
   return longest;
 }
 
-/* Append the special pairs within reach to the list. They are sorted by the first of both, which has the row. */
+/* Return true if the bodies of a special pair are within reach. */
 
-void PairGranHysteretic::add_special_rows(const std::vector<std::pair<int, int>> &pairs)
+bool PairGranHysteretic::near_special(int i, int j) const
 {
-  Contacts &c = contacts;
+  const CylinderPair::Separation found = separation(i, j);
   const double reach = gap + neighbor->skin;
-  c.begin.pop_back();
-  int last = -1;
-  for (const auto &[i, j] : pairs) {
-    const CylinderPair::Separation found = separation(i, j);
-    if (found.distance >= atom->radius[i] + atom->radius[j] + reach || found.beyond >= reach) continue;
-    if (i != last) {
-      c.row.push_back(i);
-      c.begin.push_back(static_cast<int>(c.partner.size()));
-      last = i;
-    }
-    c.partner.push_back(j);
-  }
-  c.begin.push_back(static_cast<int>(c.partner.size()));
+  return found.distance < atom->radius[i] + atom->radius[j] + reach && found.beyond < reach;
 }
 
 /* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
@@ -158,10 +146,8 @@ void PairGranHysteretic::set_elastic(Batch &batch)
 void PairGranHysteretic::compute_special(Tally what)
 {
   Contacts &c = contacts;
-  const int nlocal = atom->nlocal, rows = static_cast<int>(c.row.size());
+  const int rows = static_cast<int>(c.row.size());
   if (rows == c.plain) return;
-  force_sums.reserve(nlocal);    // all sums are zero
-  if (has_friction) torque_sums.reserve(nlocal);
   batch.size = 0;
   for (int r = c.plain; r < rows; r++)
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
@@ -184,12 +170,11 @@ void PairGranHysteretic::compute_special(Tally what)
       batch.k[m] = k;
       batch.i[m] = i;
       batch.j[m] = j;
-      batch.del[m] = granwave::Components{found.normal[0], found.normal[1], found.normal[2], 0.0} * found.distance;
+      for (int d = 0; d < 3; d++) batch.del[d][m] = found.normal[d] * found.distance;
       batch.rsq[m] = found.distance * found.distance;
       if (batch.size < Batch::CAPACITY) continue;
       compute_batch(what, true);
       batch.size = 0;
     }
   if (batch.size > 0) compute_batch(what, true);
-  give_sums(0, nlocal);
 }
