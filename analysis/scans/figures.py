@@ -73,10 +73,10 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     points = result.points
     labels = physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
-    rows = [row for row, point in enumerate(points) if point.status == "done"]
+    rows, units = [row for row, point in enumerate(points) if point.status == "done"], result.units
     if len(rows) < _FEWEST or not free:
         return {}
-    keys = {name: key_of(name, labels[name]) for name in labels}
+    keys = {name: key_of(name, labels[name], units.get(name, "")) for name in labels}
     done = [points[row] for row in rows]
     marks = {row: mark_of(points[row].summary) for row in rows}
     shown = [one for one in ordinates(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]

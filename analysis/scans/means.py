@@ -17,7 +17,7 @@ from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, sca
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
 _MAIN = (  # in this order
-    REDUCTION, "restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
+    REDUCTION, "restitution", "transmission", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
 )  # fmt: skip
 _TRENDS = ("rises", "falls")
 
@@ -127,7 +127,8 @@ def means_of(scan: ScanResult) -> Means:
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}
     kept = [row for row, count in enumerate(counts) if count]
-    keys = [key_of(name, column) for name, column in physical({n: [labels[n][r] for r in kept] for n in names}).items()]
+    there = physical({name: [labels[name][row] for row in kept] for name in names})
+    keys = [key_of(name, column, scan.units.get(name, "")) for name, column in there.items()]
     return Means(
         tuple(key for key in keys if len(set(key.values)) > 1),
         tuple(counts[row] for row in kept),

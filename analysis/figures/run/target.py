@@ -14,7 +14,10 @@ _MICRO, _MILLI = 1e6, 1e3
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw force, impulse and work on the bottom against time, and the force without the packing."""
+    """Draw force, impulse and work on the bottom against time, and the force without the packing.
+
+    None if the bottom does not move and there is no such force: the force on the bottom has a figure of its own.
+    """
     found = reached(result)
     if found is None or not np.any(found.force):
         return None
@@ -22,6 +25,8 @@ def target(result: Result) -> Drawing | None:
     without = unprotected(result.case, end)
     moved, ground = found.displacement, found.ground_force
     moves = moved is not None
+    if not moves and without is None:
+        return None
     columns = {"time_s": time, "force_N": found.force, "impulse_Ns": found.impulse}
     figure = new_figure(4.8 if moves else 3.5)
     panels = figure.subplots(3 if moves else 2, 1, sharex=True)

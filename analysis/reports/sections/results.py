@@ -22,7 +22,7 @@ from granwave.analysis.document.cells import (
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.units import shown_unit
+from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
@@ -139,6 +139,7 @@ def _runs_table(runs: Sequence[Run]) -> Table:
         values,
         [run.status for run in runs],
         [run.summary for run in runs],
+        [run.case for run in runs],
     )
 
 
@@ -153,6 +154,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
         [[_label(point, key) for key in keys] for point in points],
         [_status(point) for point in points],
         [point.run.summary if point.run else {} for point in points],
+        _cases(scan),
     )
     blocks: list[Part] = [table]
     if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
@@ -162,6 +164,11 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     if links:
         blocks.append(Note(f"All values of scan {scan.label}:", links=links))
     return blocks
+
+
+def _cases(scan: Scan) -> list[Mapping[str, Any]]:
+    """Return the cases of the finished points, by dotted key."""
+    return [point.run.case for point in scan.points if point.run]
 
 
 def _label(point: Point, key: str) -> Any:
@@ -201,6 +208,7 @@ def _table(
     values: Sequence[Sequence[Any]],
     statuses: Sequence[str],
     summaries: Sequence[Mapping[str, Any]],
+    cases: Sequence[Mapping[str, Any]],
 ) -> Table:
     """Make a table with the columns ``first``, varied keys, status, and the main values that any row has."""
     settings = [[row[n] for row in values] for n in range(len(keys))]
@@ -208,7 +216,7 @@ def _table(
     shown, called = _worth_showing(summaries), grains_called_in(summaries)
     columns = (
         *first,
-        *(case_column(key, numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
+        *(case_column(key, unit_in_cases(key, cases), numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
         Column("Status"),
         *(value_column(key, called) for key in shown),
     )
@@ -284,11 +292,13 @@ def _replicates(scan: Scan) -> list[Table]:
     means = [
         {key: found[key + MEAN][row] for key in REPORT_COLUMNS if key + MEAN in found} for row in range(len(counts))
     ]
-    shown = _worth_showing(means)
+    shown, cases = _worth_showing(means), _cases(scan)
     settings = [[None if value == "" else value for value in found[key]] for key in keys]
     columns = (
         *(
-            case_column(key, numeric=all(is_number(value) or value is None for value in column))
+            case_column(
+                key, unit_in_cases(key, cases), numeric=all(is_number(value) or value is None for value in column)
+            )
             for key, column in zip(keys, settings, strict=True)
         ),
         Column("Replicates", numeric=True),
@@ -372,7 +382,8 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
             continue
         different = {*differing(known), *varied}
         shared = {key: value for key, value in known[0].case.items() if key not in different}
-        rows = tuple((Cell(key), Cell(show(value)), Cell(shown_unit(key))) for key, value in _spelt_out(shared))
+        cases = [run.case for run in known]
+        rows = tuple((Cell(key), Cell(show(one)), Cell(unit_in_cases(key, cases))) for key, one in _spelt_out(shared))
         columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
