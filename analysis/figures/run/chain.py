@@ -105,7 +105,7 @@ def along_chain(result: Result) -> Drawing | None:
         axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3)
         wide = shown.any() and values[shown].max() > 30 * values[shown].min()
         label(axes, y=quantity, **({"yscale": "log"} if wide else {"ylim": (0, None)}))
-    label(stack[-1], "Contact, from the struck end")
+    label(stack[-1], f"Contact, {_counted(result)}")
     stack[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
     return Drawing(figure, {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost})
@@ -122,7 +122,7 @@ def bead_velocities(result: Result) -> Drawing | None:
     for n in chosen:
         axes.plot(bead, velocity[n], linewidth=0.9, label=f"{time[n] * _MICRO:.4g} µs")
     axes.axhline(0, color="black", linewidth=0.5)
-    label(axes, "Bead, from the struck end", "Velocity (m/s)")
+    label(axes, f"Bead, {_counted(result)}", "Velocity (m/s)")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_above(axes, 2)
     return Drawing(figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen})
@@ -167,6 +167,11 @@ def _name(result: Result, contact: int) -> str:
     ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
     words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]
     return "-".join(words)
+
+
+def _counted(result: Result) -> str:
+    """Return from which end contacts and beads are counted."""
+    return f"from the {'loaded' if result.case.load.driven else 'struck'} end"
 
 
 def _unit(force: NDArray[np.float64]) -> tuple[float, str]:

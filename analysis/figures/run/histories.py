@@ -134,7 +134,7 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Draw the velocity of the struck sphere along the impact direction; None if it is zero throughout."""
+    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is zero throughout."""
     time, velocity = result["energy/time"], result["energy/struck_velocity"]
     if not np.any(velocity):
         return None
@@ -142,7 +142,7 @@ def impactor_velocity(result: Result) -> Drawing | None:
     axes = figure.subplots()
     axes.axhline(0, color="black", linewidth=0.5)
     axes.plot(time * _MICRO, velocity, color=BLUE)
-    axes.set_ylabel("Velocity of the\nstruck sphere (m/s)")
+    axes.set_ylabel(f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere (m/s)")
     time_axis(axes, time)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 

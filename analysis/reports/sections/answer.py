@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.analysis.document.cells import spread_cell, value_column
+from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
@@ -14,6 +14,7 @@ from granwave.analysis.reports.sections.figures import overlay, picture_in
 from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.scans.keys import Key
 from granwave.analysis.scans.means import WORTH, Means
+from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
 _MOST_COLUMNS = 3  # quantities beside the main one in the table of means
@@ -89,7 +90,7 @@ def _of_scan(scan: Scan, inputs: Inputs) -> tuple[Note, *tuple[Part, ...]] | tup
 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:
-    columns = (*map(_column, means.keys), *map(value_column, shown))
+    columns = (*(_column(key, means) for key in means.keys), *(value_column(name, means.called) for name in shown))
     rows = []
     for row in range(len(means.counts)):
         cells = [Cell(key.tick(row), key.values[row]) for key in means.keys]
@@ -103,21 +104,22 @@ def _crossed(means: Means, main: str) -> Table:
     down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
     heads = list(dict.fromkeys(across.tick(row) for row in range(len(means.counts))))
     unit = f" {across.naming.unit}" if across.naming.unit else ""
-    columns = [_column(down)]
-    columns += [Column(f"{across.naming.label} {head}{unit}", numeric=True) for head in heads]
+    columns = [_column(down, means)]
+    label = in_grains(across.naming.label, means.called)
+    columns += [Column(f"{label} {head}{unit}", numeric=True) for head in heads]
     rows: dict[str, dict[str, Cell]] = {}
     for row in range(len(means.counts)):
         cell = spread_cell(means.values[main][row], means.half_widths[main][row])
         rows.setdefault(down.tick(row), {})[across.tick(row)] = cell
     first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in range(len(means.counts))}
     cells = tuple((first[name], *(found.get(head, Cell("")) for head in heads)) for name, found in rows.items())
-    entry = quantity(main)
-    what = f"{entry.label} ({entry.unit})" if entry.unit else entry.label
+    name, unit = label_of(main, means.called), quantity(main).unit
+    what = f"{name} ({unit})" if unit else name
     return Table(f"{what}. {_caption(means)}", tuple(columns), cells, sortable=True)
 
 
-def _column(key: Key) -> Column:
-    return Column(key.naming.label, key.naming.unit, numeric=key.numeric, key=True)
+def _column(key: Key, means: Means) -> Column:
+    return Column(in_grains(key.naming.label, means.called), key.naming.unit, numeric=key.numeric, key=True)
 
 
 def _caption(means: Means) -> str:

@@ -17,11 +17,13 @@ from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.figures import FILM_FORMATS
+from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
 
 SLUG = "figures"
@@ -65,7 +67,7 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
         left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
         left_out |= set(above) if isinstance(item, Scan) else set()
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
-        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out)
+        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item))
         parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
         if parts:
             title = f"Figures of {what} {item.label}"
@@ -103,7 +105,7 @@ def picture_in(item: Run | Scan, name: str, inputs: Inputs) -> Figure | None:
     path = item.directory / FIGURES_DIRECTORY / f"{name}.png"
     labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
     try:
-        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels)
+        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels, called=_called(item))
     except _UNREADABLE:  # or missing
         return None
 
@@ -166,7 +168,7 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
-        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
+        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {}, called=_called(run))
         parts = (*_pages(run.directory, inputs), *parts)
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
         labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
@@ -194,6 +196,8 @@ def _pictures(
     width: int,
     labels: Mapping[str, str],
     left_out: Collection[str] = (),
+    *,
+    called: str,
 ) -> tuple[Gallery | Note, ...]:
     """Return the PNG figures of a directory, in the order of the figures of a run, followed by others by name."""
     order = list(_CAPTIONS)
@@ -206,17 +210,25 @@ def _pictures(
         if path.stem in left_out:
             continue
         try:
-            figures.append(_picture(path, inputs, name, what, width, labels))
+            figures.append(_picture(path, inputs, name, what, width, labels, called=called))
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)
 
 
-def _picture(path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str]) -> Figure:
+def _called(item: Run | Scan) -> str:
+    """Return what the grains of a run or scan are called."""
+    runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
+    return grains_called_in(run.summary for run in runs)
+
+
+def _picture(
+    path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str], *, called: str
+) -> Figure:
     """Return a reduced picture, with its data; raise as `shrunk`."""
     png, size, inches = shrunk(path, width)
-    caption = _caption(path.stem, labels)
+    caption = in_grains(_caption(path.stem, labels), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory

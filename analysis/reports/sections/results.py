@@ -111,7 +111,9 @@ def _values_of(run: Run, rows: Sequence[tuple[Cell, ...]]) -> Table:
 
 
 def _yields(run: Run) -> bool:
-    """Return False if the law of a run knows no yielding, so that its zeros say nothing."""
+    """Return False if no contact of a run can yield, so that its zeros say nothing."""
+    if run.summary.get("plastic_zone_volume_m3", 0.0) is None:
+        return False
     law = run.case.get("contact.law")
     return (law not in ALL_LAWS or bool(ALL_LAWS[law].yields)) and law != LINE
 
