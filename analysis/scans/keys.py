@@ -66,6 +66,7 @@ _NAMES: Mapping[str, Naming] = {
 }
 _ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
     ("striker", "velocity"): Naming("Velocity of the striker", r"$v_0$", "m/s"),
+    ("replace", "index"): Naming("Place of replaced spheres"),
 }
 _AMPLITUDE = Naming("Amplitude of the load", r"$A$")
 _OF_MOTION = (("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9))  # units of amplitudes, from the largest on

@@ -17,7 +17,8 @@ from granwave.analysis.scans.means import WORTH, Means
 from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 
-_MOST_COLUMNS = 3  # quantities beside the main one in the table of means
+_MOST_COLUMNS = 5  # of the table of means, keys and quantities together
+_MOST_NAMED = 4  # runs whose values a sentence lists
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
@@ -26,9 +27,22 @@ _MAIN_FIGURES = (
 )  # fmt: skip
 
 
-def answer_blocks(inputs: Inputs) -> list[Block]:
-    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values."""
-    answers = [blocks for blocks in (_of_scan(scan, inputs) for scan in inputs.scans) if blocks]
+def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
+    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values.
+
+    Parameters
+    ----------
+    studied
+        Main figure of the studies, which a scan alone shows in place of its own.
+    judged
+        Studies have said what they come to, so that a scan alone need not.
+    """
+    alone = len(inputs.items) == 1
+    main = studied if alone else None
+    found = [_of_scan(scan, inputs, main) for scan in inputs.scans]
+    if alone and judged:
+        found = [tuple(block for block in blocks if not isinstance(block, Note)) for blocks in found]
+    answers = [blocks for blocks in found if blocks]
     opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
     blocks: list[Block] = [block for answer in opened for block in answer]
     if others := answers[len(opened) :]:
@@ -37,6 +51,7 @@ def answer_blocks(inputs: Inputs) -> list[Block]:
     if len(inputs.runs) == 1:
         blocks += _of_run(inputs.runs[0], inputs)
     elif inputs.runs:
+        blocks += [Note(text, "lead") for text in [_of_runs_in_words(inputs.runs)] if text]
         table = compact_table(inputs.runs)
         drawn = overlay(inputs)
         galleries = [block for block in drawn if isinstance(block, Gallery)]
@@ -45,8 +60,10 @@ def answer_blocks(inputs: Inputs) -> list[Block]:
     return blocks
 
 
-def main_figures(inputs: Inputs) -> set[Path]:
-    """Return the paths of the figures that the blocks show, without a suffix."""
+def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
+    """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of `answer_blocks`."""
+    if studied and len(inputs.items) == 1:
+        return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
     return {item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]}
 
@@ -71,7 +88,7 @@ def _names(item: Run | Scan) -> list[str]:
 # ---------------------------------------------------------------------- scans
 
 
-def _of_scan(scan: Scan, inputs: Inputs) -> tuple[Note, *tuple[Part, ...]] | tuple[()]:
+def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, ...]:
     """Return the sentence, and the figure and the table where anything varies."""
     means = scan.means
     shown = means.quantities()
@@ -82,10 +99,10 @@ def _of_scan(scan: Scan, inputs: Inputs) -> tuple[Note, *tuple[Part, ...]] | tup
     sentence = Note(name_of_scan + means.sentence(main), "lead")
     if not means.varies(main):
         return (sentence,)
-    others = [key for _, key in shown[1:] if key != main][:_MOST_COLUMNS]
+    others = [key for _, key in shown[1:] if key != main][: max(_MOST_COLUMNS - 1 - len(means.keys), 1)]
     crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
-    picture = _main_figure(scan, inputs)
+    picture = studied or _main_figure(scan, inputs)
     return sentence, Beside(Gallery((picture,)), table) if picture else table
 
 
@@ -140,6 +157,25 @@ def _of_run(run: Run, inputs: Inputs) -> list[Block]:
     if not table.rows:
         return blocks
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
+
+
+def _of_runs_in_words(runs: Sequence[Run]) -> str:
+    """Return how much of the load came through several driven rows, or of the input was dissipated, in each of them."""
+    for key, what in (("transmission", "Transmission"), ("dissipated_fraction", "Dissipated of the input")):
+        values = [(run.number(key), run.label) for run in runs]
+        found = sorted((value, label) for value, label in values if value is not None)
+        if len(found) < len(runs):
+            continue
+        if len(found) <= _MOST_NAMED:
+            listed = ", ".join(f"{_share(value or 0.0)} ({label})" for value, label in values)
+            return f"{what}: {listed}."
+        return f"{what}: from {_share(found[0][0])} ({found[0][1]}) to {_share(found[-1][0])} ({found[-1][1]})."
+    return ""
+
+
+def _share(value: float) -> str:
+    """Return a share in per cent, with three digits."""
+    return f"{plain(f'{100 * value:.3g}')} %"
 
 
 def _inference_in_words(run: Run) -> str:

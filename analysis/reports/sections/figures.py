@@ -16,7 +16,18 @@ from PIL import Image
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+    legend_above,
+    new_figure,
+    style,
+)
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import readable
@@ -33,6 +44,7 @@ POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are o
 MOST_CURVES = 12
 _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
+_UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
 _CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {  # those of scans last
     "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
@@ -237,10 +249,11 @@ def _picture(
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return times, s, and dissipated energy over the final input; None if the result has none."""
+    """Return times, s, and dissipated energy over the final input, of a block by plastic strain; None without them."""
+    dissipated = "plastic" if run.kind == "continuum" else "dissipated"
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
-            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", "dissipated", "input"))
+            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input"))
     except (OSError, KeyError, ValueError, TypeError):
         return None
     if time.ndim != 1 or not time.shape == lost.shape == given.shape or not len(time) or not given[-1] > 0:
@@ -251,7 +264,7 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
 
 
 def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
-    figure = new_figure(3.0, 5.6)
+    figure = new_figure(2.9)
     axes = figure.subplots()
     colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
     for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
@@ -260,9 +273,14 @@ def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
         axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
     axes.set_xlabel("Time (µs)")
     axes.set_ylabel("Dissipated share of the input")
-    axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
-    axes.set_ylim(bottom=0)
-    axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
+    ends = [1e6 * time[-1] for _, time, _ in curves]
+    if min(ends) * _UNLIKE < max(ends):
+        axes.set_xscale("log")
+        axes.set_xlim(min(ends) / _UNLIKE**2, max(ends))
+    else:
+        axes.set_xlim(0, max(ends) or 1.0)
+    axes.set_ylim(0, 1.0 if max(share.max() for _, _, share in curves) <= 1 else None)
+    legend_above(axes, 2)
     return Drawing(figure, {})
 
 

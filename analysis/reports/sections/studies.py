@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,14 @@ def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
 def leads(found: Sequence[Study]) -> tuple[Note, ...]:
     """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
     return tuple(Note(text, "lead") for text in [_agreement(found), *(text for _, text in _firsts(found))] if text)
+
+
+def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
+    """Return the first picture of the first study that has any, for the top of the report."""
+    study = next((study for study in found if study.pictures), None)
+    if study is None:
+        return None
+    return pictures_of(dataclasses.replace(study, pictures=study.pictures[:1]), inputs, "answer")[0]
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
