@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granwave.analysis.figures.run.histories import thinned, time_axis
+from granwave.analysis.figures.series import energy_unit
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
 from granwave.analysis.measures.target.bare_target import unprotected
 from granwave.analysis.measures.target.record import reached
@@ -51,7 +52,7 @@ def target(result: Result) -> Drawing | None:
         ledger, energy = result["energy/time"], result.get("energy/target")
         if energy is None:
             energy = np.zeros_like(ledger)
-        unit, name = (1e3, "mJ") if np.abs(energy).max() < 1 else (1.0, "J")
+        unit, name = energy_unit(float(np.abs(energy).max()))
         panels[2].plot(ledger * _MICRO, energy * unit, color=BLUE)
         panels[2].set_ylabel(f"Work on the\ntarget ({name})")
         columns |= {"energy_time_s": ledger, "energy_J": energy}
