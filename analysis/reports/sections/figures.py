@@ -250,9 +250,9 @@ def _picture(
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Return times, s, and dissipated energy over the final input, of a block by plastic strain; None without them."""
-    dissipated = "plastic" if run.kind == "continuum" else "dissipated"
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
+            dissipated = "dissipated" if "energy/dissipated" in file else "plastic"
             time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input"))
     except (OSError, KeyError, ValueError, TypeError):
         return None
