@@ -199,7 +199,10 @@ def test_overrides_in_text_are_keys():
     known = {f"{table.name}.{key.name}" for table in tables() for key in table.keys}
     heads = {key.partition(".")[0] for key in known} - {"scan"}
     for page in PAGES:
-        if "changelog" not in page.name and page.name not in ("python.md", "more-questions.md"):  # there `run.` is a run
+        if "changelog" not in page.name and page.name not in (
+            "python.md",
+            "more-questions.md",
+        ):  # there `run.` is a run
             for key in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text(encoding="utf-8")):
                 head, _, end = key.partition(".")
                 if head in heads and end not in ("toml", "csv", "h", "json", "html", "md", "png", "txt"):

@@ -34,14 +34,12 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
     Parameters
     ----------
     studied
-        Main figure of the studies, which a scan alone shows in place of its own.
+        Main figure of the studies of a scan, shown in place of its own.
     judged
         Studies have said what they come to, so that a scan alone need not.
     """
-    alone = len(inputs.items) == 1
-    main = studied if alone else None
-    found = [_of_scan(scan, inputs, main) for scan in inputs.scans]
-    if alone and judged:
+    found = [_of_scan(scan, inputs, studied) for scan in inputs.scans]
+    if judged and len(inputs.items) == 1:
         found = [tuple(block for block in blocks if not isinstance(block, Note)) for blocks in found]
     answers = [blocks for blocks in found if blocks]
     opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
@@ -63,7 +61,7 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
 
 def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
     """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of `answer_blocks`."""
-    if studied and len(inputs.items) == 1:
+    if studied:
         return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
     return {item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]}
@@ -93,13 +91,14 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
     """Return the sentence, and the figure and the table where anything varies."""
     means = scan.means
     shown = means.quantities()
+    pictures = (Gallery((studied,)),) if studied else ()
     if not shown:
-        return ()
+        return pictures
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
     sentence = Note(name_of_scan + means.sentence(main), "lead")
     if not means.varies(main):
-        return (sentence,)
+        return (sentence, *pictures)
     others = [key for _, key in shown[1:] if key != main][: max(_MOST_COLUMNS - 1 - len(means.keys), 1)]
     crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS and _fills(means)
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
