@@ -6,6 +6,9 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import h5py
+import numpy as np
+
 from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
 from granwave.analysis.formatting.numbers import plain
@@ -16,7 +19,7 @@ from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.scans.keys import Key
 from granwave.analysis.scans.means import WORTH, Means
 from granwave.lammps_inputs.packing.grain_words import in_grains
-from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 _MOST_COLUMNS = 5  # of the table of means, keys and quantities together
 _MOST_NAMED = 4  # runs whose values a sentence lists
@@ -24,8 +27,10 @@ _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
     "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front", "peak_force_principal", "along_chain",
-    "plastic_strain", "von_mises", "force_network", "energies",
+    "plastic_strain", "von_mises", "force_network", "peak_force_depth", "energies",
 )  # fmt: skip
+_OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
+_THIN = 40.0  # length over width of a row from which pictures of its grains are lines
 
 
 def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
@@ -74,7 +79,8 @@ def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
 
 def _names(item: Run | Scan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
-    names = list(_MAIN_FIGURES)
+    thin = isinstance(item, Run) and _is_thin(item)
+    names = [name for name in _MAIN_FIGURES if not (thin and name in _OF_THICK_PACKINGS)]
     if isinstance(item, Scan):
         means = item.means
         if not any(means.varies(key) for _, key in means.quantities()[:1]):
@@ -82,6 +88,16 @@ def _names(item: Run | Scan) -> list[str]:
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
         names = [f"{name}_vs_{key.slug}" for name, _ in means.quantities()[:1] for key in keys]
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
+
+
+def _is_thin(run: Run) -> bool:
+    """Return True for a long row of grains; False for what has no grains, or cannot be read."""
+    try:
+        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+            extents = np.sort(np.ptp(file["spheres/position"][()], axis=0) + 2 * np.max(file["spheres/radius"][()]))
+    except (OSError, KeyError, ValueError):
+        return False
+    return bool(extents[-1] > _THIN * extents[-2])
 
 
 # ---------------------------------------------------------------------- scans
