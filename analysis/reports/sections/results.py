@@ -91,7 +91,7 @@ def compact_table(runs: Sequence[Run]) -> Table:
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
     keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
-    shown = [key for key in _worth_showing([run.summary for run in runs]) if key not in _OF_COST]
+    shown = [key for key in _worth_showing([run.summary for run in runs]) if key not in (*_OF_COST, *FRICTION_SHARES)]
     shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
     if len({run.kind for run in runs}) > 1:
         shown = [key for key in shown if key not in _OF_ONE_KIND]
