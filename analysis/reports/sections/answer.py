@@ -11,6 +11,7 @@ import numpy as np
 
 from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -174,7 +175,8 @@ def _caption(means: Means) -> str:
 
 
 def _of_run(run: Run, inputs: Inputs) -> list[Block]:
-    blocks: list[Block] = [Note(text, "lead") for text in [_of_run_in_words(run)] if text]
+    said = in_grains(_of_run_in_words(run), grains_called_in([run.summary]))
+    blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)
     if not table.rows:
