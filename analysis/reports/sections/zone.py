@@ -33,8 +33,8 @@ def zone_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
 def _with_bounds(runs: Sequence[Run]) -> str:
     """Name runs with the bounds that their zones reach; those that all reach only once."""
     labels, bounds = [run.label for run in runs], [bounds_in_words(run.summary["zone_cut"]) for run in runs]
-    if len(set(bounds)) == 1:
-        return f"{named(labels)} ({bounds[0]})"
+    if len(runs) > 1 and len(set(bounds)) == 1:
+        return f"{named(labels)} (all: {bounds[0]})"
     return named([f"{label} ({one})" for label, one in zip(labels, bounds, strict=True)])
 
 
