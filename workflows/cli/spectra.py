@@ -140,8 +140,9 @@ def _counted(number: int, word: str) -> str:
 def _of_bands(found: BandStructure) -> str:
     network = found.state.network
     lines = [
-        f"{found.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} in a "
-        f"cell, {_counted(found.bands.square.shape[1], 'band')} up to {_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
+        f"{found.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} "
+        f"in a cell, {_counted(found.bands.square.shape[1], 'band')} up to "
+        f"{_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
     ]
     if len(found.speeds):
         lines.append(f"speeds of long waves    {', '.join(f'{one:.5g}' for one in found.speeds)} m/s")
