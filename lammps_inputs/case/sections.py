@@ -484,8 +484,7 @@ class Output:
         default="auto",
     )
     contact_forces: bool = choice(
-        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer, and "
-        "run.contact_forces in Python",
+        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer",
         (False, True),
         default=False,
     )
