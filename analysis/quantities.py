@@ -166,7 +166,7 @@ ENTRIES = (
     Quantity("transmission", "Transmission",
              "Velocity of the last bead before those that absorb over that of the loaded one, amplitudes at the "
              "frequency of a harmonic load over the last whole periods; null if the motion is not steady within 2 %.",
-             digits=".4g"),
+             digits=".4g", axis="Transmission"),
     Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
              digits=".4g"),
     Quantity("load_power_W", "Power of the load", "Mean over the last half of a run under a harmonic load.",
@@ -267,7 +267,8 @@ ENTRIES = (
              "The same impact directly on the bottom, without the packing."),
     Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing"),
     Quantity("peak_reduction", "Peak reduction",
-             "Peak force on the bottom without the packing, over that with it (without a precompression's).",
+             "Peak force on the bottom without the packing, over that with it (without a precompression's); null for "
+             "loads that oscillate.",
              short="peak without packing", digits=".3g", phrase="{} times as high",
              axis="Peak force without packing / with it"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground", "The same of the force on the ground."),
@@ -353,7 +354,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
     "dissipated_fraction", "plastic_fraction", "friction_fraction", "viscous_fraction", "holder_fraction",
-    "absorbed_fraction", "load_power_W", "absorbed_power_W",
+    "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
@@ -388,7 +389,7 @@ CONTINUUM_ROWS = _quantities(
 
 #: Columns at the terminal at the end of a scan: numbers, with the unit in the head.
 SCAN_COLUMNS = _quantities(
-    _changed("restitution", digits=".5f"), "dissipated_fraction",
+    _changed("restitution", digits=".5f"), "transmission", "dissipated_fraction",
     "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_m", "zone_volume_90_m3",
     "zone_cut", _changed("peak_force_N", short="peak force", digits=".5g"),
     _changed("max_force_N", short="largest force"),
@@ -397,7 +398,8 @@ SCAN_COLUMNS = _quantities(
 
 #: Quantities that figures of scans show, by what names of figures begin with.
 SCAN_FIGURES = {
-    "peak_reduction": "peak_reduction", "restitution": "restitution", "dissipated_fraction": "dissipated_fraction",
+    "peak_reduction": "peak_reduction", "restitution": "restitution",
+    "transmission": "transmission", "dissipated_fraction": "dissipated_fraction",
     "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_m",
     "zone_radius_90": "zone_radius_90_m", "zone_volume_90": "zone_volume_90_m3",
     "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",

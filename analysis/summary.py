@@ -277,7 +277,7 @@ def _plasticity(result: Result) -> Summary:
 
 def _normalised(result: Result) -> Summary:
     law, case = result.law, result.case
-    if not result.yields:
+    if not result.has_yield_force:
         return {"velocity_normalised": None, "energy_input_normalised": None}
     strength, velocity = law.yield_strength, case.load.velocity
     return {

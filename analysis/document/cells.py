@@ -9,7 +9,7 @@ from typing import Any
 from granwave.analysis.document.model import Cell, Column, Group, Table
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval, plain
-from granwave.analysis.formatting.units import printed_unit, shown_unit
+from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import ENTRIES, quantity
 from granwave.analysis.quantity_notes import meaning_of
@@ -55,9 +55,9 @@ def value_column(key: str, called: str = SPHERES) -> Column:
     return Column(label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called))
 
 
-def case_column(key: str, *, numeric: bool) -> Column:
-    """Column of a key of the case."""
-    return Column(key, shown_unit(key), numeric=numeric, key=True)
+def case_column(key: str, unit: str, *, numeric: bool) -> Column:
+    """Column of a key of the case, with its unit as people write it."""
+    return Column(key, unit, numeric=numeric, key=True)
 
 
 def show(value: Any) -> str:

@@ -36,12 +36,19 @@ class RunFigure:
     ----------
     caption
         Its caption in reports.
-    draw
+    function
         Function that draws it from a result, or returns None if it does not apply.
     """
 
     caption: str
-    draw: Callable[[Result], Drawing | None]
+    function: Callable[[Result], Drawing | None]
+
+    def draw(self, result: Result) -> Drawing | None:
+        """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it does not apply."""
+        drawing = self.function(result)
+        if drawing is not None:
+            drawing.call_grains(result.assembly.grains_called)
+        return drawing
 
 
 #: Figures by name, in the order of reports.
@@ -98,7 +105,7 @@ FIGURES: dict[str, RunFigure] = {
     "timestep": RunFigure("Timestep, and the error of the energy balance that it follows", timestep.timestep),
     "bottom_force": RunFigure("Force and impulse on the bottom", histories.bottom_force),
     "target": RunFigure("What reaches the target, and the force there without the packing", target.target),
-    "impactor_velocity": RunFigure("Velocity of the struck sphere", histories.impactor_velocity),
+    "impactor_velocity": RunFigure("Velocity of the sphere that is struck or loaded", histories.impactor_velocity),
     "packing_3d": RunFigure("Packing cut open, peak contact force", packing3d.packing_3d),
     "packing_3d_dissipation": RunFigure("Packing cut open, dissipation", packing3d.packing_3d_dissipation),
     "probes": RunFigure("Probes", histories.probes),

@@ -15,6 +15,19 @@ from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
+_ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
+_VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
+_LEAST_VELOCITY = 0.01  # in m/s: tenths are usual there
+
+
+def energy_unit(largest: float) -> tuple[float, str]:
+    """Return the unit in which energies up to ``largest`` (J) are shown: how many are a joule, and its name."""
+    return next((one for one in _ENERGIES if largest * one[0] >= 1), _ENERGIES[-1])
+
+
+def velocity_unit(largest: float) -> tuple[float, str]:
+    """Return the unit in which velocities up to ``largest`` (m/s) are shown: how many are 1 m/s, and its name."""
+    return next((one for one in _VELOCITIES if largest * one[0] >= _LEAST_VELOCITY), _VELOCITIES[-1])
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **settings: Any) -> tuple[Figure, Axes]:

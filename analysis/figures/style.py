@@ -20,6 +20,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.scales import plain_powers
@@ -27,6 +28,7 @@ from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
 from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY
 
 logger = logging.getLogger(__name__)
@@ -99,6 +101,12 @@ class Drawing:
 
     figure: Figure
     columns: Columns
+
+    def call_grains(self, called: str) -> None:
+        """Let the texts of the figure call the grains what they are: spheres, cylinders or grains."""
+        if called != SPHERES:
+            for text in self.figure.findobj(Text):
+                text.set_text(in_grains(text.get_text(), called))
 
 
 _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of figures

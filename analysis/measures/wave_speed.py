@@ -72,11 +72,15 @@ def wave_speed_of(result: Result) -> float | None:
     end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with
     the contact stiffness k under the static force.
 
+    None of loads that go on oscillating: a bead's largest force may come at any time, and later where beads absorb; a
+    burst passes once.
+
     None of cylinders beside each other: the stiffness of their contacts hardly grows with the force, so that the first
     force at all runs ahead of the wave without a limit. Lines of grains have a front speed.
     """
     diameter = result.case.packing.diameter
-    if _beside_each_other(result):
+    load = result.case.load
+    if _beside_each_other(result) or (load.driven and load.oscillates and load.shape != "burst"):
         return None
     if result.case.precompression is None:
         return _slope(*_arrivals(result, diameter), diameter)

@@ -10,12 +10,16 @@ import numpy as np
 
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.exports.to_csv import TABLES, place_of_column
+from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.result.reader import Result
+from granwave.analysis.result.trajectory import GROUP
+from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 
 if TYPE_CHECKING:
     import pandas
 
 UNITS = "units"  # key in ``attrs``
+_AT_SNAPSHOTS = tuple(column.name for column in FORCES_AT_FRAMES)  # i, j, then forces
 _INDEX = {"spheres": "id", "energy": "time", "probes": "time"}  # column that names the rows of a table
 
 
@@ -61,11 +65,11 @@ def table(result: Result, name: str) -> pandas.DataFrame:
     MissingDataError
         The run has no such table.
     """
-    names = tables_of(result)
-    if name not in names:
-        near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.7)
+    there = tables_of(result)
+    if name not in there:
+        near = difflib.get_close_matches(str(name), there, n=1, cutoff=0.7)
         hint = f"did you mean {near[0]}? " if near else ""
-        raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(names)}")
+        raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}")
     columns = sorted(result.names(name), key=place_of_column)
     values = {column: result.read(f"{name}/{column}") for column in columns}
     units = {column: result.unit(f"{name}/{column}") for column in columns}
@@ -86,6 +90,32 @@ def walls(result: Result) -> pandas.DataFrame:
         units |= {name: result.unit(f"walls/{wall}/{name}") for name in columns}
     found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
     found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}
+    return found
+
+
+def contact_forces(result: Result) -> pandas.DataFrame:
+    """Return the contacts that bear a force at each snapshot: ``time`` s, ``i``, ``j``, ``force`` N, ``tx`` ... N on i.
+
+    Raises
+    ------
+    MissingDataError
+        The run did not record them.
+    """
+    import pandas
+
+    if not result.case.output.contact_forces:
+        raise MissingDataError(
+            f"{result.path.parent}: its snapshots hold no contact forces; run the case again with "
+            "output.contact_forces = true"
+        )
+    times = dict(zip(result[f"{GROUP}/position/step"].tolist(), result.frame_times.tolist(), strict=True))
+    parts = [
+        pandas.DataFrame({"time": times[frame.step]} | {name: frame[name] for name in _AT_SNAPSHOTS})
+        for frame in read_frame_forces(result.path.parent)
+        if frame.step in times
+    ]
+    found = pandas.concat(parts, ignore_index=True).astype({"i": np.int64, "j": np.int64})
+    found.attrs[UNITS] = {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(_AT_SNAPSHOTS[2:], "N")
     return found
 
 

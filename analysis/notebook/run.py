@@ -166,6 +166,17 @@ class Run(Mapping[str, Any]):
         return self.table("contacts")
 
     @cached_property
+    def contact_forces(self) -> pandas.DataFrame:
+        """Forces of the contacts that bear one at each snapshot: ``time``, ``i``, ``j``, ``force``, tangential on i.
+
+        Raises
+        ------
+        MissingDataError
+            The run was made without ``output.contact_forces``.
+        """
+        return frames.contact_forces(self.result)
+
+    @cached_property
     def wall_contacts(self) -> pandas.DataFrame:
         """Contacts of the sphere ``id`` with a wall; empty if there are none."""
         if "wall_contacts" not in self.result:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -91,7 +91,8 @@ class ScanRuns:
     @cached_property
     def table(self) -> pandas.DataFrame:
         """Points by number: varied keys, status and all values of their summaries; units in ``attrs["units"]``."""
-        return _frame({_POINT: [point.number for point in self.points], **scan_table(self.result)}, _POINT)
+        columns = {_POINT: [point.number for point in self.points], **scan_table(self.result)}
+        return _frame(columns, self.result.units, _POINT)
 
     @cached_property
     def means(self) -> pandas.DataFrame | None:
@@ -100,7 +101,7 @@ class ScanRuns:
         Columns ``NAME.mean``, ``NAME.std`` and ``NAME.ci95``, and ``n``, the number of points of each mean.
         """
         columns = scan_statistics(self.result)
-        return _frame(columns) if columns else None
+        return _frame(columns, self.result.units) if columns else None
 
     def to_xarray(self) -> xarray.Dataset:
         """Convert the table to a Dataset with a dimension for each independent key.
@@ -159,8 +160,9 @@ class ScanRuns:
         return table[[*self.varied, *status, *shown]]
 
 
-def _frame(columns: Columns, index: str = "") -> pandas.DataFrame:
-    return frame_of(columns, {name: "1" if name == _POINT else column_unit(name) for name in columns}, index)
+def _frame(columns: Columns, units: Mapping[str, str], index: str = "") -> pandas.DataFrame:
+    found = {name: "1" if name == _POINT else column_unit(name, units) for name in columns}
+    return frame_of(columns, found, index)
 
 
 def _run(point: PointResult) -> Run:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from granwave.analysis.document.cells import named, show
 from granwave.analysis.document.cleanup import tidied
-from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table
+from granwave.analysis.document.model import Block, Cell, Column, Figure, Group, Note, Report, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.answer import answer_blocks, main_figures
 from granwave.analysis.reports.sections.balance import SLUG as BALANCE
@@ -14,10 +14,12 @@ from granwave.analysis.reports.sections.balance import balance_notes, balance_se
 from granwave.analysis.reports.sections.comparison import comparison_section
 from granwave.analysis.reports.sections.figures import figures_section
 from granwave.analysis.reports.sections.results import SLUG as RESULTS
-from granwave.analysis.reports.sections.results import failures_section, results_section, settings_blocks, status_cell
+from granwave.analysis.reports.sections.results import failures_section, results_section, status_cell
+from granwave.analysis.reports.sections.settings import settings_blocks
 from granwave.analysis.reports.sections.sources import sources_section
-from granwave.analysis.reports.sections.studies import leads, studies_of, studies_section, verdicts
+from granwave.analysis.reports.sections.studies import leads, main_picture, studies_of, studies_section, verdicts
 from granwave.analysis.reports.sections.zone import zone_notes
+from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _KIND = {"run": "granular run", "continuum": "continuum run"}
@@ -36,13 +38,14 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
     failures, studies = failures_section(inputs), studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
+    picture = main_picture(studies, inputs)
     sections = (
-        _answer(inputs, failures.slug, leads(studies)),
+        _answer(inputs, failures.slug, studies, picture),
         Section("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
         comparison_section(inputs),
         *([sources_section(inputs)] if named or any(study.has_source for study in studies) else []),
-        figures_section(inputs, above, main_figures(inputs)),
+        figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
         results_section(inputs),
         balance_section(inputs),
@@ -63,11 +66,12 @@ def _lead(inputs: Inputs) -> str:
     return " and ".join(parts) + ". SI units."
 
 
-def _answer(inputs: Inputs, failures: str, said: tuple[Note, ...]) -> Section:
+def _answer(inputs: Inputs, failures: str, studies: Sequence[Study], picture: Figure | None) -> Section:
     """Make the first section: what must not be overlooked, what came out, and notes on it."""
     notes = _notes(inputs, failures)
     bad, others = ([note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False))
-    return Section("In short", "short", (*bad, *said, *answer_blocks(inputs), *others))
+    answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
+    return Section("In short", "short", (*bad, *leads(studies), *answer, *others))
 
 
 def _notes(inputs: Inputs, failures: str) -> list[Note]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from collections.abc import Iterator
 from functools import cached_property
@@ -232,9 +233,14 @@ class Result(_Spheres):
         return sphere_contact(self.case)
 
     @property
+    def has_yield_force(self) -> bool:
+        """True if contacts between two grains of the packing can yield, so that alpha_y and F_y exist."""
+        return self.case.contact.yields and math.isfinite(self.law.yield_force)
+
+    @property
     def yields(self) -> bool:
-        """True if contacts of this run can yield, so that alpha_y and F_y exist."""
-        return self.case.contact.yields
+        """True if contacts of this run can yield: not in a packing of parallel cylinders alone."""
+        return self.has_yield_force or (self.case.contact.yields and self.has("contacts/yielded"))
 
     @property
     def has_law_limit(self) -> bool:

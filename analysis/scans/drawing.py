@@ -188,7 +188,8 @@ def draw_map(
     """Draw a value by two keys, in cells of equal size: (n_lines, n_columns); NaN for missing ones."""
     columns, lines = values
     annotated = max(table.shape) <= _MOST_ANNOTATED
-    figure = new_figure(min(max(0.34 * len(lines) + 0.7, 1.9), 3.4))
+    of_title = 0.55 + CHARACTER * len(keys[1].title)  # which must not be longer than its axis
+    figure = new_figure(min(max(0.34 * len(lines) + 0.7, of_title, 1.9), 3.4))
     axes = figure.subplots()
     axes.set_facecolor(BLANK)
     low, high = float(np.nanmin(table)), float(np.nanmax(table))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, style
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.measures.zone.marks import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
@@ -73,10 +74,10 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     points = result.points
     labels = physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
-    rows = [row for row, point in enumerate(points) if point.status == "done"]
+    rows, units = [row for row, point in enumerate(points) if point.status == "done"], result.units
     if len(rows) < _FEWEST or not free:
         return {}
-    keys = {name: key_of(name, labels[name]) for name in labels}
+    keys = {name: key_of(name, labels[name], units.get(name, "")) for name in labels}
     done = [points[row] for row in rows]
     marks = {row: mark_of(points[row].summary) for row in rows}
     shown = [one for one in ordinates(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
@@ -99,7 +100,11 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     fraction = next((quantity for quantity in shown if quantity.name == "dissipated_fraction"), None)
     if fraction and len(free) == 2 and all(keys[name].numeric for name in free):
         found["dissipated_fraction_map"] = _map(points, rows, keys[free[0]], keys[free[1]], fraction)
-    return {name: drawing for name, drawing in found.items() if drawing is not None}
+    there = {name: drawing for name, drawing in found.items() if drawing is not None}
+    called = grains_called_in(point.summary for point in done)
+    for drawing in there.values():
+        drawing.call_grains(called)
+    return there
 
 
 def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> dict[int, float]:

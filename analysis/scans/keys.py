@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.formatting.numbers import tick
-from granwave.analysis.formatting.units import shown_unit, unit_of
+from granwave.analysis.formatting.units import AMPLITUDE, shown_unit, unit_of
 from granwave.analysis.formatting.values import NONE, unique_labels
 
 
@@ -27,7 +27,6 @@ _NAMES: Mapping[str, Naming] = {
     "load.velocity": Naming("Impact velocity", r"$v_0$", "m/s"),
     "load.spheres": Naming("Struck spheres", r"$n_\mathrm{s}$"),
     "load.angle": Naming("Angle of impact", r"$\theta$", "°"),
-    "load.amplitude": Naming("Amplitude of the load", r"$A$", "N"),
     "load.duration": Naming("Duration of the load", r"$\tau$", "µs", 1e-6),
     "load.frequency": Naming("Frequency of the load", r"$f$", "kHz", 1e3),
     "packing.diameter": Naming("Sphere diameter", r"$D$", "mm", 1e-3),
@@ -67,7 +66,10 @@ _NAMES: Mapping[str, Naming] = {
 }
 _ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
     ("striker", "velocity"): Naming("Velocity of the striker", r"$v_0$", "m/s"),
+    ("replace", "index"): Naming("Place of replaced spheres"),
 }
+_AMPLITUDE = Naming("Amplitude of the load", r"$A$")
+_OF_MOTION = (("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9))  # units of amplitudes, from the largest on
 _SIZES = ("Spheres along x", "Rows along y", "Layers")
 _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
 _PLANE_SIZES = ("Grains along x", "Rows")  # of a square packing and of crystals in the x-z plane, some rows of n - 1
@@ -86,12 +88,15 @@ class Key:
         Plotted value of each point, in the unit of `naming`; text for values that are not numbers.
     labels
         Labels in the scan, by point.
+    unit
+        SI unit of the labels, where it depends on the scan.
     """
 
     name: str
     naming: Naming
     values: tuple[Any, ...]
     labels: tuple[Any, ...]
+    unit: str = ""
 
     @property
     def numeric(self) -> bool:
@@ -107,7 +112,7 @@ class Key:
     @property
     def column(self) -> str:
         """Name of a column in CSV files, which hold the labels in SI units."""
-        unit = unit_of(self.name).replace("^", "").replace("/", "_").replace(" ", "_")
+        unit = (self.unit or unit_of(self.name)).replace("^", "").replace("/", "_").replace(" ", "_")
         return f"{self.name}_{unit}" if unit and self.numeric else self.name
 
     @property
@@ -134,9 +139,15 @@ def shown(value: float) -> str:
     return tick(float(f"{value:.4g}"))
 
 
-def key_of(name: str, labels: Sequence[Any]) -> Key:
-    """Make the key of this name from its labels, one for each point."""
-    naming = _NAMES.get(name)
+def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
+    """Make the key of this name from its labels, one for each point.
+
+    Parameters
+    ----------
+    unit
+        SI unit of the labels, where it depends on the scan.
+    """
+    naming = _amplitude(labels, unit) if name == AMPLITUDE else _NAMES.get(name)
     if name == "packing.size" and (sizes := _sizes(labels)):
         return Key(name, *_size(sizes), tuple(labels))
     if naming is None:
@@ -149,7 +160,16 @@ def key_of(name: str, labels: Sequence[Any]) -> Key:
         float(f"{label / naming.scale:.12g}") if _is_number(label) else text
         for label, text in zip(labels, texts, strict=True)
     )
-    return Key(name, naming, values, tuple(labels))
+    return Key(name, naming, values, tuple(labels), unit)
+
+
+def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
+    """Return the naming of the load's amplitude: of a motion in the largest unit in which the largest is 1 or more."""
+    if unit != "m":
+        return dataclasses.replace(_AMPLITUDE, unit=unit)
+    largest = max((label for label in labels if _is_number(label)), default=0.0)
+    shown_in = next(((name, scale) for name, scale in _OF_MOTION if largest >= scale), _OF_MOTION[-1])
+    return dataclasses.replace(_AMPLITUDE, unit=shown_in[0], scale=shown_in[1])
 
 
 def _of_entry(name: str) -> Naming | None:

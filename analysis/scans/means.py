@@ -7,17 +7,19 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 from granwave.analysis.document.cells import is_number, show
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.protection import REDUCTION, protects
 from granwave.analysis.scans.result import SEED, ScanResult
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
+from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
 _MAIN = (  # in this order
-    REDUCTION, "restitution", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
+    REDUCTION, "restitution", "transmission", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
 )  # fmt: skip
 _TRENDS = ("rises", "falls")
 
@@ -38,6 +40,8 @@ class Means:
         Half-widths of the 95 % confidence intervals; None without replicates.
     protection
         True if the scan asks what reaches a target; `granwave.analysis.scans.protection.protects`.
+    called
+        What the grains of its runs are called.
     """
 
     keys: tuple[Key, ...]
@@ -45,6 +49,7 @@ class Means:
     values: Mapping[str, Sequence[float | None]]
     half_widths: Mapping[str, Sequence[float | None]]
     protection: bool = False
+    called: str = SPHERES
 
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, by names of figure and value: those that vary first."""
@@ -65,6 +70,9 @@ class Means:
 
     def sentence(self, main: str) -> str:
         """Say between which values a quantity lies, where, and how it depends on each key."""
+        return in_grains(self._sentence(main), self.called)
+
+    def _sentence(self, main: str) -> str:
         values = self.values[main]
         low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
         label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
@@ -127,13 +135,16 @@ def means_of(scan: ScanResult) -> Means:
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}
     kept = [row for row, count in enumerate(counts) if count]
-    keys = [key_of(name, column) for name, column in physical({n: [labels[n][r] for r in kept] for n in names}).items()]
+    summaries = [point.summary for point in scan.points if point.status == "done"]
+    there = physical({name: [labels[name][row] for row in kept] for name in names})
+    keys = [key_of(name, column, scan.units.get(name, "")) for name, column in there.items()]
     return Means(
         tuple(key for key in keys if len(set(key.values)) > 1),
         tuple(counts[row] for row in kept),
         {key: [column[row] for row in kept] for key, column in columns.items()},
         {key: [column[row] for row in kept] for key, column in widths.items()},
-        protects(scan.varied, [point.summary for point in scan.points if point.status == "done"]),
+        protects(scan.varied, summaries),
+        grains_called_in(summaries),
     )
 
 

@@ -8,15 +8,17 @@ failure. An ID is a hash of the resolved case and the versions that it was run w
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 from pathlib import Path
 from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.formatting.units import unit_of
+from granwave.analysis.formatting.units import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.run_directory import POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
+from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
 from granwave.lammps_inputs.run_state import read_summary
+from granwave.lammps_inputs.toml_files import read_tables
 
 SEED = "packing.seed"  # points that differ only in this key are replicates
 
@@ -96,7 +98,20 @@ class ScanResult:
     @property
     def units(self) -> dict[str, str]:
         """SI units of the varied keys that have one."""
-        return {key: unit for key in self.varied if (unit := unit_of(key))}
+        return {key: unit for key in self.varied if (unit := self._unit(key))}
+
+    def _unit(self, key: str) -> str:
+        return amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key)
+
+    def _load_kinds(self) -> set[str]:
+        """Return the kinds of the loads: of all points if they vary, else of the first point that was started."""
+        if LOAD_KIND in self.varied:
+            return {str(point["labels"].get(LOAD_KIND)) for point in self._points}
+        for point, folder in itertools.product(self._points, (POINTS, UNFINISHED)):
+            load = (read_tables(self.directory / folder / point["id"] / CASE_FILE) or {}).get("load")
+            if isinstance(load, dict) and "kind" in load:
+                return {str(load["kind"])}
+        return set()
 
     def _point(self, entry: dict[str, Any]) -> PointResult:
         name = entry["id"]

@@ -128,15 +128,15 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
         clear(result.directory, [SCAN_MEANS])
     with new_hdf5(result.directory / SCAN_DATA) as file:
         file.attrs["name"], file.attrs["case"] = result.name, result.case_name
-        _write_group(file, table)
+        _write_group(file, table, result.units)
         if means:
-            _write_group(file.create_group(MEAN_GROUP), means)
+            _write_group(file.create_group(MEAN_GROUP), means, result.units)
     return result.directory / SCAN_TABLE
 
 
-def column_unit(name: str) -> str:
-    """Return the unit of a column of the table, "1" if dimensionless."""
-    if unit := unit_of(name):
+def column_unit(name: str, units: Mapping[str, str]) -> str:
+    """Return the unit of a column of the table of a scan whose keys have these units, "1" if dimensionless."""
+    if unit := units.get(name) or unit_of(name):
         return unit
     name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
     return "1" if "." in name else quantity(name).unit or "1"
@@ -156,12 +156,15 @@ class ScanData(Mapping[str, NDArray]):
         Varied keys.
     columns
         Arrays (n_points,) by name.
+    units
+        SI units of the varied keys that have one.
     """
 
     name: str
     case_name: str
     varied: tuple[str, ...]
     columns: dict[str, NDArray]
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __getitem__(self, name: str) -> NDArray:
         try:
@@ -189,7 +192,7 @@ class ScanData(Mapping[str, NDArray]):
             There is no such column.
         """
         self[name]
-        return column_unit(name)
+        return column_unit(name, self.units)
 
     def where(self, status: str = "done", **values: Any) -> ScanData:
         """Select the points with a status and given values.
@@ -211,7 +214,7 @@ class ScanData(Mapping[str, NDArray]):
         import pandas
 
         table = pandas.DataFrame(self.columns)
-        table.attrs["units"] = {name: column_unit(name) for name in self.columns}
+        table.attrs["units"] = {name: column_unit(name, self.units) for name in self.columns}
         return table
 
     def to_xarray(self) -> xarray.Dataset:
@@ -240,16 +243,22 @@ class ScanData(Mapping[str, NDArray]):
             )
         order = np.argsort(flat)
         variables = {
-            name: (tuple(axes), column[order].reshape(shape), {"units": column_unit(name)})
+            name: (tuple(axes), column[order].reshape(shape), {"units": column_unit(name, self.units)})
             for name, column in self.columns.items()
             if name not in self.varied
         }
-        coordinates: dict[str, Any] = {key: (key, found, {"units": column_unit(key)}) for key, found in values.items()}
+        coordinates: dict[str, Any] = {
+            key: (key, found, {"units": column_unit(key, self.units)}) for key, found in values.items()
+        }
         for key in self.varied:
             if key not in axes:
                 leader = next(axis for axis in axes if determines(labels[axis], labels[key]))
                 follows = dict(zip(labels[leader], labels[key], strict=True))
-                coordinates[key] = (leader, [follows[value] for value in values[leader]], {"units": column_unit(key)})
+                coordinates[key] = (
+                    leader,
+                    [follows[value] for value in values[leader]],
+                    {"units": column_unit(key, self.units)},
+                )
         return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
 
 
@@ -266,7 +275,7 @@ def read_scan(directory: str | Path) -> ScanData:
     result = ScanResult(directory)
     columns = {name: _array(column) for name, column in scan_table(result).items()}
     texts = {name: np.array(column, dtype=str) for name, column in columns.items() if column.dtype == object}
-    return ScanData(result.name, result.case_name, result.varied, columns | texts)
+    return ScanData(result.name, result.case_name, result.varied, columns | texts, result.units)
 
 
 def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
@@ -352,8 +361,8 @@ def _write_csv(table: Columns, path: Path) -> None:
         writer.writerows(zip(*columns, strict=True))
 
 
-def _write_group(group: h5py.Group, table: Columns) -> None:
+def _write_group(group: h5py.Group, table: Columns, units: Mapping[str, str]) -> None:
     for name, column in table.items():
         values = _array(column)
         options = {"dtype": h5py.string_dtype()} if values.dtype == object else {}
-        group.create_dataset(name, data=values, **options).attrs["unit"] = column_unit(name)
+        group.create_dataset(name, data=values, **options).attrs["unit"] = column_unit(name, units)

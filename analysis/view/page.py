@@ -119,7 +119,7 @@ def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:
     if spheres is not None and n > spheres:
         distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
         rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
-        notes.append(f"the {spheres} spheres nearest to the struck one, of {n}")
+        notes.append(f"the {spheres} {result.assembly.grains_called} nearest to the struck one, of {n}")
     most = max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows))) if frames is None else frames
     numbers: Sequence[int] = range(n_frames)
     if n_frames > most:

@@ -26,6 +26,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field
 from granwave.analysis.view.instants import Instants
 from granwave.lammps_inputs.case.shape import Cylinder, Shape
+from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:
@@ -129,9 +130,10 @@ def _key(time: float) -> str:
 def _title(result: Result, chosen: Chosen) -> str:
     case = result.case
     number = f"{len(chosen.rows):,}".replace(",", " ")
-    counts = f"{number} spheres, {len(chosen.frames)} snapshots"
+    called = result.assembly.grains_called
+    counts = f"{number} {called}, {len(chosen.frames)} snapshots"
     lines = [f"<b>{html.escape(case.name)}</b>", counts, *([html.escape(chosen.note)] if chosen.note else [])]
-    return "<br>".join([*lines, "lengths in mm from the struck sphere"])
+    return "<br>".join([*lines, in_grains("lengths in mm from the struck sphere", called)])
 
 
 def _spheres(

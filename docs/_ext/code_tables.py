@@ -92,7 +92,8 @@ def commands() -> str:
 def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
     usage = " ".join(parser.format_usage().removeprefix("usage: ").split())
     entries = [_argument(action) for action in parser._actions if action.dest != "help"]
-    return "\n\n".join([f"(command-{name})=\n## granwave {name}", _sentence(what), f"```text\n{usage}\n```", *entries])
+    form = f"```{{code-block}} text\n:class: usage\n\n{usage}\n```"
+    return "\n\n".join([f"(command-{name})=\n## granwave {name}", _sentence(what), form, *entries])
 
 
 def _argument(action: argparse.Action) -> str:

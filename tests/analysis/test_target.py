@@ -109,6 +109,8 @@ def test_a_force_acts_on_the_target_itself():
 
 def test_nothing_to_compare_with():
     assert bare_target_peak(sphere(**{"boundary.bottom": "free"}), END) is None
+    shaken = {"kind": "force", "shape": "harmonic", "amplitude": 1.0, "frequency": 1e4}
+    assert bare_target_peak(sphere(load=shaken), END) is None
     moved = {"kind": "displacement", "shape": "harmonic", "amplitude": 1e-5, "frequency": 1e4}
     assert bare_target_peak(sphere(load=moved), END) is None
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import pytest
 
+from granwave.analysis.figures.run.target import target
 from granwave.analysis.measures.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of, fitted_amplitudes
 from granwave.analysis.measures.transmission import steady_amplitudes, transfer, transmission_of
 from granwave.analysis.result.reader import Result
@@ -68,6 +70,14 @@ def test_a_row_passes_all_below_its_cut_off(swept):
     inside = (found.frequency > 8e3) & (found.frequency < 0.95 * cut_off)
     assert np.abs(found.ratio[inside]) == pytest.approx(1, abs=0.02)
     assert np.abs(found.ratio[found.frequency > 1.04 * cut_off]).max() < 0.05
+
+
+def test_values_that_mean_nothing_under_a_load_that_goes_on(swept):
+    summary = json.loads((swept / "summary.json").read_text())
+    absent = ("wave_speed_m_s", "peak_reduction", "ground_peak_reduction", "unprotected_peak_force_N")
+    assert [summary[name] for name in absent] == [None] * len(absent) and summary["wall_peak_force_N"] > 0
+    with Result(swept) as result:
+        assert target(result) is None  # what bottom_force shows
 
 
 def test_attenuation_above_the_cut_off(tmp_path):

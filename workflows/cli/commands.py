@@ -82,7 +82,13 @@ def run(options: argparse.Namespace, arguments: Arguments) -> int:
         if outcome.state == record.REFUSED:
             error = outcome.summary.get("energy_balance_error")
             misses = "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
-            print(f"granwave: the energy balance was refused: {misses}; what was computed is kept", file=sys.stderr)
+            automatic = case.run.timestep == "auto"
+            mend = "give run.energy_tolerance a smaller value" if automatic else "leave out run.timestep"
+            print(
+                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most 1e-5 "
+                f"or run.energy_tolerance, whichever is larger: {mend}, and run it again with --force",
+                file=sys.stderr,
+            )
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 

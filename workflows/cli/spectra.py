@@ -133,11 +133,16 @@ def _note_left_out(ids: np.ndarray, name: str) -> None:
         )
 
 
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'s' * (number != 1)}"
+
+
 def _of_bands(found: BandStructure) -> str:
     network = found.state.network
     lines = [
-        f"{found.state.name}: {network.n_grains} grains and {len(network.springs)} contacts in a cell, "
-        f"{found.bands.square.shape[1]} bands up to {_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
+        f"{found.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} "
+        f"in a cell, {_counted(found.bands.square.shape[1], 'band')} up to "
+        f"{_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
     ]
     if len(found.speeds):
         lines.append(f"speeds of long waves    {', '.join(f'{one:.5g}' for one in found.speeds)} m/s")

@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.series import energy_unit, label, panels, velocity_unit
 from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, Drawing, legend_above
 from granwave.analysis.measures.sensors import sensor_forces
 from granwave.analysis.result.chain import along
@@ -97,15 +97,15 @@ def along_chain(result: Result) -> Drawing | None:
     number, (scale, unit) = np.arange(1, len(peak) + 1), _unit(peak)
     curves = [(peak * scale, f"Peak force ({unit})")]
     if np.any(lost > 0):
-        energy, name = (1e3, "mJ") if lost.max() < 1 else (1.0, "J")
+        energy, name = energy_unit(float(lost.max()))
         curves.append((lost * energy, f"Dissipated ({name})"))
     figure, *stack = panels(0.8 + 1.4 * len(curves), rows=len(curves), sharex=True)
     for axes, (values, quantity) in zip(stack, curves, strict=True):
         shown = values > 0
         axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3)
         wide = shown.any() and values[shown].max() > 30 * values[shown].min()
-        label(axes, y=quantity, **({"yscale": "log"} if wide else {"ylim": (0, None)}))
-    label(stack[-1], "Contact, from the struck end")
+        label(axes, y=quantity, **({"yscale": "log"} if wide else {"ylim": (0, 1.05 * float(values.max()))}))
+    label(stack[-1], f"Contact, {_counted(result)}")
     stack[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
     return Drawing(figure, {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost})
@@ -119,10 +119,11 @@ def bead_velocities(result: Result) -> Drawing | None:
     chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
     figure, axes = panels(2.6)
     bead = np.arange(1, velocity.shape[1] + 1)
+    scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
     for n in chosen:
-        axes.plot(bead, velocity[n], linewidth=0.9, label=f"{time[n] * _MICRO:.4g} µs")
+        axes.plot(bead, velocity[n] * scale, linewidth=0.9, label=f"{time[n] * _MICRO:.4g} µs")
     axes.axhline(0, color="black", linewidth=0.5)
-    label(axes, "Bead, from the struck end", "Velocity (m/s)")
+    label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_above(axes, 2)
     return Drawing(figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen})
@@ -167,6 +168,11 @@ def _name(result: Result, contact: int) -> str:
     ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
     words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]
     return "-".join(words)
+
+
+def _counted(result: Result) -> str:
+    """Return from which end contacts and beads are counted."""
+    return f"from the {'loaded' if result.case.load.driven else 'struck'} end"
 
 
 def _unit(force: NDArray[np.float64]) -> tuple[float, str]:

@@ -12,6 +12,7 @@ from granwave.analysis.measures.dissipation import cumulated, peak_force_by_dept
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.measures.zone.packing import packing_zone
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.packing.grain_words import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
@@ -27,7 +28,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     """
     dissipated = result["spheres/dissipated_energy"]
     rows = ranked(dissipated)
-    if not len(rows) or not result.yields:
+    if not len(rows) or not result.has_yield_force:
         return None
     law = result.law
     unit = law.yield_force * law.yield_overlap
@@ -65,7 +66,8 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** 3
+    in_plane = result.assembly.grains_called == CYLINDERS  # of one length
+    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (2 if in_plane else 3)
     fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
     enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
     figure = new_figure(2.4)
@@ -91,7 +93,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         transform=axes.get_xaxis_transform(),
     )  # fmt: skip
     axes.set_xlabel("Dissipation / energy input")
-    axes.set_ylabel(r"Volume / ($\pi D^3/6$)")
+    axes.set_ylabel("Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)")
     return Drawing(figure, columns)
 
 

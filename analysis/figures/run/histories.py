@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.series import energy_unit, velocity_unit
 from granwave.analysis.figures.style import (
     BLUE,
     GREEN,
@@ -61,7 +62,7 @@ def energies(result: Result) -> Drawing | None:
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
     figure = new_figure(3.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    unit, name = (1e3, "mJ") if given < 1 else (1.0, "J")
+    unit, name = energy_unit(given)
     as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
     if as_areas:
         colours = [_AREAS[part] for part in parts]
@@ -70,7 +71,8 @@ def energies(result: Result) -> Drawing | None:
         )
     else:
         for part, values in parts.items():
-            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part)
+            line = {"linestyle": "--", "zorder": 3} if part == "elastic" else {}  # often as large as the kinetic energy
+            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part, **line)
     upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
     upper.set_ylabel(f"Energy ({name})")
     upper.set_ylim(0 if as_areas or len(parts) == 3 else None, 1.05 * given * unit)
@@ -124,6 +126,8 @@ def bottom_force(result: Result) -> Drawing | None:
     axes = figure.subplots()
     shown = thinned(force)
     axes.plot(time[shown] * _MICRO, force[shown], color=BLUE, linewidth=0.8)
+    axes.update_datalim([(0.0, 0.0)])  # so that a force that hardly changes does not lie on the frame
+    axes.autoscale_view()
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     time_axis(axes, time)
     beside = axes.twinx()
@@ -134,15 +138,16 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Draw the velocity of the struck sphere along the impact direction; None if it is zero throughout."""
+    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is zero throughout."""
     time, velocity = result["energy/time"], result["energy/struck_velocity"]
     if not np.any(velocity):
         return None
     figure = new_figure(2.1)
     axes = figure.subplots()
     axes.axhline(0, color="black", linewidth=0.5)
-    axes.plot(time * _MICRO, velocity, color=BLUE)
-    axes.set_ylabel("Velocity of the\nstruck sphere (m/s)")
+    scale, unit = velocity_unit(float(np.abs(velocity).max()))
+    axes.plot(time * _MICRO, velocity * scale, color=BLUE)
+    axes.set_ylabel(f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})")
     time_axis(axes, time)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 

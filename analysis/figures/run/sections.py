@@ -71,7 +71,7 @@ def force_scale(result: Result) -> tuple[float, str, str]:
 
     The unit is F_y if contacts can yield, else the largest peak force of the run.
     """
-    if result.yields:
+    if result.has_yield_force:
         return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"
     largest = float(np.max(result["contacts/peak_force"], initial=0.0)) or 1.0
     return largest, r"$F/F_\mathrm{max}$", "force_over_largest_force"
@@ -88,7 +88,7 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
     options = result.figure_options
-    low, high = decades_up_to(float(values.max(initial=0.0)), 1.0 if result.yields else None)
+    low, high = decades_up_to(float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None)
     if decades is not None:
         low = high / 10**decades
     low, high = options.force_limits or (low, high)
@@ -137,7 +137,7 @@ def dents_section(result: Result, name: str) -> Drawing | None:
     if not result.has("contacts/initial_overlap"):
         return None
     unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
-    if result.yields:
+    if result.has_yield_force:
         unit, label, column = (
             result.law.yield_overlap,
             r"Dent before the run $\alpha/\alpha_\mathrm{y}$",
@@ -145,7 +145,7 @@ def dents_section(result: Result, name: str) -> Drawing | None:
         )
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
-    low, high = decades_up_to(float(values.max()), 1.0 if result.yields else None)
+    low, high = decades_up_to(float(values.max()), 1.0 if result.has_yield_force else None)
     colours = result.figure_options.colour_map or DENT_MAP
     return section_drawing(result, name, Colouring(values, label, column, colours, low, high))
 

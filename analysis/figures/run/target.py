@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granwave.analysis.figures.run.histories import thinned, time_axis
+from granwave.analysis.figures.series import energy_unit
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
 from granwave.analysis.measures.target.bare_target import unprotected
 from granwave.analysis.measures.target.record import reached
@@ -14,7 +15,10 @@ _MICRO, _MILLI = 1e6, 1e3
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw force, impulse and work on the bottom against time, and the force without the packing."""
+    """Draw force, impulse and work on the bottom against time, and the force without the packing.
+
+    None if the bottom does not move and there is no such force: the force on the bottom has a figure of its own.
+    """
     found = reached(result)
     if found is None or not np.any(found.force):
         return None
@@ -22,6 +26,8 @@ def target(result: Result) -> Drawing | None:
     without = unprotected(result.case, end)
     moved, ground = found.displacement, found.ground_force
     moves = moved is not None
+    if not moves and without is None:
+        return None
     columns = {"time_s": time, "force_N": found.force, "impulse_Ns": found.impulse}
     figure = new_figure(4.8 if moves else 3.5)
     panels = figure.subplots(3 if moves else 2, 1, sharex=True)
@@ -46,7 +52,7 @@ def target(result: Result) -> Drawing | None:
         ledger, energy = result["energy/time"], result.get("energy/target")
         if energy is None:
             energy = np.zeros_like(ledger)
-        unit, name = (1e3, "mJ") if np.abs(energy).max() < 1 else (1.0, "J")
+        unit, name = energy_unit(float(np.abs(energy).max()))
         panels[2].plot(ledger * _MICRO, energy * unit, color=BLUE)
         panels[2].set_ylabel(f"Work on the\ntarget ({name})")
         columns |= {"energy_time_s": ledger, "energy_J": energy}

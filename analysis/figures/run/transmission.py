@@ -28,7 +28,7 @@ def transmission(result: Result) -> Drawing | None:
             axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
             place = (found.last + 0.5 + (len(size) - found.last) / 2, 0.04)
             axes.text(*place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY)
-        label(axes, "Bead, from the driven end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
+        label(axes, "Bead, from the loaded end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
         axes.set_xlim(0.5, len(size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         columns = {"bead": bead, "velocity_amplitude_m_s": size, "phase_rad": np.angle(found.velocity)}

@@ -184,6 +184,8 @@ def bare_target_peak(case: Case, end_time: float) -> tuple[float, float] | None:
 def unprotected(case: Case, end_time: float) -> BareTarget | None:
     """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
 
+    None for loads that oscillate too: what a row passes on of them is its transmission, not what it protects from.
+
     Parameters
     ----------
     end_time
@@ -193,7 +195,7 @@ def unprotected(case: Case, end_time: float) -> BareTarget | None:
     if target is None:
         return None
     if case.load.kind == "force":
-        return _pushed(case.load, target, end_time)
+        return None if case.load.oscillates else _pushed(case.load, target, end_time)
     groups = impactors_of(case, target.material) if case.load.kind not in ("displacement", "plate") else []
     return _hit(groups, target, end_time) if groups else None
 

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.packing.places import Places
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
 _BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
+_ROUNDING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
 _NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
 
 
@@ -110,7 +111,10 @@ def zone_summary(result: Result) -> dict[str, Any]:
     zone = _active(zones())
     sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
     times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
-    waves = wave_returns(times, result["energy/time"], result.yield_ledger)
+    lost = result.yield_ledger
+    if lost[-1] <= _ROUNDING * result.energy_input:
+        lost = np.zeros_like(lost)
+    waves = wave_returns(times, result["energy/time"], lost)
     reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
     return sizes | reached | waves
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from granwave.analysis.document.cells import spread_cell, value_column
+import h5py
+import numpy as np
+
+from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -14,20 +19,35 @@ from granwave.analysis.reports.sections.figures import overlay, picture_in
 from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.scans.keys import Key
 from granwave.analysis.scans.means import WORTH, Means
-from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
+from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
-_MOST_COLUMNS = 3  # quantities beside the main one in the table of means
+_MOST_COLUMNS = 5  # of the table of means, keys and quantities together
+_MOST_NAMED = 4  # runs whose values a sentence lists
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
     "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front", "peak_force_principal", "along_chain",
-    "plastic_strain", "von_mises", "force_network", "energies",
+    "plastic_strain", "von_mises", "force_network", "peak_force_depth", "energies",
 )  # fmt: skip
+_OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
+_THIN = 40.0  # length over width of a row from which pictures of its grains are lines
 
 
-def answer_blocks(inputs: Inputs) -> list[Block]:
-    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values."""
-    answers = [blocks for blocks in (_of_scan(scan, inputs) for scan in inputs.scans) if blocks]
+def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
+    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values.
+
+    Parameters
+    ----------
+    studied
+        Main figure of the studies of a scan, shown in place of its own.
+    judged
+        Studies have said what they come to, so that a scan alone need not.
+    """
+    found = [_of_scan(scan, inputs, studied) for scan in inputs.scans]
+    if judged and len(inputs.items) == 1:
+        found = [tuple(block for block in blocks if not isinstance(block, Note)) for blocks in found]
+    answers = [blocks for blocks in found if blocks]
     opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
     blocks: list[Block] = [block for answer in opened for block in answer]
     if others := answers[len(opened) :]:
@@ -36,6 +56,7 @@ def answer_blocks(inputs: Inputs) -> list[Block]:
     if len(inputs.runs) == 1:
         blocks += _of_run(inputs.runs[0], inputs)
     elif inputs.runs:
+        blocks += [Note(text, "lead") for text in [_of_runs_in_words(inputs.runs)] if text]
         table = compact_table(inputs.runs)
         drawn = overlay(inputs)
         galleries = [block for block in drawn if isinstance(block, Gallery)]
@@ -44,8 +65,10 @@ def answer_blocks(inputs: Inputs) -> list[Block]:
     return blocks
 
 
-def main_figures(inputs: Inputs) -> set[Path]:
-    """Return the paths of the figures that the blocks show, without a suffix."""
+def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
+    """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of `answer_blocks`."""
+    if studied:
+        return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
     return {item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]}
 
@@ -57,7 +80,8 @@ def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
 
 def _names(item: Run | Scan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
-    names = list(_MAIN_FIGURES)
+    thin = isinstance(item, Run) and _is_thin(item)
+    names = [name for name in _MAIN_FIGURES if not (thin and name in _OF_THICK_PACKINGS)]
     if isinstance(item, Scan):
         means = item.means
         if not any(means.varies(key) for _, key in means.quantities()[:1]):
@@ -67,29 +91,47 @@ def _names(item: Run | Scan) -> list[str]:
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
 
 
+def _is_thin(run: Run) -> bool:
+    """Return True for a long row of grains; False for what has no grains, or cannot be read."""
+    try:
+        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+            extents = np.sort(np.ptp(file["spheres/position"][()], axis=0) + 2 * np.max(file["spheres/radius"][()]))
+    except (OSError, KeyError, ValueError):
+        return False
+    return bool(extents[-1] > _THIN * extents[-2])
+
+
 # ---------------------------------------------------------------------- scans
 
 
-def _of_scan(scan: Scan, inputs: Inputs) -> tuple[Note, *tuple[Part, ...]] | tuple[()]:
+def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, ...]:
     """Return the sentence, and the figure and the table where anything varies."""
     means = scan.means
     shown = means.quantities()
+    pictures = (Gallery((studied,)),) if studied else ()
     if not shown:
-        return ()
+        return pictures
     main = shown[0][1]
     name_of_scan = f"Scan {scan.label}: " if len(inputs.items) > 1 else ""
     sentence = Note(name_of_scan + means.sentence(main), "lead")
     if not means.varies(main):
-        return (sentence,)
-    others = [key for _, key in shown[1:] if key != main][:_MOST_COLUMNS]
-    crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS
+        return (sentence, *pictures)
+    others = [key for _, key in shown[1:] if key != main][: max(_MOST_COLUMNS - 1 - len(means.keys), 1)]
+    crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS and _fills(means)
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
-    picture = _main_figure(scan, inputs)
+    picture = studied or _main_figure(scan, inputs)
+    if picture and picture.wide:
+        return sentence, Gallery((picture,)), table
     return sentence, Beside(Gallery((picture,)), table) if picture else table
 
 
+def _fills(means: Means) -> bool:
+    """Return True if points are at half of the places, or more, of the grid of their keys."""
+    return 2 * len(means.counts) >= math.prod(len(set(key.values)) for key in means.keys)
+
+
 def _table(means: Means, shown: Sequence[str]) -> Table:
-    columns = (*map(_column, means.keys), *map(value_column, shown))
+    columns = (*(_column(key, means) for key in means.keys), *(value_column(name, means.called) for name in shown))
     rows = []
     for row in range(len(means.counts)):
         cells = [Cell(key.tick(row), key.values[row]) for key in means.keys]
@@ -103,21 +145,22 @@ def _crossed(means: Means, main: str) -> Table:
     down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
     heads = list(dict.fromkeys(across.tick(row) for row in range(len(means.counts))))
     unit = f" {across.naming.unit}" if across.naming.unit else ""
-    columns = [_column(down)]
-    columns += [Column(f"{across.naming.label} {head}{unit}", numeric=True) for head in heads]
+    columns = [_column(down, means)]
+    label = in_grains(across.naming.label, means.called)
+    columns += [Column(f"{label} {head}{unit}", numeric=True) for head in heads]
     rows: dict[str, dict[str, Cell]] = {}
     for row in range(len(means.counts)):
         cell = spread_cell(means.values[main][row], means.half_widths[main][row])
         rows.setdefault(down.tick(row), {})[across.tick(row)] = cell
     first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in range(len(means.counts))}
     cells = tuple((first[name], *(found.get(head, Cell("")) for head in heads)) for name, found in rows.items())
-    entry = quantity(main)
-    what = f"{entry.label} ({entry.unit})" if entry.unit else entry.label
+    name, unit = label_of(main, means.called), quantity(main).unit
+    what = f"{name} ({unit})" if unit else name
     return Table(f"{what}. {_caption(means)}", tuple(columns), cells, sortable=True)
 
 
-def _column(key: Key) -> Column:
-    return Column(key.naming.label, key.naming.unit, numeric=key.numeric, key=True)
+def _column(key: Key, means: Means) -> Column:
+    return Column(in_grains(key.naming.label, means.called), key.naming.unit, numeric=key.numeric, key=True)
 
 
 def _caption(means: Means) -> str:
@@ -132,12 +175,32 @@ def _caption(means: Means) -> str:
 
 
 def _of_run(run: Run, inputs: Inputs) -> list[Block]:
-    blocks: list[Block] = [Note(text, "lead") for text in [_of_run_in_words(run)] if text]
+    said = in_grains(_of_run_in_words(run), grains_called_in([run.summary]))
+    blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)
     if not table.rows:
         return blocks
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
+
+
+def _of_runs_in_words(runs: Sequence[Run]) -> str:
+    """Return how much of the load came through several driven rows, or of the input was dissipated, in each of them."""
+    for key, what in (("transmission", "Transmission"), ("dissipated_fraction", "Dissipated of the input")):
+        values = [(run.number(key), run.label) for run in runs]
+        found = sorted((value, label) for value, label in values if value is not None)
+        if len(found) < len(runs):
+            continue
+        if len(found) <= _MOST_NAMED:
+            listed = ", ".join(f"{_share(value or 0.0)} ({label})" for value, label in values)
+            return f"{what}: {listed}."
+        return f"{what}: from {_share(found[0][0])} ({found[0][1]}) to {_share(found[-1][0])} ({found[-1][1]})."
+    return ""
+
+
+def _share(value: float) -> str:
+    """Return a share in per cent, with three digits."""
+    return f"{plain(f'{100 * value:.3g}')} %"
 
 
 def _inference_in_words(run: Run) -> str:

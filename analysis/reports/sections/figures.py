@@ -16,12 +16,25 @@ from PIL import Image
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
 from granwave.analysis.document.pictures import RESOLUTION, picture_of
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure, style
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+    legend_above,
+    new_figure,
+    style,
+)
+from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.figures import FILM_FORMATS
+from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
 
 SLUG = "figures"
@@ -31,6 +44,7 @@ POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are o
 MOST_CURVES = 12
 _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
+_UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
 _CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {  # those of scans last
     "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
@@ -65,7 +79,7 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
         left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
         left_out |= set(above) if isinstance(item, Scan) else set()
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
-        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out)
+        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item))
         parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
         if parts:
             title = f"Figures of {what} {item.label}"
@@ -103,7 +117,7 @@ def picture_in(item: Run | Scan, name: str, inputs: Inputs) -> Figure | None:
     path = item.directory / FIGURES_DIRECTORY / f"{name}.png"
     labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
     try:
-        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels)
+        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels, called=_called(item))
     except _UNREADABLE:  # or missing
         return None
 
@@ -166,7 +180,7 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
-        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {})
+        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {}, called=_called(run))
         parts = (*_pages(run.directory, inputs), *parts)
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
         labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
@@ -194,6 +208,8 @@ def _pictures(
     width: int,
     labels: Mapping[str, str],
     left_out: Collection[str] = (),
+    *,
+    called: str,
 ) -> tuple[Gallery | Note, ...]:
     """Return the PNG figures of a directory, in the order of the figures of a run, followed by others by name."""
     order = list(_CAPTIONS)
@@ -206,17 +222,25 @@ def _pictures(
         if path.stem in left_out:
             continue
         try:
-            figures.append(_picture(path, inputs, name, what, width, labels))
+            figures.append(_picture(path, inputs, name, what, width, labels, called=called))
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *damaged)
 
 
-def _picture(path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str]) -> Figure:
+def _called(item: Run | Scan) -> str:
+    """Return what the grains of a run or scan are called."""
+    runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
+    return grains_called_in(run.summary for run in runs)
+
+
+def _picture(
+    path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str], *, called: str
+) -> Figure:
     """Return a reduced picture, with its data; raise as `shrunk`."""
     png, size, inches = shrunk(path, width)
-    caption = _caption(path.stem, labels)
+    caption = in_grains(_caption(path.stem, labels), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
@@ -225,10 +249,11 @@ def _picture(path: Path, inputs: Inputs, name: str, what: str, width: int, label
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return times, s, and dissipated energy over the final input; None if the result has none."""
+    """Return times, s, and dissipated energy over the final input, of a block by plastic strain; None without them."""
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
-            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", "dissipated", "input"))
+            dissipated = "dissipated" if "energy/dissipated" in file else "plastic"
+            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input"))
     except (OSError, KeyError, ValueError, TypeError):
         return None
     if time.ndim != 1 or not time.shape == lost.shape == given.shape or not len(time) or not given[-1] > 0:
@@ -239,7 +264,7 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
 
 
 def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
-    figure = new_figure(3.0, 5.6)
+    figure = new_figure(2.9)
     axes = figure.subplots()
     colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
     for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
@@ -248,9 +273,14 @@ def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
         axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
     axes.set_xlabel("Time (µs)")
     axes.set_ylabel("Dissipated share of the input")
-    axes.set_xlim(0, 1e6 * max(time[-1] for _, time, _ in curves) or 1.0)
-    axes.set_ylim(bottom=0)
-    axes.legend(loc="lower right", ncols=1 if len(curves) <= 6 else 2)
+    ends = [1e6 * time[-1] for _, time, _ in curves]
+    if min(ends) * _UNLIKE < max(ends):
+        axes.set_xscale("log")
+        axes.set_xlim(min(ends) / _UNLIKE**2, max(ends))
+    else:
+        axes.set_xlim(0, max(ends) or 1.0)
+    axes.set_ylim(0, 1.0 if max(share.max() for _, _, share in curves) <= 1 else None)
+    legend_above(axes, 2)
     return Drawing(figure, {})
 
 

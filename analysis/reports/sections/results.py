@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.cells import (
@@ -14,7 +14,6 @@ from granwave.analysis.document.cells import (
     meaning_in,
     meanings,
     percent,
-    show,
     spread_cell,
     unit_of_value,
     value_cell,
@@ -22,7 +21,7 @@ from granwave.analysis.document.cells import (
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.units import shown_unit
+from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
@@ -34,7 +33,15 @@ SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
 MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
-MOST_OF_A_RUN = 4  # values in the compact table of runs
+MOST_OF_A_RUN, MOST_KEYS = 4, 2  # keys and values, and keys, in the compact table of runs
+_NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
+_STATUS = "Status"
+_MATERIAL, _OF_MATERIAL = "material.name", "material."
+#: Values that packings and blocks do not share, or mean otherwise.
+_OF_ONE_KIND = (
+    "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "zone_cut", "energy_input_normalised",
+    "wave_return_share",
+)  # fmt: skip
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
 _FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
@@ -65,7 +72,9 @@ def results_section(inputs: Inputs) -> Section:
     """Make the section of all values: of runs side by side, and of the points of scans, folded away."""
     blocks: list[Block] = []
     if len(inputs.runs) > 1:
-        blocks.append(_runs_table(inputs.runs))
+        blocks.append(
+            _runs_table(inputs.runs, differing(inputs.runs), _worth_showing([run.summary for run in inputs.runs]))
+        )
     if inputs.runs and len(inputs.runs) <= MOST_SIDE_BY_SIDE:
         blocks.append(_side_by_side(inputs.runs))
     for scan in inputs.scans:
@@ -77,11 +86,21 @@ def results_section(inputs: Inputs) -> Section:
 
 
 def compact_table(runs: Sequence[Run]) -> Table:
-    """Make a table of runs with the keys that differ, and their first values."""
-    table = _runs_table(runs)
-    first_value = next((n for n, column in enumerate(table.columns) if column.heading == "Status"), 0) + 1
-    kept = slice(0, first_value + MOST_OF_A_RUN)
-    return dataclasses.replace(table, columns=table.columns[kept], rows=tuple(row[kept] for row in table.rows))
+    """Make a table of runs with some keys that differ, and the first values, of those that all runs have."""
+    keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
+    if _MATERIAL in keys:
+        keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
+    keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
+    shown = [key for key in _worth_showing([run.summary for run in runs]) if key not in (*_OF_COST, *FRICTION_SHARES)]
+    shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
+    if len({run.kind for run in runs}) > 1:
+        shown = [key for key in shown if key not in _OF_ONE_KIND]
+    table = _runs_table(runs, keys, shown[: MOST_OF_A_RUN - len(keys)])
+    if any(run.status != "done" for run in runs):
+        return table
+    kept = [n for n, column in enumerate(table.columns) if column.heading != _STATUS]
+    rows = tuple(tuple(row[n] for n in kept) for row in table.rows)
+    return dataclasses.replace(table, columns=tuple(table.columns[n] for n in kept), rows=rows)
 
 
 def value_rows(run: Run) -> Table:
@@ -111,7 +130,9 @@ def _values_of(run: Run, rows: Sequence[tuple[Cell, ...]]) -> Table:
 
 
 def _yields(run: Run) -> bool:
-    """Return False if the law of a run knows no yielding, so that its zeros say nothing."""
+    """Return False if no contact of a run can yield, so that its zeros say nothing."""
+    if run.summary.get("plastic_zone_volume_m3", 0.0) is None:
+        return False
     law = run.case.get("contact.law")
     return (law not in ALL_LAWS or bool(ALL_LAWS[law].yields)) and law != LINE
 
@@ -128,8 +149,7 @@ def differing(runs: Sequence[Run]) -> list[str]:
     return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
 
 
-def _runs_table(runs: Sequence[Run]) -> Table:
-    keys = differing(runs)
+def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str]) -> Table:
     values = [[run.case.get(key) for key in keys] for run in runs]
     return _table(
         "Runs",
@@ -139,6 +159,8 @@ def _runs_table(runs: Sequence[Run]) -> Table:
         values,
         [run.status for run in runs],
         [run.summary for run in runs],
+        [run.case for run in runs],
+        shown,
     )
 
 
@@ -153,6 +175,8 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
         [[_label(point, key) for key in keys] for point in points],
         [_status(point) for point in points],
         [point.run.summary if point.run else {} for point in points],
+        _cases(scan),
+        _worth_showing([point.run.summary if point.run else {} for point in points]),
     )
     blocks: list[Part] = [table]
     if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
@@ -162,6 +186,11 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     if links:
         blocks.append(Note(f"All values of scan {scan.label}:", links=links))
     return blocks
+
+
+def _cases(scan: Scan) -> list[Mapping[str, Any]]:
+    """Return the cases of the finished points, by dotted key."""
+    return [point.run.case for point in scan.points if point.run]
 
 
 def _label(point: Point, key: str) -> Any:
@@ -201,15 +230,17 @@ def _table(
     values: Sequence[Sequence[Any]],
     statuses: Sequence[str],
     summaries: Sequence[Mapping[str, Any]],
+    cases: Sequence[Mapping[str, Any]],
+    shown: Sequence[str],
 ) -> Table:
-    """Make a table with the columns ``first``, varied keys, status, and the main values that any row has."""
+    """Make a table with the columns ``first``, varied keys, status, and the values ``shown``."""
     settings = [[row[n] for row in values] for n in range(len(keys))]
     numeric = [all(is_number(value) or value is None for value in column) for column in settings]
-    shown, called = _worth_showing(summaries), grains_called_in(summaries)
+    called = grains_called_in(summaries)
     columns = (
         *first,
-        *(case_column(key, numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
-        Column("Status"),
+        *(case_column(key, unit_in_cases(key, cases), numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
+        Column(_STATUS),
         *(value_column(key, called) for key in shown),
     )
     rows = tuple(
@@ -284,11 +315,13 @@ def _replicates(scan: Scan) -> list[Table]:
     means = [
         {key: found[key + MEAN][row] for key in REPORT_COLUMNS if key + MEAN in found} for row in range(len(counts))
     ]
-    shown = _worth_showing(means)
+    shown, cases = _worth_showing(means), _cases(scan)
     settings = [[None if value == "" else value for value in found[key]] for key in keys]
     columns = (
         *(
-            case_column(key, numeric=all(is_number(value) or value is None for value in column))
+            case_column(
+                key, unit_in_cases(key, cases), numeric=all(is_number(value) or value is None for value in column)
+            )
             for key, column in zip(keys, settings, strict=True)
         ),
         Column("Replicates", numeric=True),
@@ -354,36 +387,3 @@ def _place(point: Point, inputs: Inputs) -> Cell:
 def _short(text: str, longest: int = 600) -> str:
     text = text.strip()
     return text if len(text) <= longest else text[: longest - 1] + "…"
-
-
-def settings_blocks(inputs: Inputs) -> list[Block]:
-    """Make tables of the settings that runs share, for each scan and for the runs given directly."""
-    groups: list[tuple[str, list[Run], list[str]]] = []
-    if inputs.runs:
-        groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))
-    groups += [
-        (f"scan {scan.label}", [point.run for point in scan.points if point.run], list(scan.source.varied))
-        for scan in inputs.scans
-    ]
-    blocks: list[Block] = []
-    for title, runs, varied in groups:
-        known = [run for run in runs if run.case]
-        if not known:
-            continue
-        different = {*differing(known), *varied}
-        shared = {key: value for key, value in known[0].case.items() if key not in different}
-        rows = tuple((Cell(key), Cell(show(value)), Cell(shown_unit(key))) for key, value in _spelt_out(shared))
-        columns = (Column("Key", key=True), Column("Value"), Column("Unit"))
-        who = f"all points of {title}" if varied else f"all {title}"
-        name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
-        blocks.append(Group(name, (Table(name, columns, rows, captioned=False),), folded=True))
-    return blocks
-
-
-def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Iterate over values by full dotted key, including those of nested tables."""
-    for name, value in tables.items():
-        if isinstance(value, dict) and value:
-            yield from _spelt_out(value, f"{prefix}{name}.")
-        else:
-            yield f"{prefix}{name}", value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -33,15 +34,31 @@ _VERIFIES = (
 
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
-    """The section of the report; without blocks where there is no study."""
+    """The section of the report; without blocks where there is no study, and without the picture at the top of all."""
     texts = [study.text for study in found]
     first = [texts.index(text) == n for n, text in enumerate(texts)]
+    if (above := _with_main_picture(found, inputs)) is not None:
+        shown = [dataclasses.replace(one, pictures=one.pictures[1:]) if one is above else one for one in found]
+        found = shown
     return Section("Studies", SLUG, tuple(_group(study, inputs, new) for study, new in zip(found, first, strict=True)))
 
 
 def leads(found: Sequence[Study]) -> tuple[Note, ...]:
     """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
     return tuple(Note(text, "lead") for text in [_agreement(found), *(text for _, text in _firsts(found))] if text)
+
+
+def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
+    """Return the first picture of the studies of a scan, for the top of the report; None beside other inputs."""
+    study = _with_main_picture(found, inputs)
+    if study is None:
+        return None
+    return pictures_of(dataclasses.replace(study, pictures=study.pictures[:1]), inputs, SLUG)[0]
+
+
+def _with_main_picture(found: Sequence[Study], inputs: Inputs) -> Study | None:
+    alone = len(inputs.scans) == len(inputs.items) == 1
+    return next((study for study in found if study.pictures), None) if alone else None
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:

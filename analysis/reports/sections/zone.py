@@ -19,15 +19,23 @@ def zone_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
         Name of the section with details.
     """
     notes = []
-    cut = [f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})" for run in _marked(runs, Mark.CUT)]
+    cut = _with_bounds(_marked(runs, Mark.CUT))
     if cut:
         text = "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds "
-        notes.append(Note(f"{text}99 % of its energy: {named(cut)}.", "note", section))
+        notes.append(Note(f"{text}99 % of its energy: {cut}.", "note", section))
     waves = [f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)" for run in _marked(runs, Mark.WAVE)]
     if waves:
         text = f"More than {100 * NOTED_SHARE:g} % of the energy of yielding was dissipated after a wave could be back "
         notes.append(Note(f"{text}from a bound: {named(waves)}.", "note", section))
     return notes
+
+
+def _with_bounds(runs: Sequence[Run]) -> str:
+    """Name runs with the bounds that their zones reach; those that all reach only once."""
+    labels, bounds = [run.label for run in runs], [bounds_in_words(run.summary["zone_cut"]) for run in runs]
+    if len(runs) > 1 and len(set(bounds)) == 1:
+        return f"{named(labels)} (all: {bounds[0]})"
+    return named([f"{label} ({one})" for label, one in zip(labels, bounds, strict=True)])
 
 
 def _marked(runs: Sequence[Run], mark: Mark) -> list[Run]:

@@ -37,9 +37,9 @@ def draw_scaling(curves: Sequence[Curve], title: str, scale: Literal["linear", "
         left.plot(energy, fraction, label=name, **style)
         right.plot(normalised, fraction, **style)
         add(columns, [name] * len(runs), energy, normalised, fraction)
-    label(left, "Input energy (J)", FRACTION, ylim=(0, None))
+    label(left, "Input energy (J)", FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
     label(right, title)
-    left.legend(fontsize=7, loc="lower right")
+    figure.legend(loc="outside upper center", ncols=2, fontsize=7, columnspacing=1.0)
     for axes in (left, right):
         axes.set_xscale(scale)
         if scale == "linear":

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.document.cells import show
@@ -20,6 +19,7 @@ from granwave.analysis.measures.front import Front, front_of
 from granwave.analysis.measures.impulse import Linearity, linearity, peak_forces
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
+from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
 from granwave.analysis.studies.granular_continuum.impacts import Granular, Impacts
 from granwave.analysis.studies.study import Picture
@@ -31,6 +31,7 @@ _ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck
 _LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _MOST_FRONTS = 4
 _BANDS = 5  # of depth
+_ROOM = 2.4  # inches: length of the horizontal axis of a panel
 _MILLI = 1e3
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
@@ -119,7 +120,7 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
         left.plot(found.velocity, proportional, color=look["color"], linewidth=0.7)
         columns[f"contact_{n}_over_Fy"] = values
     label(left, r"Impact velocity $\bar v_0$, as impulse", r"Peak force $F_\mathrm{max}/F_\mathrm{y}$", log="xy")
-    left.xaxis.set_minor_formatter(NullFormatter())
+    log_ticks(left.xaxis, _ROOM)
     left.set_ylim(top=30 * float(np.nanmax(found.ray)))
     left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
     right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
@@ -144,5 +145,5 @@ def _front_by_depth(found: Sequence[tuple[float, Front]]) -> Drawing:
     left.axhline(1, color=GREY, linestyle=":", linewidth=0.9)
     label(left, "Depth (mm)", r"Largest peak force of a layer $/F_\mathrm{y}$", log="y")
     left.legend()
-    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1))
+    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1.05))
     return Drawing(figure, columns)

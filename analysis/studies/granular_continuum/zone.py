@@ -139,6 +139,7 @@ def _zone_sizes(sides: Mapping[str, Sequence[RunZone]]) -> Drawing:
         for what, zones in sides.items():
             _curves(axes, name, zones, *_LOOKS[what])
         label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", title, log="xy")
+        log_ticks(axes.xaxis, _ROOM)
         log_ticks(axes.yaxis)
         _axis_of_contacts(axes, sides["packing"][0])
     lines: list[dict[str, Any]] = [

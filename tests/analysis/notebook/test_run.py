@@ -204,3 +204,8 @@ def test_wrong_directories(tmp_path, directory):
     (broken / "summary.json").write_text("{")
     with pytest.raises(OutputFormatError, match=r"summary\.json: is damaged: make it anew with"):
         load(broken)
+
+
+def test_contact_forces_that_were_not_recorded(run):
+    with pytest.raises(MissingDataError, match=r"run the case again with output\.contact_forces = true"):
+        _ = run.contact_forces

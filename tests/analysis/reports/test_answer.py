@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import re
 import shutil
 
 import pytest
 
-from granwave.analysis.document.model import Beside, Group, Note, Report
+from granwave.analysis.document.model import Beside, Figure, Group, Note, Report, Table
+from granwave.analysis.reports.inputs import Run, read_inputs
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections.answer import _of_runs_in_words, answer_blocks, main_figures
+from granwave.analysis.reports.sections.results import compact_table
 from granwave.analysis.reports.sections.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
@@ -118,9 +123,38 @@ def test_one_run(tmp_path):
 
 def test_several_runs(tmp_path):
     runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
-    _, shown = answer(build(runs, tmp_path))
-    assert [column.heading for column in shown.table.columns][:3] == ["Run", "load.velocity", "Status"]
-    assert len(shown.table.columns) == 7 and len(shown.table.rows) == 3
+    sentence, shown = answer(build(runs, tmp_path))
+    assert re.fullmatch(r"Dissipated of the input: [\d.]+ % \(r1\), [\d.]+ % \(r2\), [\d.]+ % \(r4\)\.", sentence)
+    headings = [column.heading for column in shown.table.columns]
+    assert headings[:4] == ["Run", "load.velocity", "Dissipated fraction", "Peak contact force"]
+    assert len(headings) == 5 and len(shown.table.rows) == 3
+
+
+def test_a_packing_and_a_block(tmp_path):
+    """Only values and keys that both have, and no keys that change no physics."""
+    summary = {"dissipated_fraction": 0.9, "peak_force_N": 10.0, "zone_depth_90_m": 0.1}
+    packing = {"packing.kind": "fcc", "material.name": "brass", "material.density": 8500, "run.end_time": 1e-3}
+    block = {"punch.velocity": 10.0, "material.name": "steel", "material.density": 7850, "run.end_time": "auto"}
+    runs = [
+        Run("packing", "run", tmp_path, "done", summary | {"n_plastic_spheres": 3}, packing, {}),
+        Run("block", "continuum", tmp_path, "done", summary | {"dissipated_fraction": 0.2}, block, {}),
+    ]
+    assert _of_runs_in_words(runs) == "Dissipated of the input: 90 % (packing), 20 % (block)."
+    headings = [column.heading for column in compact_table(runs).columns]
+    assert headings == ["Run", "material.name", "Dissipated fraction", "Peak contact force", "Zone of 90 %, depth"]
+    refused = [runs[0], dataclasses.replace(runs[1], status="refused")]
+    assert "Status" in [column.heading for column in compact_table(refused).columns]
+
+
+def test_a_study_speaks_for_its_scan(tmp_path):
+    """The sentence and the figure at the top are those of a study with a verdict."""
+    scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
+    inputs = read_inputs([scan], tmp_path)
+    assert [type(block) for block in answer_blocks(inputs)] == [Note, Table]
+    assert [type(block) for block in answer_blocks(inputs, judged=True)] == [Table]
+    picture = Figure("answer-study", "Study", "Study", b"", (2, 1))
+    (shown,) = answer_blocks(inputs, picture, judged=True)
+    assert shown.gallery.figures == (picture,) and main_figures(inputs, picture) == set()
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")

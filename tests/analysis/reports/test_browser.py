@@ -88,7 +88,7 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
         width = "document.querySelector('#figures img[alt^=\"{}\"]').clientWidth"
         assert browser.evaluate(width.format("What reaches")) > 0.9 * gallery
         if not alone:
-            assert browser.evaluate(width.format("Velocity of the struck")) < 0.5 * gallery
+            assert browser.evaluate(width.format("Velocity of the sphere")) < 0.5 * gallery
             tops = "[...document.querySelectorAll('#figures figure')].map((f) => f.offsetTop)"
             assert len(set(browser.evaluate(tops))) == 2
 

@@ -11,7 +11,8 @@ from granwave.analysis.document.cells import BLANK, spread_cell, value_cell
 from granwave.analysis.document.cleanup import tidied_table
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.sections.results import results_section, settings_blocks
+from granwave.analysis.reports.sections.results import results_section
+from granwave.analysis.reports.sections.settings import settings_blocks
 from granwave.analysis.reports.sections.studies import studies_section
 from granwave.analysis.studies.study import Row, Study
 from tests.helpers.synthetic_report import build, notes, table, write_run

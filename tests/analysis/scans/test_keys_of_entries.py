@@ -25,7 +25,7 @@ def test_names_of_replaced_spheres():
     assert (density.label, density.unit) == ("Density of replaced spheres", "kg/m³")
     diameter = key_of("replace.2.diameter", [0.01, 0.02])
     assert diameter.naming.label == "Diameter of replaced spheres" and diameter.values == (10.0, 20.0)
-    assert key_of("replace.1.index", [3, 4]).naming.label == "replace.1.index"
+    assert key_of("replace.1.index", [3, 4]).naming.label == "Place of replaced spheres"
     assert key_of("replace.first", [1]).naming.label == "replace.first"
 
 

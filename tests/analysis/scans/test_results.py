@@ -106,7 +106,7 @@ def test_hdf5_has_types_and_units(scan):
     ],
 )
 def test_units(name, unit):
-    assert column_unit(name) == unit
+    assert column_unit(name, {}) == unit
 
 
 def test_summary_values_do_not_displace_keys(tmp_path):

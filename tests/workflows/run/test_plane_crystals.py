@@ -11,6 +11,7 @@ import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.lines.record import lines_of
+from granwave.analysis.notebook.run import Run as Notebook
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.cli.parser import main
@@ -90,6 +91,17 @@ def test_a_line_is_measured(run: Path) -> None:
         assert np.nanmin(down.lateral_force) > 0
     assert down.straight and down.distance / D == pytest.approx([0, np.sqrt(3), 2 * np.sqrt(3)])
     assert np.all(np.diff(down.arrival) > 0) and 150 < (down.front_speed or 0) < 250
+
+
+def test_contact_forces_of_snapshots_as_a_table(run: Path) -> None:
+    opened = Notebook(run)
+    table = opened.contact_forces
+    last = table[table["time"] == table["time"].max()].set_index(["i", "j"])
+    end = opened.contacts.set_index(["i", "j"]).loc[last.index]
+    assert len(last) and np.array_equal(last["force"], end["force"])
+    sliding = np.linalg.norm(last[["tx", "ty", "tz"]], axis=1)
+    assert np.allclose(sliding, end["tangential_force"], rtol=1e-9, atol=1e-12) and sliding.max() > 0
+    assert table.attrs["units"] == {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(["force", "tx", "ty", "tz"], "N")
 
 
 def test_inferred_forces_are_those_of_the_run(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -94,6 +94,20 @@ def rows(places: Places) -> Iterator[Row]:
                 yield Row(f"{of}: largest change from all {name_of(places.base)}", "", None, change, _WHERE)
 
 
+def verdict(places: Places) -> Iterator[str]:
+    """Between which values the energy in the bar lies with each kind of intruder, and what it is without one."""
+    alike = [chain for chain in places.alike if constants(chain.base) == constants(places.base)]
+    without = "".join(f", without it {chain.energy:.3g} J" for chain in alike[:1])
+    parts = []
+    for curve in places.curves:
+        (energy,) = columns(curve, "energy")
+        least, most = (
+            f"{energy[k]:.3g} J with it at place {curve[k].place}" for k in (energy.argmin(), energy.argmax())
+        )
+        parts.append(f"of {name_of(curve[0].material)} from {least} to {most}")
+    yield f"Energy in the bar with one other bead in {name_of(places.base)}: {'; '.join(parts)}{without}."
+
+
 def pictures(places: Places) -> Iterator[Picture]:
     """Energy above, force below."""
     figure, upper, lower = panels(4.2, rows=2, sharex=True)
