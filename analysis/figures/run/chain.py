@@ -57,8 +57,7 @@ def force_map(result: Result) -> Drawing | None:
         slug = name.replace(" ", "_")
         columns |= {f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]}
     label(row[0], y="Time (µs)")
-    bar = figure.colorbar(image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)")
-    bar.minorticks_off()
+    figure.colorbar(image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)")
     return Drawing(figure, columns)
 
 

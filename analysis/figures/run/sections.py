@@ -349,7 +349,7 @@ def colour_bar(
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
     mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
-    bar = figure.colorbar(
+    figure.colorbar(
         mappable,
         ax=axes,
         label=colouring.label,
@@ -360,7 +360,6 @@ def colour_bar(
         pad=0.03,
         shrink=0.9,
     )
-    bar.minorticks_off()  # of decades
 
 
 def window_around(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
