@@ -100,7 +100,8 @@ def _bytes(picture: Picture, result: Result) -> NDArray[np.uint8]:
     """Return the pixels as bytes, on white where no lines are seen behind, which makes files smaller."""
     pixels = picture.pixels
     if not _has_outlines(result):
-        pixels = 1 - pixels[..., 3:] * (1 - pixels[..., :3])
+        alpha = pixels[..., 3:]
+        pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
     return np.asarray(np.rint(pixels * 255), dtype=np.uint8)
 
 
