@@ -8,12 +8,12 @@ it has read the tables. Hence the function that loads a font, a public one of fo
 written.
 
 Of what remains, reading the outlines and widths of all 6000 glyphs takes most. It is done once for each font; every PDF
-gets fresh tables of the same content, which its subset may change.
+gets fresh tables of the same content, which its subset may change, and glyphs of those that it asks for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from copy import copy
 from typing import Any
@@ -36,11 +36,11 @@ def needed_tables_only() -> Iterator[None]:
             key = (str(file), getattr(file, "face_index", 0))
             if key not in _READ:
                 read = _load(load_font, file, *arguments, **options)
-                outlines = {name: glyph.data for name, glyph in read["glyf"].glyphs.items() if hasattr(glyph, "data")}
+                outlines = {name: getattr(glyph, "data", b"") for name, glyph in read["glyf"].glyphs.items()}
                 _READ[key] = (read["glyf"], outlines, read["hmtx"])
             glyphs, outlines, widths = _READ[key]
             font.tables["glyf"], font.tables["hmtx"] = copy(glyphs), copy(widths)
-            font["glyf"].glyphs = {name: Glyph(outlines.get(name, b"")) for name in glyphs.glyphs}
+            font["glyf"].glyphs = _Glyphs(outlines)
             font["glyf"].glyphOrder = list(glyphs.glyphOrder)
             font["hmtx"].metrics = dict(widths.metrics)
         return font
@@ -50,6 +50,21 @@ def needed_tables_only() -> Iterator[None]:
         yield
     finally:
         subset.load_font = load_font
+
+
+class _Glyphs(dict[str, Glyph]):
+    """Glyphs by name, made of their outlines when they are asked for: of 6000 a PDF needs some 50."""
+
+    def __init__(self, outlines: Mapping[str, bytes]) -> None:
+        super().__init__()
+        self._outlines = outlines
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._outlines
+
+    def __missing__(self, name: str) -> Glyph:
+        self[name] = glyph = Glyph(self._outlines[name])
+        return glyph
 
 
 #: Table of outlines, the outlines as bytes, and table of widths of the fonts that were read, by file and face.

@@ -128,7 +128,7 @@ FIGURES: dict[str, RunFigure] = {
 }
 
 #: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
-_LONG = (("packing_3d", "packing_3d_dissipation"), ("target",), ("wave_front",))
+_LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",), ("directions",))
 
 
 def draw_figures(

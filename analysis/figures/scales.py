@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 _WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
 _NUMBER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?P<number>[\d.]+)\}\$")
 _POWER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?:(?P<factor>[\d.]+)\\times)?10\^\{(?P<power>-?\d+)\}\}\$")
+_MANY, _MANY_OF_COLOURS = 1e4, 1e2  # largest over smallest value from which ticks are at powers of ten only
+_COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
 _NARROW = 30.0  # largest over smallest value up to which labels are plain numbers, if these are short
 _LEAST_PLAIN, _MOST_PLAIN = 1e-3, 1e4
 _ROUND = (1.0, 2.0, 4.0)  # those of them that matplotlib labels anyway
@@ -63,8 +65,12 @@ class PowersOfTen(LogFormatterSciNotation):
 
 
 def plain_powers(figure: Figure) -> None:
-    """Give logarithmic axes that have the usual labels those of `PowersOfTen`."""
+    """Give logarithmic axes that have the usual labels those of `PowersOfTen`; of many decades ticks at powers only."""
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        low, high = sorted(axis.get_view_interval())
+        many = _MANY_OF_COLOURS if axis.axes.get_label() == _COLOUR_BAR else _MANY
+        if axis.get_scale() == "log" and high >= many * low:
+            axis.set_minor_locator(NullLocator())
         for usual, change in (
             (axis.get_major_formatter(), axis.set_major_formatter),
             (axis.get_minor_formatter(), axis.set_minor_formatter),

@@ -80,6 +80,7 @@ STYLE: dict[Any, Any] = {
     "axes.formatter.limits": (-4, 5),
     "savefig.dpi": RESOLUTION,
     "pdf.fonttype": 42,
+    "ps.fonttype": 42,  # read for PDF too: else characters such as powers of ten come as a second font
     "svg.fonttype": "none",
     "svg.hashsalt": "granwave",  # the same file for the same figure
 }
@@ -192,6 +193,9 @@ def lay_out(figure: Figure, resolution: float) -> None:
     engine = figure.get_layout_engine()
     if engine is not None:
         plain_powers(figure)
+        for axes in figure.axes:
+            for artist in (axes.patch, *axes.spines.values()):
+                artist.set_in_layout(False)  # they lie within the axes, which the layout asks for anyway
         figure.dpi = resolution
         engine.execute(figure)
         figure.set_layout_engine(None)

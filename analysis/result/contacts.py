@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from granwave.analysis.lammps_output.frame import Frame, rows_of
 
@@ -20,6 +19,7 @@ Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
 _FRICTION_COLUMNS = ("tangential_force", "elastic_tangential", "friction")
 _ZERO_IF_MISSING = (*_FRICTION_COLUMNS, "initial", "viscous")
+_FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
 _LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
 
 
@@ -152,10 +152,25 @@ def touching_pairs(
     places = positions - np.minimum(positions.min(axis=0, initial=0.0) if low is None else low, 0.0)
     places[:, along] %= lengths[along]
     places[:, along] *= places[:, along] < lengths[along]  # a remainder may round up to the length
+    if len(places) <= _FEW:
+        pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
+    else:
+        pairs = _near_pairs(places, radii, tolerance, lengths if along.any() else None)
+    step = places[pairs[:, 1]] - places[pairs[:, 0]]
+    step[:, along] -= lengths[along] * np.round(step[:, along] / lengths[along])
+    gap = np.sqrt(np.einsum("ij,ij->i", step, step)) - radii[pairs].sum(axis=1)
+    touching = ids[pairs[gap <= tolerance]]
+    return touching[np.lexsort((touching[:, 1], touching[:, 0]))]
+
+
+def _near_pairs(
+    places: NDArray[np.float64], radii: NDArray[np.float64], tolerance: float, boxsize: NDArray[np.float64] | None
+) -> NDArray[np.int64]:
+    """Find the pairs of spheres that may touch: rows, (n_pairs, 2)."""
+    from scipy.spatial import cKDTree  # takes longer to load than small packings to analyse
+
     large = np.flatnonzero(radii > _LARGE * np.median(radii))
     small = np.flatnonzero(radii <= _LARGE * np.median(radii))
-    boxsize = lengths if along.any() else None
-
     tree = cKDTree(places[small], boxsize=boxsize)
     found = [small[tree.query_pairs(2 * radii[small].max(initial=0.0) + tolerance, output_type="ndarray")]]
     if len(large):
@@ -165,12 +180,7 @@ def touching_pairs(
             np.stack([np.full(len(others), one), others], axis=1) for one, others in zip(large, near, strict=True)
         ]
     pairs = np.sort(np.concatenate(found), axis=1)
-    pairs = np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0) if len(large) else pairs
-    step = places[pairs[:, 1]] - places[pairs[:, 0]]
-    step[:, along] -= lengths[along] * np.round(step[:, along] / lengths[along])
-    gap = np.sqrt(np.einsum("ij,ij->i", step, step)) - radii[pairs].sum(axis=1)
-    touching = ids[pairs[gap <= tolerance]]
-    return touching[np.lexsort((touching[:, 1], touching[:, 0]))]
+    return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0) if len(large) else pairs
 
 
 def sphere_values(

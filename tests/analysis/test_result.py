@@ -10,6 +10,7 @@ from granwave.analysis import MissingOutputError, OutputFormatError, Result, wri
 from granwave.analysis.lammps_output.dumps import read_contacts
 from granwave.analysis.measures.directions import energy_of_spheres
 from granwave.analysis.measures.dissipation import dissipation_mismatch
+from granwave.analysis.result import contacts
 from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
 from granwave.analysis.result.pair_laws import pair_laws
 from granwave.analysis.result.trajectory import GROUP
@@ -276,6 +277,13 @@ def test_radii_of_their_own_change_the_laws():
     assert np.allclose(found.share, [law.share_of_first for law in laws])
 
 
+@pytest.fixture(params=["by a tree", "all pairs"])
+def search(request, monkeypatch):
+    """Both ways of the search, whatever the number of spheres."""
+    monkeypatch.setattr(contacts, "_FEW", 0 if request.param == "by a tree" else 1000)
+
+
+@pytest.mark.usefixtures("search")
 @pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
 @pytest.mark.parametrize("sides", ["free", "periodic"])
 def test_search_finds_the_contacts_of_a_lattice(kind, sides):
@@ -289,6 +297,7 @@ def test_search_finds_the_contacts_of_a_lattice(kind, sides):
     assert np.array_equal(found, expected)
 
 
+@pytest.mark.usefixtures("search")
 def test_search_finds_what_touches_a_large_sphere():
     """All pairs in contact, by comparing all spheres with all others."""
     random = np.random.default_rng(5)

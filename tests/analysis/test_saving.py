@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from fontTools import subset
 from fontTools.ttLib import TTFont
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
 from PIL import Image
 
 from granwave.analysis.figures import style
@@ -84,7 +86,7 @@ def test_fonts_of_a_pdf_are_truetype_without_further_tables(saved):
     pdf = saved.with_suffix(".pdf").read_bytes()
     assert b"/CIDFontType2" in pdf and b"/Type3" not in pdf
     found = fonts(pdf)
-    assert len(found) >= 2  # upright and slanted
+    assert len(found) == 3  # upright, its ligatures, and slanted, whatever the characters
     for font in found:
         assert {"glyf", "loca", "head", "hhea", "hmtx", "maxp"} <= set(font.keys())
         assert not {"GSUB", "GPOS", "GDEF", "kern", "cmap", "post", "name"} & set(font.keys())
@@ -138,6 +140,20 @@ def test_labels_of_logarithmic_axes(low, high, across, up):
     assert set(labels(axes.xaxis)) == across
     assert up <= set(labels(axes.yaxis))
     assert not any("$" in text for text in labels(axes.yaxis))
+
+
+@pytest.mark.parametrize(("decades", "on_axes", "on_bar"), [(1.5, True, True), (3, True, False), (5, False, False)])
+def test_ticks_between_powers_of_ten(decades, on_axes, on_bar):
+    """They end where there are many decades, of colour bars, which are small, before those of axes."""
+    with style.style():
+        figure = style.new_figure(2.0)
+        axes = figure.subplots()
+        axes.set_xscale("log")
+        axes.set_xlim(1, 10**decades)
+        bar = figure.colorbar(ScalarMappable(LogNorm(1, 10**decades)), ax=axes)
+        style.lay_out(figure, 300)
+    assert (len(axes.xaxis.get_minorticklocs()) > 0) == on_axes
+    assert (len(bar.ax.yaxis.get_minorticklocs()) > 0) == on_bar
 
 
 def test_pictures_in_a_pdf(tmp_path):

@@ -16,6 +16,7 @@ from granwave.analysis.measures.target.bare_target import (
     unprotected,
 )
 from granwave.analysis.measures.target.bare_target import _hit as hit
+from granwave.analysis.measures.target.bare_target import _rebound as rebound
 from granwave.analysis.measures.target.record import Reached, reached
 from granwave.lammps_inputs import Case, write_deck
 from granwave.lammps_inputs.contact.law import flat_contact
@@ -57,6 +58,17 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
         restitution = math.sqrt(1 - lost / (0.5 * group.mass * group.velocity**2))
         impulse = np.trapezoid(found.force, found.time)
         assert impulse == pytest.approx((1 + restitution) * group.mass * group.velocity, rel=1e-4), law
+
+
+@pytest.mark.parametrize("law", ["elastoplastic", "hertz", "thornton"])
+def test_course_on_a_wall_that_does_not_move_solves_the_equation_of_motion(law):
+    case = sphere(**{"contact.law": law, "load.velocity": 3.0, "load.spheres": 1})
+    groups = impactors_of(case, None)
+    course, solved = rebound(groups[0]), hit(groups, target_of(case), END)
+    felt = np.interp(solved.time, course.time, course.force, right=0.0)
+    assert felt == pytest.approx(solved.force, abs=1e-3 * solved.peak_force)
+    assert course.force[0] == course.force[-1] == 0
+    assert np.trapezoid(course.force, course.time) == pytest.approx(np.trapezoid(felt, solved.time), rel=3e-4)
 
 
 def test_several_struck_spheres_press_together():

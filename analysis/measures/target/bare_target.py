@@ -7,8 +7,9 @@ of the contact law, hysteresis included; their dents are local, so that they fee
     m x'' = -F(x - u)        sphere, x from where it touches
     m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
 
-On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2. A force as load acts on
-the target itself.
+On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2, and the course of equal
+spheres follows from the energies: m x'^2/2 is what the work of loading, or the elastic energy, still lacks. A force as
+load acts on the target itself.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble, struck_of, velocities_of
 from granwave.lammps_inputs.packing.bars import BAR
 from granwave.lammps_inputs.packing.walls import footprint_radius
+from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -155,8 +157,6 @@ class Impactors:
         upper = self.law.effective_radius * 1e-6
         while missing(upper) < 0:
             upper *= 2
-        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
-
         return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
 
     @property
@@ -197,6 +197,8 @@ def unprotected(case: Case, end_time: float) -> BareTarget | None:
     if case.load.kind == "force":
         return None if case.load.oscillates else _pushed(case.load, target, end_time)
     groups = impactors_of(case, target.material) if case.load.kind not in ("displacement", "plate") else []
+    if len(groups) == 1 and not target.moves:
+        return _rebound(groups[0])
     return _hit(groups, target, end_time) if groups else None
 
 
@@ -256,6 +258,28 @@ def _pushed(load: Load, target: Target, end_time: float) -> BareTarget:
         rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
     )
     return BareTarget(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
+
+
+def _rebound(group: Impactors) -> BareTarget:
+    """Equal spheres that hit a plane that does not move, until they leave it.
+
+    Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the spheres turn round.
+    """
+    law, deepest = group.law, np.array([group.largest_overlap])
+    step = 1 / _IN_CONTACT
+    edges, middles = np.arange(_IN_CONTACT + 1) * step, (np.arange(_IN_CONTACT) + 0.5) * step
+
+    def durations(way: Array, kinetic: Callable[[Array], Array]) -> Array:
+        speed = np.sqrt(2 * kinetic(deepest - way * middles**2) / group.mass)
+        return 2 * way * middles * step / speed
+
+    back = deepest - law.residual_overlap(deepest)
+    closing = durations(deepest, lambda at: law.loading_work(deepest) - law.loading_work(at))
+    parting = durations(back, lambda at: law.elastic_energy(deepest, deepest) - law.elastic_energy(at, deepest))
+    time = np.concatenate([[0.0], np.cumsum([*closing[::-1], *parting])])
+    loading = law.loading_force(deepest * (1 - edges[::-1] ** 2))
+    force = group.count * np.concatenate([loading, law.force(deepest - back * edges[1:] ** 2, deepest)])
+    return BareTarget(time, force, force)
 
 
 def _hit(groups: list[Impactors], target: Target, end_time: float) -> BareTarget:
