@@ -9,14 +9,10 @@ def run() -> int:
     try:
         from granwave.workflows.cli.parser import main
 
-        status = main()
+        return main()
     except KeyboardInterrupt:
         print("granwave: stopped", file=sys.stderr, flush=True)
         os._exit(130)  # modules may be half imported, so the usual clean-up could fail
-    if sys.argv[1:2] == ["figures"] and "mpi4py.MPI" not in sys.modules:
-        sys.stderr.flush()  # standard output is flushed
-        os._exit(status)  # files and helpers are closed; to take the drawing library apart takes as long as a figure
-    return status
 
 
 if __name__ == "__main__":
