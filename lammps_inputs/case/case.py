@@ -24,6 +24,8 @@ from granwave.lammps_inputs.case.bodies import (
     read_body,
     read_list,
 )
+from granwave.lammps_inputs.case.boundary import Boundary, Tube
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair, read_pairs
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM, Figures
 from granwave.lammps_inputs.case.load import Load, read_load
@@ -36,9 +38,11 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
+from granwave.lammps_inputs.case.output import Output, Probe
 from granwave.lammps_inputs.case.packing import PackingSection, check_cell, read_packing
+from granwave.lammps_inputs.case.precompression import Precompression
+from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, read_name, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.sections import Boundary, Contact, Output, Precompression, Probe, Run, Tube
 from granwave.lammps_inputs.case.shape import mass_of
 from granwave.lammps_inputs.case.supports import SUPPORTS, read_bottom
 from granwave.lammps_inputs.named_files import with_absolute_paths

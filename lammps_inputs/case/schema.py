@@ -25,6 +25,7 @@ Parse = Callable[[Any], Any]
 _LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
+NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
 _NOT_A_VALUE = object()  # no key accepts it
 _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.output import Output
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Run
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Hold
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING

@@ -11,7 +11,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.data_file import write_data
-from granwave.lammps_inputs.deck.output import output_files
+from granwave.lammps_inputs.deck.output_files import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.deck_changes import note_deck

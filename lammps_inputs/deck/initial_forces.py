@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from granwave.lammps_inputs.deck.columns import FORCES, WALL_FORCES, sources
 from granwave.lammps_inputs.deck.commands import command, joined
-from granwave.lammps_inputs.deck.output import contacts_file, count_commands, count_written
+from granwave.lammps_inputs.deck.final_contacts import contacts_file, count_commands, count_written
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (

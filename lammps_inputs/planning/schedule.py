@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
+from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.timestep import auto_timestep, largest_timestep

@@ -44,7 +44,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, NO_FORCE
+from granwave.lammps_inputs.case.contact import NO_FORCE
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact

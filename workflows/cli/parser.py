@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from granwave import __version__
+from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.schema import printable, show
-from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows import bench

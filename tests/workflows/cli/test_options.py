@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.lammps_inputs.case.sections import LAWS
+from granwave.lammps_inputs.case.contact import LAWS
 from granwave.workflows.cli.parser import main
 
 
