@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.nearest import nearest
 from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.assembly import assemble, struck_of
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import struck_of
 
 Array = NDArray[np.float64]
 

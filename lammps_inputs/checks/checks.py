@@ -34,7 +34,7 @@ from granwave.lammps_inputs.checks.precompression import check_first_yield, chec
 from granwave.lammps_inputs.lattices import KINDS, kind_of
 from granwave.lammps_inputs.memory import available_memory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
@@ -156,7 +156,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
-    for name, echo in assembly.echoes().items():
+    for name, echo in echoes(assembly.bars).items():
         if case.run.longest > echo:
             _LOG.warning(
                 "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "

@@ -17,7 +17,8 @@ from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
 from granwave.lammps_inputs.lattices import KINDS
-from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer, walls
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal

@@ -10,7 +10,8 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, law_coefficients, num
-from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,

@@ -19,7 +19,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim, clear, results_in
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.motion import struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.run_directory import (

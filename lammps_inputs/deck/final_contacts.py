@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.deck.columns import CONTACTS, WALL_CONTACTS, names, recorded, sources
 from granwave.lammps_inputs.deck.commands import column_names, command, joined
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import CONTACTS_FILE, COUNT_FILE, DUMPS, WALL_CONTACTS_FILE, of_each_rank
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def contacts_file(assembly: Assembly, name: str = CONTACTS_FILE) -> str:
     """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank writes its own."""
-    return of_each_rank(name) if assembly.in_parts else name
+    return of_each_rank(name) if written_in_parts(assembly) else name
 
 
 def dumps_at_end(assembly: Assembly) -> list[str]:
@@ -27,7 +28,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
         *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
-        *(count_commands() if assembly.in_parts else []),
+        *(count_commands() if written_in_parts(assembly) else []),
         "run             0 post no",
         "",
         "# Every contact there was, and every sphere that touched a wall.",
@@ -38,7 +39,7 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
             f'"{joined(["%.17g"] * len(contacts))}"',
             *column_names(contacts),
         ),
-        *([count_written(COUNT_FILE)] if assembly.in_parts else []),
+        *([count_written(COUNT_FILE)] if written_in_parts(assembly) else []),
     ]
     for wall in walls(assembly):
         if wall.held_layer:

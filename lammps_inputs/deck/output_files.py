@@ -8,6 +8,7 @@ from granwave.lammps_inputs.deck.final_contacts import contacts_file
 from granwave.lammps_inputs.deck.snapshots import frames_file
 from granwave.lammps_inputs.deck.wall_forces import wall_forces
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     COUNT_FILE,
@@ -41,7 +42,7 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
         contacts_file(assembly),
         *(WALL_CONTACTS_FILE.format(fix) for fix in planes),
     ]
-    files += [COUNT_FILE] if assembly.in_parts else []
+    files += [COUNT_FILE] if written_in_parts(assembly) else []
     files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
     files += [PROBES_FILE] if case.probes else []
     files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
@@ -51,5 +52,5 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
         return files
     files += [MOVED_WALLS_FILE] if case.precompression.presses else []
     files += [contacts_file(assembly, INITIAL_FORCES_FILE), *(INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes)]
-    files += [INITIAL_COUNT_FILE] if assembly.in_parts else []
+    files += [INITIAL_COUNT_FILE] if written_in_parts(assembly) else []
     return [*files, STATIC_STAGE_FILE, STATIC_FILE]

@@ -16,6 +16,7 @@ from granwave.lammps_inputs.deck.columns import (
 from granwave.lammps_inputs.deck.commands import column_names, command, first_or_append, joined
 from granwave.lammps_inputs.deck.probes import displacements
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
@@ -91,7 +92,7 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own. So
     does one that writes in parts, since it may have another number of ranks.
     """
-    form, parts = assembly.case.output.dump_format, assembly.in_parts
+    form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
     name = FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
         prefix, suffix = CHECKPOINT_FILE.split("{}")

@@ -51,8 +51,9 @@ from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
 from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.roots import brentq

@@ -27,6 +27,7 @@ from granwave.lammps_inputs.deck import data_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import run_case
 from granwave.workflows.cli.tables import plan_table
@@ -266,7 +267,8 @@ def test_check_tells_what_a_rank_holds():
     assert "all sites at once, for unlike or missing spheres" in table
     sizes = [plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000).space for n in (200, 2000)]
     assert sizes[0].first_rank == pytest.approx(sizes[1].first_rank, rel=0.01)  # the analysis does not grow
-    assert not assemble(case_of(size=(100, 100, 999))).in_parts and assemble(case_of(size=(100, 100, 1000))).in_parts
+    assert not written_in_parts(assemble(case_of(size=(100, 100, 999))))
+    assert written_in_parts(assemble(case_of(size=(100, 100, 1000))))
 
 
 def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):

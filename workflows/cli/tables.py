@@ -11,6 +11,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.grain_words import GRAINS
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -129,7 +130,7 @@ def _wall(name: str) -> str:
 
 def _of_large_packings(assembly: Assembly) -> list[tuple[str, str]]:
     """Return how a large packing is written, and what makes the first rank hold all its sites at once."""
-    rows = [("output", "a file from each rank (output.parts)")] if assembly.in_parts else []
+    rows = [("output", "a file from each rank (output.parts)")] if written_in_parts(assembly) else []
     causes = {"unlike or missing spheres": assembly.sites is not None, "strikers": bool(assembly.strikers)}
     held = [cause for cause, holds in causes.items() if holds]
     if held and assembly.n_spheres > ANALYSED_AT_ONCE:
