@@ -13,7 +13,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
 from granwave.workflows.scanning import layout

@@ -12,7 +12,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.inference.quantities import QUANTITIES
 from granwave.workflows import load_case, run_case
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 RADIUS, LENGTH, DENSITY, MODULUS, RATIO = 0.005, 0.02, 1200.0, 50e6, 0.4
 MASS = DENSITY * np.pi * RADIUS**2 * LENGTH

@@ -13,7 +13,7 @@ from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.lines.record import lines_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case
 from tests.helpers.plane_twin import Discs, crystal
