@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,8 +59,8 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
     if periodic and not _check_period(packing, grains, errors):
         return
     places = places_of(grains, packing.diameter, packing.period if periodic else None)
-    _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps)
-    _check_ends(places, errors)
+    at_ends = _check_ends(places, errors)
+    _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps, besides=at_ends)
     load: Load | None = parts.get("load")
     if load is None:
         return
@@ -119,10 +119,10 @@ def _check_crossings(shapes: list[Shape], errors: ErrorList) -> None:
                 return
 
 
-def _check_ends(places: Places, errors: ErrorList) -> None:
-    """Check that no grain touches the end of a cylinder, which has no law."""
-    if not any(places.grains.shape) or errors.lines:
-        return
+def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
+    """Check that no grain touches the end of a cylinder, which has no law; return the pairs of ids that do."""
+    if not any(places.grains.shape):
+        return []
     pairs = end_contacts(places.grains, TOUCHING * places.diameter)
     if pairs:
         first, second = pairs[0]
@@ -130,8 +130,9 @@ def _check_ends(places: Places, errors: ErrorList) -> None:
         errors.add(
             _KEY,
             f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, "
-            "its end none: move them, or make the cylinder longer",
+            "its end none: move them apart, or make the cylinder longer",
         )
+    return pairs
 
 
 def check_chosen(
@@ -270,9 +271,22 @@ def _check_period(packing: PackingSection, grains: Grains, errors: ErrorList) ->
     return len(errors.lines) == before
 
 
-def _check_overlaps(places: Places, errors: ErrorList, *, taken: bool) -> None:
-    """Check that no grains overlap at the start; ``taken``: but a little, as precompression."""
+def _check_overlaps(
+    places: Places, errors: ErrorList, *, taken: bool, besides: Collection[tuple[int, int]] = ()
+) -> None:
+    """Check that no grains overlap at the start.
+
+    Parameters
+    ----------
+    taken
+        True if they may a little, as precompression.
+    besides
+        Pairs of ids that are refused for another reason.
+    """
     pairs, overlaps = places.overlapping()
+    if besides:
+        other = np.array([tuple(pair) not in besides for pair in pairs.tolist()], dtype=bool)
+        pairs, overlaps = pairs[other], overlaps[other]
     if not len(pairs):
         return
     first, second = pairs[0].tolist()

@@ -217,6 +217,9 @@ def fastest(assembly: Assembly) -> float:
 def _some_encounters(assembly: Assembly) -> list[Encounter]:
     if not (found := _encounters(assembly)):
         raise ValueError("no contact takes up any energy")
+    for one in found:
+        if not 0 < one.stiffness < math.inf:
+            raise ValueError(f"the load would press a contact by {one.overlap:.3g} m, where its law has ended")
     return found
 
 
