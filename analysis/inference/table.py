@@ -37,7 +37,7 @@ def groups(dimension: int) -> dict[str, tuple[str, ...]]:
         "strain": tuple(f"e{name}" for name in TENSOR[dimension]),
         "stress": tuple(f"s{name}" for name in TENSOR[dimension]),
         "material": ("density_kg_m3", "youngs_modulus_Pa", "poisson_ratio"),
-        "other": ("id", "radius_m", "time_s", "frame"),
+        "other": ("id", "radius_m", "time_s", "frame", "passes_walls"),
     }
 
 
