@@ -11,6 +11,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.inference.quantities import QUANTITIES
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 
@@ -229,7 +230,7 @@ def test_a_striker_from_outside_passes_the_wall(tmp_path, monkeypatch, capsys):
         "boundary": {"sides": {"material": "steel"}}, "striker": [{"touches": 4, "velocity": [2, 0, 0]}],
         "run": {"end_time": 3e-5, "frames": 4}, "output": {"contact_forces": True},
     }  # fmt: skip
-    run_case(gw.case_from_dict(tables, "through"), Path("through"), figures=False)
+    run_case(case_from_dict(tables, "through"), Path("through"), figures=False)
     assert main(["infer", "through", "--no-figures", "--json"]) == 0
     first = json.loads(capsys.readouterr().out)
     assert first["n_loaded_contacts"] > 0 and first["true_force_error"] < 1e-9
