@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.ids import parse_index
+from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import (
@@ -51,6 +52,7 @@ _RING = (
 _TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
+_MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; measured 1100 to 1600 in rows of spheres and cylinders
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
@@ -242,6 +244,8 @@ def with_added_grains(
     errors
         Takes the faults.
     """
+    if not check_size(packing, ErrorList(errors.source)):
+        return packing  # `check_together` tells why
     before = len(errors.lines)
     for place, entry in enumerate(added, start=1):
         if (entry.at is None) == (entry.ring is None):
@@ -268,6 +272,8 @@ def with_added_grains(
     own, lattice, period = packing.grains, None, packing.period
     if own is None:
         lattice = packing.lattice(periodic=periodic)
+        if not check_memory_of_sites(packing, lattice.n_spheres, _MEMORY_OF_GRAIN, errors):
+            return packing
         period = lattice.lengths if periodic else None
         n = lattice.n_spheres
         own = Grains(

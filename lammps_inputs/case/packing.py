@@ -231,7 +231,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
-        if "top_row" in table and table.get("kind") in KINDS and not is_plane_crystal(str(table["kind"])):
+        if "top_row" in table and table.get("kind") in list(KINDS) and not is_plane_crystal(str(table["kind"])):
             able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
             errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
             table = {key: value for key, value in table.items() if key != "top_row"}

@@ -49,7 +49,7 @@ def check_precompression(
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(stage, packing, boundary, errors)
-            if parts["contact"].line != "plane-strain":
+            if (contact := parts.get("contact")) is not None and contact.line != "plane-strain":
                 _check_line_contacts(stage, packing, errors)
         return
     if stage.kind == "uniform":
