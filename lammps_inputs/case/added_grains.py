@@ -52,7 +52,7 @@ _RING = (
 _TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
-_MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; measured 1100 to 1600 in rows of spheres and cylinders
+_MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
