@@ -142,6 +142,7 @@ class Load:
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
         "of noise its root mean square",
         unit="N",
+        units="N; m for a displacement",
         above=0,
         default=None,
     )

@@ -89,11 +89,17 @@ def number(
     at_most: float = math.inf,
     word: str | None = None,
     usual: Usual | None = None,
+    units: str | None = None,
 ) -> Any:
-    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning."""
+    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning.
+
+    ``units`` stands in messages for the unit, of a key that has another one in some tables.
+    """
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
-    expected = f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
+    expected = (
+        f"a number {wanted}".rstrip() + (f" ({units or unit})" if unit else "") + (f' or "{word}"' if word else "")
+    )
 
     def parse(value: Any) -> Any:
         if word is not None and value == word:

@@ -171,7 +171,7 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     Raises
     ------
     ValueError
-        No contact absorbs energy.
+        No contact absorbs energy, or one has no stiffness at its overlap.
     """
     assembly = assemble(case)
     for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR) * shortest_time(assembly)
@@ -217,10 +217,17 @@ def fastest(assembly: Assembly) -> float:
 def _some_encounters(assembly: Assembly) -> list[Encounter]:
     if not (found := _encounters(assembly)):
         raise ValueError("no contact takes up any energy")
-    for one in found:
-        if not 0 < one.stiffness < math.inf:
-            raise ValueError(f"the load would press a contact by {one.overlap:.3g} m, where its law has ended")
+    if not all(map(_has_stiffness, found)):
+        raise ValueError("the load would press a contact to where its law gives no stiffness")
     return found
+
+
+def _has_stiffness(encounter: Encounter) -> bool:
+    """Return True if the law gives a stiffness at the overlap of an encounter; a law of lines ends, others overflow."""
+    try:
+        return 0 < encounter.stiffness < math.inf
+    except (ArithmeticError, ValueError):
+        return False
 
 
 def _encounters(assembly: Assembly) -> list[Encounter]:
