@@ -8,8 +8,8 @@ import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, write_result
 from granwave.analysis.lammps_output.dumps import read_contacts
-from granwave.analysis.measures.directions import energy_of_spheres
-from granwave.analysis.measures.dissipation import dissipation_mismatch
+from granwave.analysis.measures.impact.dissipation import dissipation_mismatch
+from granwave.analysis.measures.waves.directions import energy_of_spheres
 from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
 from granwave.analysis.result.pair_laws import pair_laws
 from granwave.analysis.result.trajectory import GROUP

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.nearest import nearest
-from granwave.analysis.measures.planes import layers, preferred_directions
+from granwave.analysis.measures.geometry.nearest import nearest
+from granwave.analysis.measures.geometry.planes import layers, preferred_directions
 from granwave.analysis.result.reader import Result
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.planes import preferred_directions
+from granwave.analysis.measures.geometry.planes import preferred_directions
 from granwave.analysis.result.reader import Result
 
 _INSIDE = -1e-6  # diameters, of a coordinate along a preferred direction: within the cone that these span

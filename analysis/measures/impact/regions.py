@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.directions import energy_of_spheres, struck_rows
+from granwave.analysis.measures.waves.directions import energy_of_spheres, struck_rows
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result

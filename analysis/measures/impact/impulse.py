@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.dissipation import rays
-from granwave.analysis.measures.front import in_cone
+from granwave.analysis.measures.impact.dissipation import rays
+from granwave.analysis.measures.waves.front import in_cone
 from granwave.analysis.result.reader import Result
 
 _WEAK = 1.0  # of the unit: contacts that stay below at the largest velocity are left out

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.planes import layers
+from granwave.analysis.measures.geometry.planes import layers
 from granwave.analysis.result.reader import Result
 
 _LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak

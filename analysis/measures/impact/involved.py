@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.dissipation import cumulated
+from granwave.analysis.measures.impact.dissipation import cumulated
 from granwave.analysis.result.reader import Result
 
 

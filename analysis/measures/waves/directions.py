@@ -11,8 +11,8 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.nearest import nearest
-from granwave.analysis.measures.planes import preferred_directions
+from granwave.analysis.measures.geometry.nearest import nearest
+from granwave.analysis.measures.geometry.planes import preferred_directions
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of

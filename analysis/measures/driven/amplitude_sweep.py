@@ -12,7 +12,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.transmission import motion_of
+from granwave.analysis.measures.driven.transmission import motion_of
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.checks.driving import LEAST_WINDOWS, WINDOW_PERIODS
 
