@@ -78,7 +78,8 @@ class Output:
         default="auto",
     )
     contact_forces: bool = choice(
-        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer",
+        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer, and "
+        "run.contact_forces in Python",
         (False, True),
         default=False,
     )

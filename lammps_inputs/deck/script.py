@@ -28,8 +28,8 @@ from granwave.lammps_inputs.deck.static_stage import (
 from granwave.lammps_inputs.deck.wall_forces import wall_forces
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.planning.energy_input import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
-from granwave.lammps_inputs.planning.timestep import fastest
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
 
 RUN_MARKER = "# --- run ---"
