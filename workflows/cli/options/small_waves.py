@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from granwave.analysis.spectra.defaults import MOST_BANDS, MOST_MODES, POINTS
 from granwave.workflows.cli import spectra
 from granwave.workflows.cli.arguments import output_name, positive
 from granwave.workflows.cli.options import shared
@@ -21,9 +22,14 @@ def add_bands(verbs: argparse._SubParsersAction) -> None:
         metavar="PATH",
         help='wave vectors in rad/m, "0,0,0; 0,0,314", or points of the Brillouin zone, G-X-M-G (default: standard)',
     )
-    parser.add_argument("--points", type=positive, default=61, metavar="N", help="wave vectors a stretch (default: 61)")
     parser.add_argument(
-        "--bands", type=positive, metavar="N", help="how many bands (default: all of a small cell, 30 of a large one)"
+        "--points", type=positive, default=POINTS, metavar="N", help=f"wave vectors a stretch (default: {POINTS})"
+    )
+    parser.add_argument(
+        "--bands",
+        type=positive,
+        metavar="N",
+        help=f"how many bands (default: all of a small cell, {MOST_BANDS} of a large one)",
     )
     parser.add_argument(
         "--plane", default="", metavar="NAME", help="plane of slowness and equal-frequency curves: xy, xz or yz"
@@ -47,7 +53,7 @@ def add_modes(verbs: argparse._SubParsersAction) -> None:
         "--modes",
         type=positive,
         metavar="N",
-        help="how many modes (default: all of a small packing, 60 of a large one)",
+        help=f"how many modes (default: all of a small packing, {MOST_MODES} of a large one)",
     )
     shared.allow_floppy(parser)
     _alike(parser)
