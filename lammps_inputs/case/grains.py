@@ -14,8 +14,6 @@ radii) and materials from arrays of these names.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,6 +26,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
 from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
+from granwave.lammps_inputs.csv_rows import csv_rows
 from granwave.lammps_inputs.files import read_regular
 
 if TYPE_CHECKING:
@@ -154,14 +153,12 @@ def read_cell(path: Path) -> list[list[float]]:
 
 def parse_grains(text: str, diameter: float | None) -> Grains:
     """Read a table of grains; see `read_grains`."""
-    lines = ((number, line.partition("#")[0]) for number, line in enumerate(text.splitlines(), start=1))
-    rows = [(number, line) for number, line in lines if line.strip()]
+    rows = csv_rows(text)
     if not rows:
         raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
-    table = csv.reader(io.StringIO("\n".join(line for _, line in rows)), skipinitialspace=True)
-    names = _column_names([name.strip() for name in next(table)], rows[0][0], diameter)
+    names = _column_names([name.strip() for name in rows[0][1]], rows[0][0], diameter)
     values: dict[str, list[Any]] = {name: [] for name in names}
-    for (number, _), row in zip(rows[1:], table, strict=True):
+    for number, row in rows[1:]:
         if len(row) != len(names):
             raise ValueError(f"line {number}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
         for name, value in zip(names, row, strict=True):
