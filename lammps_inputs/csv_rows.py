@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.files import read_text
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
 
@@ -40,16 +40,12 @@ def read_csv_rows(path: Path) -> list[Row]:
         The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
     """
     try:
-        text = read_regular(path).decode("utf-8-sig")
+        return csv_rows(read_text(path))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except IsADirectoryError:
         raise InputError(f"{path}: found a directory, expected a CSV file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: found no text, expected a CSV file in UTF-8") from None
-    try:
-        return csv_rows(text)
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None

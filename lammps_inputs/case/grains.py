@@ -26,8 +26,9 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
 from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
+from granwave.lammps_inputs.case.si_values import POSSIBLE, plain
 from granwave.lammps_inputs.csv_rows import csv_rows
-from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.files import read_regular, read_text
 
 if TYPE_CHECKING:
     import ase
@@ -39,6 +40,7 @@ _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
+_UNITS = {**dict.fromkeys((*_PLACE, "diameter", "length"), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _FROM_ASE = {  # names of arrays
     "diameter": ("diameter", "diameters"),
@@ -138,7 +140,7 @@ def read_grains(path: Path, diameter: float | None) -> Grains:
         It cannot be read.
     """
     if path.suffix.lower() in _TABLES:
-        return parse_grains(read_regular(path).decode("utf-8-sig"), diameter)
+        return parse_grains(read_text(path), diameter)
     return _from_ase(path, diameter)
 
 
@@ -209,6 +211,15 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
     if not (sizes > 0).all():
         first = int(np.argmin(sizes > 0))
         raise ValueError(f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0")
+    for name, unit in _UNITS.items():
+        found = np.abs(np.array(values.get(name, [0.0]), dtype=np.float64))
+        low, high = POSSIBLE[unit]
+        if (odd := (found > 0) & ~((low <= found) & (found <= high))).any():
+            first = int(np.argmax(odd))
+            raise ValueError(
+                f"{places[first]}: found {values[name][first]:g} {unit} for {name}, expected a magnitude from "
+                f"{plain(low)} to {plain(high)} {unit}"
+            )
     zeros = [0.0] * n
     return Grains(
         np.array([values[name] for name in _PLACE], dtype=np.float64).T.copy(),

@@ -9,7 +9,7 @@ from typing import Any
 
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, finite, show
 from granwave.lammps_inputs.case.si_values import impossible
-from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.files import read_text
 
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
@@ -38,7 +38,7 @@ def read_load_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any
         errors.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
         return {}
     try:
-        rows = _numbers(read_regular(Path(name)).decode("utf-8-sig").splitlines())
+        rows = _numbers(read_text(Path(name)).splitlines())
     except OSError as error:
         errors.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
         return {}
