@@ -40,7 +40,8 @@ _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
-_UNITS = {**dict.fromkeys((*_PLACE, "diameter", "length"), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
+_SIZES = ("diameter", "length")
+_UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _FROM_ASE = {  # names of arrays
     "diameter": ("diameter", "diameters"),
@@ -214,6 +215,8 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
     for name, unit in _UNITS.items():
         found = np.abs(np.array(values.get(name, [0.0]), dtype=np.float64))
         low, high = POSSIBLE[unit]
+        if name not in _SIZES:
+            low = 0.0  # places may differ from 0 by rounding
         if (odd := (found > 0) & ~((low <= found) & (found <= high))).any():
             first = int(np.argmax(odd))
             raise ValueError(
