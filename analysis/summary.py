@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.amplitude_sweep import amplitude_sweep_of
+from granwave.analysis.measures.driven.amplitude_sweep import amplitude_sweep_of
+from granwave.analysis.measures.driven.mean_power import mean_power_of
+from granwave.analysis.measures.driven.transmission import SteadyMotion, transmission_of
+from granwave.analysis.measures.impact.normalised import velocity_normalised
 from granwave.analysis.measures.lines.record import line_summary
-from granwave.analysis.measures.mean_power import mean_power_of
-from granwave.analysis.measures.normalised import velocity_normalised
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
 from granwave.analysis.measures.target.record import protection, reached
-from granwave.analysis.measures.transmission import SteadyMotion, transmission_of
-from granwave.analysis.measures.wave_speed import wave_speed_of
+from granwave.analysis.measures.waves.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
 from granwave.analysis.result.contacts import LISTED_FROM
@@ -27,7 +27,8 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 

@@ -94,6 +94,26 @@ def read_regular(path: Path) -> bytes:
     return path.read_bytes()
 
 
+def read_text(path: Path) -> str:
+    """Read a whole file as UTF-8; refuse pipes and devices.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read, or is a pipe or a device.
+    ValueError
+        It is not UTF-8; the message gives the line.
+    """
+    raw = read_regular(path)
+    try:
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise ValueError(
+            f"found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        ) from None
+
+
 def read_json(path: Path) -> dict[str, Any] | None:
     """Read a JSON table; None if the file is missing or damaged."""
     try:

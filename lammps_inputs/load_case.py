@@ -6,9 +6,11 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import RECORD, Case, case_keys, parse_case
+from granwave.lammps_inputs.case.case import RECORD, Case
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.parse import parse_case
 from granwave.lammps_inputs.case.schema import ErrorList
+from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml

@@ -15,6 +15,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     FIGURE_SUFFIXES,
     FIGURES_DIRECTORY,
+    INFERENCE,
     MARKER,
     MORE_FIGURE_SUFFIXES,
     OTHER,
@@ -29,13 +30,14 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.lammps_inputs.unmarked_results import recognise
 
-_GROUPS = {
+GROUPS = {
     RUN: "a run",
     CONTINUUM: "a run",
     SCAN: "a scan",
     SUITE: "a suite of scans",
     SPECTRA: "bands or modes",
-}  # one group a directory
+    INFERENCE: "inferred forces",
+}  # what a directory holds, one group each
 _SHOWN = 3  # names in a message
 _WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
 _SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`
@@ -172,10 +174,15 @@ def results_in(directory: Path) -> list[str]:
     return [name for name in names if any(own_file(directory, file) is not None for file in files_of(directory, name))]
 
 
+def held(directory: Path) -> str:
+    """Return what a directory holds by its marker, such as ``a run``; empty if nothing is known."""
+    marker = read_marker(directory)
+    return GROUPS.get(marker.kind, "") if marker else ""
+
+
 def refuse_other_kind(directory: Path, kind: str) -> None:
     """Raise InputError if a directory holds results of another group than ``kind``, such as a scan instead of a run."""
-    marker = read_marker(directory)
-    there, here = _GROUPS.get(marker.kind if marker else ""), _GROUPS.get(kind)
+    there, here = held(directory), GROUPS.get(kind)
     if there and here and there != here and results_in(directory):
         raise InputError(f"{directory}: holds {there}, expected {here} or nothing; choose another with -o")
 

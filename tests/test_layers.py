@@ -51,7 +51,7 @@ lammps_inputs/ownership
 lammps_inputs/unmarked_results
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/toml_files lammps_inputs/memory
+lammps_inputs/toml_files lammps_inputs/memory lammps_inputs/csv_rows
 lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
 lammps_inputs/errors
 plugins

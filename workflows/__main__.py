@@ -7,7 +7,7 @@ import sys
 def run() -> int:
     """Run the command line; return the exit status."""
     try:
-        from granwave.workflows.cli.parser import main
+        from granwave.workflows.cli.main import main
 
         return main()
     except KeyboardInterrupt:

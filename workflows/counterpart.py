@@ -11,13 +11,15 @@ import math
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.measures.normalised import velocity_normalised
+from granwave.analysis.measures.impact.normalised import velocity_normalised
 from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.packing.assembly import assemble, struck_of
-from granwave.lammps_inputs.planning.timestep import expected_energy, expected_peak_overlap
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.planning.energy_input import expected_energy
+from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case

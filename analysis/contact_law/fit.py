@@ -27,8 +27,8 @@ from scipy.optimize import minimize_scalar
 
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
 from granwave.analysis.contact_law.measured_curve import Curve
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
 

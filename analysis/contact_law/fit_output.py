@@ -23,7 +23,7 @@ from granwave.analysis.figures.style import (
     style,
     write_csv,
 )
-from granwave.lammps_inputs.case.sections import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
 from granwave.lammps_inputs.run_directory import FIT, FIT_FILES, FIT_MISFIT, FIT_PAIR, FIT_TABLE, FIT_TOML

@@ -7,7 +7,6 @@ branches follow from the turning points of the overlap.
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 import re
@@ -18,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.csv_rows import read_csv_rows
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_regular
 
 NUMBERS = ("overlap_m", "force_N")
 BRANCH = "branch"
@@ -148,18 +147,7 @@ def _turning_points(values: Array, least: float) -> list[int]:
 
 def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
     """Read the rows of a CSV file with their line numbers, and the names of its columns."""
-    try:
-        text = read_regular(path).decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: found a directory, expected a CSV file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: found no text, expected a CSV file in UTF-8") from None
-    filled = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
-    parsed = [(n, next(csv.reader([line]))) for n, line in filled]
+    parsed = read_csv_rows(path)
     columns = [name.strip() for name in parsed[0][1]] if parsed else []
     missing = [name for name in NUMBERS if name not in columns]
     if missing:

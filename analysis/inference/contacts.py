@@ -83,7 +83,8 @@ class Contacts:
 def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -> Contacts:
     """Return the pairs of grains, and of grains and walls, that may touch.
 
-    Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance).
+    Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance), but not of
+    grains that pass walls.
     """
     x, radius = grains.position, grains.radius
     reach = 2 * float(radius.max(initial=0.0)) * (1 + tolerance)
@@ -100,7 +101,7 @@ def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -
     for number, wall in enumerate(walls.values()):
         n = np.array(wall.normal)
         away = (x - np.array(wall.point)) @ n
-        rows = np.flatnonzero(away <= radius * (1 + 2 * tolerance))
+        rows = np.flatnonzero((away <= radius * (1 + 2 * tolerance)) & grains.at_walls)
         arm = -away[rows, None] * n
         full = np.full(len(rows), -1)
         found.append((rows, full, np.full(len(rows), number), np.tile(n, (len(rows), 1)), arm, np.zeros_like(arm)))

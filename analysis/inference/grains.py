@@ -59,6 +59,8 @@ class Grains:
         Strain over stress: (n, k, k), 1/Pa; None if stresses were measured.
     modulus
         Young's moduli: (n,), Pa; None if stresses were measured.
+    passes_walls
+        True for grains that walls do not act on, such as strikers from outside: (n,); None if there are none.
     """
 
     ids: NDArray[np.int64]
@@ -73,6 +75,7 @@ class Grains:
     stress: Array
     compliance: Array | None = None
     modulus: Array | None = None
+    passes_walls: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         return len(self.radius)
@@ -87,6 +90,11 @@ class Grains:
     def dimension(self) -> int:
         """2 in the plane, 3 in space."""
         return int(self.position.shape[1])
+
+    @property
+    def at_walls(self) -> NDArray[np.bool_]:
+        """True for grains that walls act on: (n,)."""
+        return np.ones(len(self), dtype=bool) if self.passes_walls is None else ~self.passes_walls
 
     @property
     def has_motion(self) -> NDArray[np.bool_]:

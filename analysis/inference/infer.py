@@ -180,10 +180,10 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
 
 
 def refuse_behind(grains: Grains, walls: Mapping[str, Wall]) -> None:
-    """Raise InputError for each wall that has centres of grains behind it."""
+    """Raise InputError for each wall that has centres of grains behind it, but for those that pass walls."""
     errors = []
     for name, wall in walls.items():
-        behind = (grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0
+        behind = ((grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0) & grains.at_walls
         if behind.any():
             errors.append(
                 f"grain {_few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "

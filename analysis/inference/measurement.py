@@ -87,6 +87,12 @@ def _check_rows(table: Table, case: InferCase) -> None:
         errors += table.refuse(
             (ids != np.floor(ids)) | (ids < 0), lambda row: f"id: found {ids[row]:g}, expected a whole number from 0 up"
         )
+    if "passes_walls" in columns:
+        passing = columns["passes_walls"]
+        errors += table.refuse(
+            ~np.isin(passing, (0, 1)),
+            lambda row: f"passes_walls: found {passing[row]:g}, expected 0, or 1 for a striker",
+        )
     for name in (f"e{pair}" for pair in TENSOR[case.dimension]):
         if name in columns:
             values = columns[name]
@@ -276,4 +282,5 @@ def _grains(table: Table, case: InferCase, rows: NDArray[np.int64], motion: tupl
         stress,
         compliance,
         modulus,
+        columns["passes_walls"][rows] == 1 if "passes_walls" in columns else None,
     )

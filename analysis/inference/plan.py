@@ -290,5 +290,7 @@ def _columns(grains: Grains, run: Run, rows: NDArray[np.bool_]) -> Columns:
         if group == "force" and not table.any():
             continue
         columns |= dict(zip(names[group], table.T, strict=True))
+    if grains.passes_walls is not None and grains.passes_walls.any():
+        columns["passes_walls"] = grains.passes_walls.astype(np.float64)
     material = (run.density[rows], run.youngs_modulus[rows], run.poisson_ratio[rows])
     return columns | dict(zip(names["material"], material, strict=True))

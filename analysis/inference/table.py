@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
@@ -13,8 +12,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.inference.grains import TENSOR, Array
 from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.csv_rows import Row, read_csv_rows
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_regular
 
 _SHOWN = 10  # largest number of faults in a message
 
@@ -37,7 +36,7 @@ def groups(dimension: int) -> dict[str, tuple[str, ...]]:
         "strain": tuple(f"e{name}" for name in TENSOR[dimension]),
         "stress": tuple(f"s{name}" for name in TENSOR[dimension]),
         "material": ("density_kg_m3", "youngs_modulus_Pa", "poisson_ratio"),
-        "other": ("id", "radius_m", "time_s", "frame"),
+        "other": ("id", "radius_m", "time_s", "frame", "passes_walls"),
     }
 
 
@@ -165,23 +164,9 @@ def _names(names: list[str], where: str, dimension: int, errors: list[str]) -> l
     return full
 
 
-def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Read the rows of a CSV file with their line numbers; lines may be comments, after #."""
-    try:
-        text = read_regular(path).decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: found a directory, expected a CSV file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: found no text, expected a CSV file in UTF-8") from None
-    filled = [(n, line) for n, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"]
-    try:
-        rows = [(n, next(csv.reader([line], skipinitialspace=True))) for n, line in filled]
-    except csv.Error as error:
-        raise InputError(f"{path}: found no CSV file: {error}") from None
+def _rows(path: Path) -> list[Row]:
+    """Read the rows of a CSV file with their line numbers."""
+    rows = read_csv_rows(path)
     if not rows:
         raise InputError(f"{path}: found nothing, expected a line of names and a row for each grain")
     return rows

@@ -54,6 +54,8 @@ class Run:
         Planes of the run, by name.
     friction
         Largest coefficient of friction of grains and of walls.
+    strikers
+        True for strikers, which pass walls: (n,).
     """
 
     directory: str
@@ -75,6 +77,7 @@ class Run:
     wall_fixes: Mapping[str, tuple[CaseWall, tuple[str, ...]]]
     moved: Mapping[str, Array]
     friction: tuple[float, float]
+    strikers: NDArray[np.bool_]
 
     @property
     def volume(self) -> Array:
@@ -121,6 +124,7 @@ class Run:
         grains = Grains(
             self.ids, self.position[number], self.radius, mass, self.volume,
             np.zeros((n, self.dimension)), self.spin[number], still, np.zeros((n, self.dimension)), nothing,
+            passes_walls=self.strikers if self.wall_fixes and self.strikers.any() else None,
         )  # fmt: skip
         contacts = find_contacts(grains, self.walls(number), tolerance)
         true = np.zeros((len(contacts), self.dimension))
@@ -296,6 +300,7 @@ def read_run(result: Result) -> Run:
         wall_fixes=fixes,
         moved=moved,
         friction=(max(frictions), max(at_walls)),
+        strikers=ids > assembly.lattice.n_spheres,
     )
     # torques of cylinders are recorded as the integration of spheres takes them (fix gran/cylinder)
     inertia = _OF_SPHERE * density * run.volume * radius**2

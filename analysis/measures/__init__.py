@@ -1,1 +1,1 @@
-"""Quantities that are measured on a run: planes, plastic zone, waves, targets, sensors."""
+"""Quantities that are measured on a run: plastic zone, impact, waves, chains, driven rows, targets, sensors."""

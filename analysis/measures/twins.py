@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from granwave.analysis.measures.directions import directions
 from granwave.analysis.measures.sensors import sensor_accelerations
 from granwave.analysis.measures.signals import Array, first_peak
+from granwave.analysis.measures.waves.directions import directions
 from granwave.analysis.result.reader import Result
 
 _PEAK = 0.5  # of the largest acceleration along the chain: the first crest above it is the wave's

@@ -8,13 +8,16 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.ownership import GROUPS, held
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
+    INFERENCE,
     POINTS,
     RECORD_FILE,
     RESULT_FILE,
     SCAN_INDEX,
     SCAN_TABLE,
+    SPECTRA,
     SUITE_INDEX,
     SUMMARY_FILE,
     is_scan,
@@ -35,6 +38,8 @@ def why_no_run(path: Path) -> str:
         return f"{path}: is a file, expected the directory of a run{around(path)}"
     if (path / SCAN_INDEX).exists() or (path / SUITE_INDEX).exists():
         return _scan(path)
+    if (what := held(path)) in (GROUPS[SPECTRA], GROUPS[INFERENCE]):
+        return f"{path}: holds {what}, expected a run"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
         expected = f"expected {RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"

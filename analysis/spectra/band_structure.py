@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.spectra.bands import Bands, describe_floppy, refuse_floppy, solve_bands
 from granwave.analysis.spectra.complex_k import ComplexBands, complex_bands
+from granwave.analysis.spectra.defaults import POINTS
 from granwave.analysis.spectra.gaps import Gap, band_edges, gaps
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.paths import make_path
@@ -21,7 +22,6 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 
 _MOST_POINTS = 100_000
-POINTS = 61  # wave vectors of a stretch
 _FREQUENCIES = 401  # for attenuation
 _BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
 NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface

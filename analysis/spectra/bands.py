@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
+from granwave.analysis.spectra.defaults import MOST_BANDS
 from granwave.analysis.spectra.network import FREEDOMS, Array, Network
 from granwave.analysis.spectra.paths import Path
 from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Complex, Stiffness, factorised
 from granwave.lammps_inputs.errors import InputError, RunError
 
-MOST_BANDS = 30  # of a large cell, unless more are asked for
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
 _LONG = 1e-6  # |k| times the period: a uniform displacement
 _BATCH = 2**24  # numbers in the matrices that are solved at once

@@ -23,7 +23,8 @@ from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, held_ids
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 if TYPE_CHECKING:

@@ -12,11 +12,11 @@ import dataclasses
 import numpy as np
 
 from granwave.analysis.spectra.bands import _ZERO, growing, lowest, who_moves
+from granwave.analysis.spectra.defaults import MOST_MODES
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.stiffness import Stiffness
 
 ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
-MOST_MODES = 60  # of larger ones, unless more are asked for
 _BINS, _MOMENTS, _VECTORS, _SEED = 120, 240, 12, 1
 
 

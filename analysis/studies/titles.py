@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from granwave.analysis.measures.target.record import period_of
 from granwave.lammps_inputs.lattices import kind_of
-from granwave.lammps_inputs.packing.assembly import assemble, velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import velocities_of
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.ids import parse_index
+from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import (
@@ -38,10 +39,12 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
 from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.lammps_inputs.lattices import FILE, Lattice
+from granwave.lammps_inputs.memory import available_memory
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
 _HOLES = {"octahedral": (1 / math.sqrt(2), 6), "tetrahedral": (math.sqrt(3 / 8), 4)}  # distance, diameters; neighbours
+_HOLES_OF_SPHERE = 2  # tetrahedral ones; octahedral: 1
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
 _RING = (
@@ -51,6 +54,7 @@ _RING = (
 _TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
+_MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
@@ -128,6 +132,16 @@ class AddedGrains:
     axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     material: Material | None = None
     group: str | None = text("name of their group, for [[hold]]", default=None)
+
+    def most_places(self, n_own: int) -> int:
+        """Return an upper bound on the number of places, next to so many grains."""
+        if isinstance(self.at, str):
+            found = _HOLES_OF_SPHERE * n_own
+        elif self.ring is not None:
+            found = self.ring.n * (1 if self.ring.z is not None else len(self.ring.gap) or n_own)
+        else:
+            found = len(self.at or ())
+        return found * (1 if self.repeat is None else self.repeat.times)
 
     def places(self, lattice: Lattice | None, own: Grains) -> NDArray[np.float64]:
         """Return the places: (n, 3), m.
@@ -242,6 +256,8 @@ def with_added_grains(
     errors
         Takes the faults.
     """
+    if not check_size(packing, ErrorList(errors.source)):
+        return packing  # `check_together` tells why
     before = len(errors.lines)
     for place, entry in enumerate(added, start=1):
         if (entry.at is None) == (entry.ring is None):
@@ -268,6 +284,8 @@ def with_added_grains(
     own, lattice, period = packing.grains, None, packing.period
     if own is None:
         lattice = packing.lattice(periodic=periodic)
+        if not check_memory_of_sites(packing, lattice.n_spheres, _MEMORY_OF_GRAIN, errors):
+            return packing
         period = lattice.lengths if periodic else None
         n = lattice.n_spheres
         own = Grains(
@@ -281,6 +299,14 @@ def with_added_grains(
     position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
     shape = [*own.shape]
     for place, entry in enumerate(added, start=1):
+        n = entry.most_places(len(own))
+        if (needed := n * _MEMORY_OF_GRAIN) > (available := available_memory()):
+            errors.add(
+                f"grains.{place}.{'at' if entry.ring is None else 'ring'}",
+                f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}, which need more than "
+                f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; expected fewer",
+            )
+            continue
         try:
             places = entry.places(lattice, own)
         except ValueError as error:

@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.sections import Contact
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap", "line")

@@ -14,8 +14,6 @@ radii) and materials from arrays of these names.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,7 +26,9 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
 from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
-from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.case.si_values import POSSIBLE, plain
+from granwave.lammps_inputs.csv_rows import csv_rows
+from granwave.lammps_inputs.files import read_regular, read_text
 
 if TYPE_CHECKING:
     import ase
@@ -40,6 +40,8 @@ _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
 _WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
+_SIZES = ("diameter", "length")
+_UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _FROM_ASE = {  # names of arrays
     "diameter": ("diameter", "diameters"),
@@ -139,7 +141,7 @@ def read_grains(path: Path, diameter: float | None) -> Grains:
         It cannot be read.
     """
     if path.suffix.lower() in _TABLES:
-        return parse_grains(read_regular(path).decode("utf-8-sig"), diameter)
+        return parse_grains(read_text(path), diameter)
     return _from_ase(path, diameter)
 
 
@@ -154,14 +156,12 @@ def read_cell(path: Path) -> list[list[float]]:
 
 def parse_grains(text: str, diameter: float | None) -> Grains:
     """Read a table of grains; see `read_grains`."""
-    lines = ((number, line.partition("#")[0]) for number, line in enumerate(text.splitlines(), start=1))
-    rows = [(number, line) for number, line in lines if line.strip()]
+    rows = csv_rows(text)
     if not rows:
         raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
-    table = csv.reader(io.StringIO("\n".join(line for _, line in rows)), skipinitialspace=True)
-    names = _column_names([name.strip() for name in next(table)], rows[0][0], diameter)
+    names = _column_names([name.strip() for name in rows[0][1]], rows[0][0], diameter)
     values: dict[str, list[Any]] = {name: [] for name in names}
-    for (number, _), row in zip(rows[1:], table, strict=True):
+    for number, row in rows[1:]:
         if len(row) != len(names):
             raise ValueError(f"line {number}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
         for name, value in zip(names, row, strict=True):
@@ -212,6 +212,17 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
     if not (sizes > 0).all():
         first = int(np.argmin(sizes > 0))
         raise ValueError(f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0")
+    for name, unit in _UNITS.items():
+        found = np.abs(np.array(values.get(name, [0.0]), dtype=np.float64))
+        low, high = POSSIBLE[unit]
+        if name not in _SIZES:
+            low = 0.0  # places may differ from 0 by rounding
+        if (odd := (found > 0) & ~((low <= found) & (found <= high))).any():
+            first = int(np.argmax(odd))
+            raise ValueError(
+                f"{places[first]}: found {values[name][first]:g} {unit} for {name}, expected a magnitude from "
+                f"{plain(low)} to {plain(high)} {unit}"
+            )
     zeros = [0.0] * n
     return Grains(
         np.array([values[name] for name in _PLACE], dtype=np.float64).T.copy(),

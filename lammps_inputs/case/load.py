@@ -24,9 +24,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
-from itertools import pairwise
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -34,18 +32,8 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case.ids import parse_index
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    count,
-    custom,
-    finite,
-    number,
-    read_table,
-    show,
-    vector,
-)
+from granwave.lammps_inputs.case.load_table import parse_load_table, read_load_file
+from granwave.lammps_inputs.case.schema import ErrorList, choice, count, custom, number, read_table, show, vector
 from granwave.lammps_inputs.case.si_values import (
     DISPLACEMENT,
     FORCE,
@@ -57,7 +45,6 @@ from granwave.lammps_inputs.case.si_values import (
     impossible,
     unusual,
 )
-from granwave.lammps_inputs.files import read_regular
 
 Array = NDArray[np.float64]
 
@@ -89,22 +76,6 @@ _OF_KIND = {
     "grains": ("kind",),
 }
 _OF_DISPLACEMENT = ("harmonic", "burst", "up-and-down", "sweep", "noise", "table")
-_TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
-
-
-def _parse_table(value: Any) -> tuple[tuple[float, float], ...]:
-    if not isinstance(value, list | tuple) or len(value) < 2:
-        raise ValidationError(_TABLE_FORM)
-    if any(not isinstance(row, list | tuple) or len(row) != 2 for row in value):
-        raise ValidationError(_TABLE_FORM)
-    rows = tuple((finite(time, _TABLE_FORM), finite(size, _TABLE_FORM)) for time, size in value)
-    if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
-        raise ValidationError(_TABLE_FORM)
-    if expected := impossible([time for time, _ in rows], "s"):
-        raise ValidationError(f"times of {expected}")
-    if not any(size for _, size in rows):
-        raise ValidationError("a value other than zero")
-    return rows
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -142,6 +113,7 @@ class Load:
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
         "of noise its root mean square",
         unit="N",
+        units="N; m for a displacement",
         above=0,
         default=None,
     )
@@ -177,7 +149,7 @@ class Load:
     )
     seed: int | None = count("seed of the phases of noise; default 1", default=None)
     table: tuple[tuple[float, float], ...] | None = custom(
-        "points of force (N) or displacement (m) against time (s)", _parse_table, default=None
+        "points of force (N) or displacement (m) against time (s)", parse_load_table, default=None
     )
 
     @property
@@ -296,7 +268,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
     if isinstance(table, Mapping) and "file" in table:
         rest = {name: value for name, value in table.items() if name != "file"}
-        table = {"shape": "table"} | rest | _from_file(table, errors)
+        table = {"shape": "table"} | rest | read_load_file(table, errors)
         if len(errors.lines) > before:
             return None
     load = read_table(Load, table, "load", errors)
@@ -361,41 +333,3 @@ def _check_band(load: Load, errors: ErrorList) -> None:
             f"found {duration:g} s; no multiple of {1 / duration:g} Hz lies between {lowest:g} and {highest:g} Hz; "
             f"expected at least {1 / (highest - lowest) if highest > lowest else 1 / highest:g} s",
         )
-
-
-def _from_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    name = table["file"]
-    if "table" in table:
-        errors.add("load.file", "found beside load.table; give one of them")
-        return {}
-    if not isinstance(name, str) or not name:
-        errors.add("load.file", f"found {show(name)}, expected the path of a file of two columns, time and value")
-        return {}
-    try:
-        rows = _numbers(read_regular(Path(name)).decode("utf-8-sig").splitlines())
-    except OSError as error:
-        errors.add("load.file", f"{name}: cannot be read: {error.strerror or error}")
-        return {}
-    except ValueError as error:
-        errors.add("load.file", f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}")
-        return {}
-    try:
-        return {"table": _parse_table(rows)}
-    except ValidationError as error:
-        errors.add("load.file", f"{name}: found {show(rows)}, expected {error}")
-        return {}
-
-
-def _numbers(lines: Sequence[str]) -> list[list[float]]:
-    """Read two numbers from each line; raise ValueError naming the first line that has others."""
-    rows = []
-    for n, line in enumerate(lines, start=1):
-        words = line.partition("#")[0].split()
-        if not words:
-            continue
-        try:
-            time, size = map(float, words)
-        except ValueError:
-            raise ValueError(f"found {show(line.strip())} in line {n}") from None
-        rows.append([time, size])
-    return rows

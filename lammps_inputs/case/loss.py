@@ -63,8 +63,10 @@ def parse_loss(value: Any) -> Loss:
         raise ValidationError(f"{LOSS_FORM}; a velocity belongs to a restitution")
     if "time" in value:
         time = finite(value["time"], LOSS_FORM)
-        if not 0 <= time <= _LONGEST_TIME:
+        if time < 0:
             raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
+        if time > _LONGEST_TIME:
+            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {time:g} us is {time:g}e-6")
         return Loss(time=time)
     if "dashpot" in value:
         return Loss(dashpot=_parse_dashpot(value["dashpot"]))

@@ -33,7 +33,7 @@ from granwave.lammps_inputs.case.shape import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual
+from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual, unusual
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
@@ -231,7 +231,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
             if name in table:
                 errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
                 table = {key: value for key, value in table.items() if key != name}
-        if "top_row" in table and table.get("kind") in KINDS and not is_plane_crystal(str(table["kind"])):
+        if "top_row" in table and table.get("kind") in list(KINDS) and not is_plane_crystal(str(table["kind"])):
             able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
             errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
             table = {key: value for key, value in table.items() if key != "top_row"}
@@ -296,7 +296,12 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
     try:
-        return read_grains(Path(name), diameter)
+        grains = read_grains(Path(name), diameter)
+        for size in (float(grains.diameter.max()), float(grains.diameter.min())):
+            if odd := unusual(size, "m", DIAMETER):
+                errors.notes.append(f"packing.file: {name}: diameter: {odd}")
+                break
+        return grains
     except OSError as error:
         errors.add("packing.file", f"{name}: cannot be read: {error.strerror or error}")
     except ValueError as error:

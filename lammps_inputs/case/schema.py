@@ -25,6 +25,7 @@ Parse = Callable[[Any], Any]
 _LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
+NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
 _NOT_A_VALUE = object()  # no key accepts it
 _SHOWN_CHARACTERS = 60
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
@@ -88,11 +89,17 @@ def number(
     at_most: float = math.inf,
     word: str | None = None,
     usual: Usual | None = None,
+    units: str | None = None,
 ) -> Any:
-    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning."""
+    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning.
+
+    ``units`` stands in messages for the unit, of a key that has another one in some tables.
+    """
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
-    expected = f"a number {wanted}".rstrip() + (f" ({unit})" if unit else "") + (f' or "{word}"' if word else "")
+    expected = (
+        f"a number {wanted}".rstrip() + (f" ({units or unit})" if unit else "") + (f' or "{word}"' if word else "")
+    )
 
     def parse(value: Any) -> Any:
         if word is not None and value == word:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from granwave.lammps_inputs.case.absorb import MATCHED, Absorb
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.absorbing import absorbing_ids, rise_of
-from granwave.lammps_inputs.packing.assembly import Assembly, struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import struck_of
 
 
 def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
+from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.output import Output
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Run
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, Boundary, Output, Run
 from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
@@ -29,10 +32,9 @@ from granwave.lammps_inputs.checks.lines import check_lines
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
 from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
-from granwave.lammps_inputs.lattices import KINDS, kind_of
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
@@ -59,7 +61,7 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     if run is not None:
         _check_times(run, output, errors)
         _check_resolution(parts.get("load"), run, errors)
-    if packing is None or not _size_fits(packing, errors) or not _rows_fit(packing, errors):
+    if packing is None or not check_size(packing, errors):
         return
     if not _fits_into_memory(packing, parts, errors):
         return
@@ -154,7 +156,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     for probe in case.output.probes:
         if probe.contact is not None and not _touch(assembly, *probe.contact):
             _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
-    for name, echo in assembly.echoes().items():
+    for name, echo in echoes(assembly.bars).items():
         if case.run.longest > echo:
             _LOG.warning(
                 "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
@@ -264,40 +266,13 @@ def _check_timestep(run: Run, errors: ErrorList) -> None:
         errors.add(key, f"found {value:g} beside run.timestep, a fixed one of {run.timestep:g} s; take one of them out")
 
 
-def _size_fits(packing: PackingSection, errors: ErrorList) -> bool:
-    axes = kind_of(packing.kind).axes
-    if packing.grains is not None or len(packing.size) == len(axes):
-        return True
-    form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
-    errors.add("packing.size", f"found {show(packing.size)}, expected {form} for {packing.kind}")
-    return False
-
-
-def _rows_fit(packing: PackingSection, errors: ErrorList) -> bool:
-    """Check that the short rows of a crystal in the plane have a grain."""
-    if not is_plane_crystal(packing.kind) or packing.top_row == "equal" or packing.size[0] > 1:
-        return True
-    errors.add(
-        "packing.size", f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row"
-    )
-    return False
-
-
 def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
     """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
     if packing.grains is not None:
         return True  # they were read into memory
     nx, ny, nz = packing.lattice().shape
     unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
-    needed, available = nx * ny * (nz if unlike else 1) * _MEMORY_OF_SITE, available_memory()
-    if needed <= available:
-        return True
-    errors.add(
-        "packing.size",
-        f"found {show(packing.size)}: {nx * ny * nz} spheres need more than {needed / 2**30:.1f} GiB of memory, "
-        f"there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
-    )
-    return False
+    return check_memory_of_sites(packing, nx * ny * (nz if unlike else 1), _MEMORY_OF_SITE, errors)
 
 
 def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:

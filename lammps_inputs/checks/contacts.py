@@ -6,10 +6,11 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Contact
 from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants

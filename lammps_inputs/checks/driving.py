@@ -18,6 +18,7 @@ from granwave.lammps_inputs.contact.measured_row import MeasuredRow, measured_ro
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.contact.travel_time import Row, row_of
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.records import chain_history, line_history
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
 LEAST_PERIODS = 3  # that sines are fitted to, in the last half of a run
@@ -74,7 +75,7 @@ def _too_few_periods(assembly: Assembly) -> tuple[str, str] | None:
 def _check_records(assembly: Assembly, row: MeasuredRow) -> None:
     """Check that velocities are recorded often enough for the highest frequency of the load."""
     frequency, span = assembly.case.load.frequencies[1], assembly.case.run.longest
-    n = assembly.history if row.group == "chain" else assembly.line_history
+    n = chain_history(assembly) if row.group == "chain" else line_history(assembly)
     least = math.ceil(LEAST_PER_PERIOD * frequency * span * (1 + _TOLERANCE))
     if n >= least or not n:
         return

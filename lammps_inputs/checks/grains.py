@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Hold
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
@@ -58,8 +59,8 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
     if periodic and not _check_period(packing, grains, errors):
         return
     places = places_of(grains, packing.diameter, packing.period if periodic else None)
-    _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps)
-    _check_ends(places, errors)
+    at_ends = _check_ends(places, errors)
+    _check_overlaps(places, errors, taken=stage is not None and stage.takes_overlaps, besides=at_ends)
     load: Load | None = parts.get("load")
     if load is None:
         return
@@ -118,10 +119,10 @@ def _check_crossings(shapes: list[Shape], errors: ErrorList) -> None:
                 return
 
 
-def _check_ends(places: Places, errors: ErrorList) -> None:
-    """Check that no grain touches the end of a cylinder, which has no law."""
-    if not any(places.grains.shape) or errors.lines:
-        return
+def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
+    """Check that no grain touches the end of a cylinder, which has no law; return the pairs of ids that do."""
+    if not any(places.grains.shape):
+        return []
     pairs = end_contacts(places.grains, TOUCHING * places.diameter)
     if pairs:
         first, second = pairs[0]
@@ -129,8 +130,9 @@ def _check_ends(places: Places, errors: ErrorList) -> None:
         errors.add(
             _KEY,
             f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, "
-            "its end none: move them, or make the cylinder longer",
+            "its end none: move them apart, or make the cylinder longer",
         )
+    return pairs
 
 
 def check_chosen(
@@ -269,9 +271,22 @@ def _check_period(packing: PackingSection, grains: Grains, errors: ErrorList) ->
     return len(errors.lines) == before
 
 
-def _check_overlaps(places: Places, errors: ErrorList, *, taken: bool) -> None:
-    """Check that no grains overlap at the start; ``taken``: but a little, as precompression."""
+def _check_overlaps(
+    places: Places, errors: ErrorList, *, taken: bool, besides: Collection[tuple[int, int]] = ()
+) -> None:
+    """Check that no grains overlap at the start.
+
+    Parameters
+    ----------
+    taken
+        True if they may a little, as precompression.
+    besides
+        Pairs of ids that are refused for another reason.
+    """
     pairs, overlaps = places.overlapping()
+    if besides:
+        other = np.array([tuple(pair) not in besides for pair in pairs.tolist()], dtype=bool)
+        pairs, overlaps = pairs[other], overlaps[other]
     if not len(pairs):
         return
     first, second = pairs[0].tolist()

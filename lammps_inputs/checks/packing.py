@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.case.sections import Boundary
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import lattice_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import materials_on_top

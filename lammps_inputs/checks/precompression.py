@@ -9,14 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.sections import Boundary, Precompression
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
 from granwave.lammps_inputs.lattices import KINDS
-from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer, walls
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
@@ -47,7 +49,7 @@ def check_precompression(
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(stage, packing, boundary, errors)
-            if parts["contact"].line != "plane-strain":
+            if (contact := parts.get("contact")) is not None and contact.line != "plane-strain":
                 _check_line_contacts(stage, packing, errors)
         return
     if stage.kind == "uniform":

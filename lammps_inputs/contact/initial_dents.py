@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.dents import Dents
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.case.sections import Dents
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from granwave._contact_laws import ContactLaw, LineContact
-from granwave.lammps_inputs.case.sections import LAW_CONSTANTS, LAWS, Contact
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact
 from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble

@@ -19,8 +19,8 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.contact import Contact
     from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.case.sections import Contact
     from granwave.lammps_inputs.case.shape import Shape
     from granwave.lammps_inputs.packing.assembly import Assembly
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import dataclasses
 
 from granwave.lammps_inputs.contact.absorbing import absorbing_ids
-from granwave.lammps_inputs.packing.assembly import Assembly, held_ids, struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.lines import line_ids
+from granwave.lammps_inputs.packing.motion import held_ids, struck_of
 
 
 @dataclasses.dataclass(frozen=True)

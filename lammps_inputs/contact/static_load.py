@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.sections import Contact
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly

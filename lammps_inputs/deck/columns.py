@@ -8,6 +8,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.case import Case
 
 FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
 TURNING = "turning"  # of cases with rotation
@@ -214,3 +218,14 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
         Name of the fix, inserted for ``{}``.
     """
     return {column.name: column.source.format(of) for column in table if not column.when or column.when in having}
+
+
+def recorded(case: Case) -> tuple[str, ...]:
+    """Return the conditions that select the columns of the contacts of a case."""
+    there = {
+        FRICTION: case.has_friction,
+        DENTS: case.has_initial_dents,
+        LOSS: case.has_loss,
+        FORCES_OF_ALL: case.output.contact_forces,
+    }
+    return tuple(name for name, recorded in there.items() if recorded)

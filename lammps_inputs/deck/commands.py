@@ -1,13 +1,15 @@
-"""Elements of the LAMMPS input script: numbers, lists, long commands, and coefficients of contact laws."""
+"""Elements of the input script: numbers, lists, long commands, dumps, time series, coefficients of contact laws."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.run_directory import DUMPS
+
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.contact import Contact
     from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.case.sections import Contact
     from granwave.lammps_inputs.contact.loss import Viscous
 
 _WIDTH = 110
@@ -45,6 +47,26 @@ def command(*words: str) -> list[str]:
         else:
             lines[-1] += " " + word
     return lines
+
+
+def time_series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:
+    """Return the command of a time series: one row every so many steps, the step first."""
+    return command(
+        f"fix             {name} all ave/time {every} 1 {every}",
+        *columns.values(),
+        f'{"append" if resumed else "file"} {DUMPS}/{file} format " %.17g" title1 "# {title}"',
+        f'title2 "# {joined(["step", *columns])}"',
+    )
+
+
+def first_or_append(resumed: bool) -> str:
+    """Return the arguments of dump_modify: a snapshot at the first step, or appended to earlier ones."""
+    return "append yes first no" if resumed else "first yes"
+
+
+def column_names(columns: dict[str, str]) -> list[str]:
+    """Return the arguments of dump_modify that name the columns, given their sources by name."""
+    return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 
 
 def law_coefficients(

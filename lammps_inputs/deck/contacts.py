@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, law_coefficients, num
-from granwave.lammps_inputs.packing.assembly import Assembly, held_ids
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,

@@ -10,8 +10,9 @@ import numpy as np
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.shape import Shape, density_as_sphere
 from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.packing.assembly import Assembly, Species, own_velocities
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
 from granwave.lammps_inputs.packing.bars import PlacedBar
+from granwave.lammps_inputs.packing.motion import own_velocities
 from granwave.lammps_inputs.packing.places import Places
 
 _STILL = (0.0, 0.0, 0.0)

@@ -11,7 +11,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.data_file import write_data
-from granwave.lammps_inputs.deck.output import output_files
+from granwave.lammps_inputs.deck.output_files import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.deck_changes import note_deck
@@ -19,7 +19,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim, clear, results_in
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.motion import struck_of
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.run_directory import (

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from granwave.lammps_inputs.deck.columns import FORCES, WALL_FORCES, sources
 from granwave.lammps_inputs.deck.commands import command, joined
-from granwave.lammps_inputs.deck.output import contacts_file, count_commands, count_written
+from granwave.lammps_inputs.deck.final_contacts import contacts_file, count_commands, count_written
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
     DUMPS,
@@ -24,7 +25,7 @@ def contacts_of_stage(assembly: Assembly) -> list[str]:
     """Return the compute of contacts, before the last step of the stage; `initial_forces` takes it back."""
     return [
         "compute         contacts all gran/hysteretic/local",
-        *(count_commands() if assembly.in_parts else []),
+        *(count_commands() if written_in_parts(assembly) else []),
     ]
 
 
@@ -38,7 +39,7 @@ def initial_forces(assembly: Assembly) -> list[str]:
         f'"{joined(["%.17g"] * len(columns))}"',
         *_names(columns),
     )
-    lines += [count_written(INITIAL_COUNT_FILE)] if assembly.in_parts else []
+    lines += [count_written(INITIAL_COUNT_FILE)] if written_in_parts(assembly) else []
     for fix in (fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)):
         columns = sources(WALL_FORCES, of=fix)
         lines += command(
@@ -50,7 +51,7 @@ def initial_forces(assembly: Assembly) -> list[str]:
     return [
         "# The forces of all contacts under the static load.",
         *lines,
-        *(f"uncompute       {name}" for name in (*(_COMPUTES if assembly.in_parts else ()), "contacts")),
+        *(f"uncompute       {name}" for name in (*(_COMPUTES if written_in_parts(assembly) else ()), "contacts")),
     ]
 
 

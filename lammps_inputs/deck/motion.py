@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num
-from granwave.lammps_inputs.packing.assembly import Assembly, own_velocities, struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
+from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.walls import PLATE, walls
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 

@@ -24,9 +24,11 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
+from granwave.lammps_inputs.deck.energy_ledger import POTENTIAL
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
 from granwave.lammps_inputs.deck.initial_forces import contacts_of_stage, initial_forces
-from granwave.lammps_inputs.deck.output import POTENTIAL, displacements, outward_force
+from granwave.lammps_inputs.deck.probes import displacements
+from granwave.lammps_inputs.deck.wall_forces import outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.places import Places

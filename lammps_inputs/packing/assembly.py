@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.bodies import Hold, Striker
+from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.shape import Shape, mass_of
@@ -27,14 +27,8 @@ from granwave.lammps_inputs.packing.grain_words import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, places_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 
 _KEPT = 4  # assemblies
-_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
-_LINE_HISTORY = 2000  # instants
-_PARTS_FROM = 10_000_000  # spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
-_IN_A_PERIOD, _MOST_HISTORY_VALUES = 10, 1e7  # instants in the shortest period of a load; instants times particles
-_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
 
 
 @dataclasses.dataclass(frozen=True)
@@ -279,16 +273,6 @@ class Assembly:
             return self.lattice.diameter / 2
         return max(self.lattice.diameter, float(self.sites.nominal.max())) / 2
 
-    def echoes(self) -> dict[str, float]:
-        """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
-        found, arrival = {}, 0.0
-        for bar in self.bars:
-            crossing = bar.section.length / bar.wave_speed
-            if bar.name == INCIDENT_BAR:
-                arrival = crossing  # time at which the load reaches the chain
-            found[bar.name] = arrival + 2 * crossing
-        return found
-
     @property
     def top_radius(self) -> float:
         """Nominal radius of the first bead of a chain, next to the incident bar, m."""
@@ -338,31 +322,6 @@ class Assembly:
         if sphere > self.lattice.n_spheres:
             return self.strikers[sphere - self.lattice.n_spheres - 1][1]
         return np.asarray(self.lattice_positions(sphere, sphere)[0])
-
-    @property
-    def history(self) -> int:
-        """Number of instants at which velocities and forces of a chain are recorded; 0: none."""
-        output, packing = self.case.output, self.case.packing
-        if output.history != "auto":
-            return output.history
-        if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
-            return 0
-        instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / self.n_particles))
-        if self.case.load.driven and self.case.load.oscillates:
-            instants = max(instants, _IN_A_PERIOD * self.case.load.frequencies[1] * self.case.run.longest)
-        return int(min(instants, _MOST_HISTORY_VALUES / self.n_particles))
-
-    @property
-    def line_history(self) -> int:
-        """Number of instants at which the grains of the lines of a case are recorded."""
-        history = self.case.output.history
-        return history if not isinstance(history, str) and history else _LINE_HISTORY
-
-    @property
-    def in_parts(self) -> bool:
-        """True if each rank writes its own snapshots and contacts."""
-        parts = self.case.output.parts
-        return self.n_spheres >= _PARTS_FROM if parts == "auto" else bool(parts)
 
     @property
     def _n_touches(self) -> int:
@@ -434,62 +393,6 @@ def lattice_of(case: Case) -> Layout:
         period = case.packing.period if case.boundary.sides == "periodic" else None
         return places_of(case.packing.grains, case.packing.diameter, period)
     return case.packing.lattice(periodic=case.boundary.sides == "periodic")
-
-
-def struck_of(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those that move."""
-    case = assembly.case
-    if case.load.index is not None:
-        return case.load.index
-    if case.load.hits_spheres:
-        return struck_spheres(assembly.lattice, case.load.spheres)
-    if case.load.kind == "plate":
-        centre = struck_spheres(assembly.lattice, 1)
-        return centre + tuple(one for one in assembly.lattice.top_layer.tolist() if one not in centre)
-    if case.load.kind == "grains":
-        return tuple(own_velocities(assembly))
-    moving = [
-        number for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1) if striker.moves
-    ]
-    return tuple(moving)
-
-
-def struck_site(assembly: Assembly) -> int | None:
-    """Return the id of the struck sphere, or of the sphere that the first moving striker hits; None if none is."""
-    struck = struck_of(assembly)
-    sphere = struck[0] if struck else None
-    while sphere is not None and sphere > assembly.lattice.n_spheres:
-        sphere = assembly.case.striker[sphere - assembly.lattice.n_spheres - 1].touches[0]
-    return sphere
-
-
-def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Return the initial velocities by id of the spheres that have one, m/s."""
-    case = assembly.case
-    found = own_velocities(assembly)
-    if case.load.kind == "impact":
-        found |= dict.fromkeys(struck_of(assembly), case.load.initial_velocity)
-    for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1):
-        if striker.moves:
-            found[number] = striker.velocity
-    return found
-
-
-def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Return the velocities of the grains of a file that have one, by id, the fastest first, m/s."""
-    if not isinstance(assembly.lattice, Places):
-        return {}
-    velocity = assembly.lattice.grains.velocity
-    speed = np.linalg.norm(velocity, axis=1)
-    moving = np.argsort(-speed, kind="stable")[: np.count_nonzero(speed)]
-    return {row + 1: tuple(velocity[row].tolist()) for row in moving.tolist()}
-
-
-def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
-    """Return the ids of the grains that an entry ``[[hold]]`` holds, in rising order."""
-    if hold.index is not None:
-        return tuple(sorted(set(hold.index)))
-    return case.packing.grains.of_group(hold.group or "") if case.packing.grains is not None else ()
 
 
 def gap_tolerance(case: Case) -> float:

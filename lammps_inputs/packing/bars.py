@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,3 +91,14 @@ def place_bar(name: str, section: Bar, material: Material, first: int, face: flo
     mass = np.full(n + 1, material.density * section.area * section.length / n)
     mass[[0, -1]] /= 2
     return PlacedBar(name, section, material, first, first + n if ahead else first, touches, position, mass)
+
+
+def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
+    """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
+    found, arrival = {}, 0.0
+    for bar in bars:
+        crossing = bar.section.length / bar.wave_speed
+        if bar.name == INCIDENT_BAR:
+            arrival = crossing  # time at which the load reaches the chain
+        found[bar.name] = arrival + 2 * crossing
+    return found

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granwave.lammps_inputs.packing.assembly import Assembly, struck_site
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import struck_site
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.bodies import Line

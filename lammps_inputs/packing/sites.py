@@ -28,8 +28,8 @@ from granwave.lammps_inputs.packing.tilted import lean
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.load import Load
+    from granwave.lammps_inputs.case.output import Output
     from granwave.lammps_inputs.case.packing import PackingSection
-    from granwave.lammps_inputs.case.sections import Output
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

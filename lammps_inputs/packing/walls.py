@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import elliptic_radius
+from granwave.lammps_inputs.case.boundary import Touched
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.sections import Touched
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
 from granwave.lammps_inputs.packing.cylinders import extents

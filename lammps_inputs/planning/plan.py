@@ -110,7 +110,8 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
         if isinstance(error, InputError):
             raise
         raise InputError(
-            f"{case.name}: no timestep can be found for these values ({error}); are they all in SI units?"
+            f"{case.name}: run.timestep: none can be found for the values of material, contact and load ({error}); are "
+            "they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(case, schedule)
     return Plan(

@@ -16,9 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.sections import AUTO_END_TIME, DEFAULT_FRAMES
+from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.records import chain_history, line_history
 from granwave.lammps_inputs.planning.timestep import auto_timestep, largest_timestep
 
 if TYPE_CHECKING:
@@ -135,7 +136,7 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         frame_every=frame_every,
         frame_steps=frame_steps,
         history_every=_history_every(assembly, steps, span),
-        line_every=steps.unit * steps.units(span / assembly.line_history) if case.line else 0,
+        line_every=steps.unit * steps.units(span / line_history(assembly)) if case.line else 0,
         first_step=steps.unit // steps.per_first,
         longest_step=steps.unit,
         energy_tolerance=case.run.energy_tolerance if steps.adaptive else 0.0,
@@ -251,10 +252,10 @@ def _intervals(assembly: Assembly, first: float) -> list[float]:
     if case.probes:
         interval = case.output.probe_interval
         found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
-    if assembly.history:
-        found.append(span / assembly.history)
+    if chain_history(assembly):
+        found.append(span / chain_history(assembly))
     if case.line:
-        found.append(span / assembly.line_history)
+        found.append(span / line_history(assembly))
     return found
 
 
@@ -287,7 +288,7 @@ def _divisor(n_steps: int, most: int) -> int:
 
 
 def _history_every(assembly: Assembly, steps: _Steps, span: float) -> int:
-    return steps.unit * steps.units(span / assembly.history) if assembly.history else 0
+    return steps.unit * steps.units(span / chain_history(assembly)) if chain_history(assembly) else 0
 
 
 def _probe_every(case: Case, steps: _Steps) -> int:

@@ -1,21 +1,4 @@
-"""Timestep from the stiffest contact that the load can cause.
-
-The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass m_eff at the normal
-velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loading:
-
-* the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
-* the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
-  m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
-* a sphere that a rigid plate throws forward at twice its velocity, or the share of a contact in the plate's energy;
-* a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
-  cubic), else v halved with each layer on the way.
-
-If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a pair of masses
-m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that of its impulse J on a free sphere,
-J^2/2m, and no contact force exceeds some 2.5 F (thesis 4.1: 2.3 F in a chain). If there are many diameters, those
-within 10 % of each other are represented by the smallest one, which has the stiffest contact for its mass. Equal
-spheres with diameter scatter are represented by the smallest one, struck by one of nominal size. Under a static load
-each contact also takes up the work of that load.
+"""Timestep from the stiffest contact that the load can cause; see `granwave.lammps_inputs.planning.encounters`.
 
 The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The error
 of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts store all the energy.
@@ -37,124 +20,32 @@ dt is rounded down to two significant digits. At given velocity it is proportion
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from granwave.lammps_inputs.case.sections import ENERGY_TOLERANCE, NO_FORCE
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
-from granwave.lammps_inputs.contact.initial_dents import largest_dent
-from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
-from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, struck_of, velocities_of
-from granwave.lammps_inputs.packing.bars import INCIDENT_BAR
-from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
-from granwave.lammps_inputs.roots import brentq
+from granwave.lammps_inputs.planning.encounters import encounters, some_encounters
 
 if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.load import Load
-    from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.packing.sites import Sites
+
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
-_SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
-_OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
-_LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
+
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4  # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
-_OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
-_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
-_LARGEST_OVERLAP = 2.0  # upper limit of the search, in effective radii, far beyond the range of all laws
-
-
-@dataclasses.dataclass(frozen=True)
-class Encounter:
-    """Collision that bounds the overlaps of the run.
-
-    Attributes
-    ----------
-    law
-        Law of the contact.
-    energy
-        Work of loading that the contact takes up, J.
-    mass
-        Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a sphere at a wall.
-    against_wall
-        True if there is no second sphere.
-    dent
-        Largest overlap that such a contact had before the run, m; up to it the unloading stiffness applies.
-    loss
-        Kind and size of the viscous loss of the contact.
-    """
-
-    law: ContactLaw
-    energy: float
-    mass: float
-    against_wall: bool = False
-    dent: float = 0.0
-    loss: Viscous | None = None
-
-    @property
-    def overlap(self) -> float:
-        """Overlap at which the work of loading equals the energy, m."""
-        limit = _LARGEST_OVERLAP * self.law.effective_radius
-        if _work(self.law, limit) <= self.energy:
-            return limit
-
-        def excess(logarithm: float) -> float:
-            return math.log(_work(self.law, math.exp(logarithm)) / self.energy)
-
-        low = math.log(limit)
-        while excess(low) > 0:
-            low -= 5.0
-        return math.exp(brentq(excess, low, math.log(limit), xtol=1e-10))
-
-    @property
-    def stiffness(self) -> float:
-        """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading for the rest."""
-        peak = np.array([self.overlap])
-        if self.dent > peak[0]:
-            return self._within_dent
-        below = peak * (1 - _SLOPE_SPAN)
-        loading = (self.law.loading_force(peak) - self.law.loading_force(below)) / (peak - below)
-        unloading = self.law.unloading_stiffness(peak)
-        returned = 1 - self.law.dissipated_energy(peak) / self.law.loading_work(peak)
-        return float((returned * unloading + (1 - returned) * loading)[0])
-
-    @property
-    def decay_time(self) -> float:
-        """Time in which the viscous force would stop the bodies at that overlap, s; infinite without one."""
-        if self.loss is None:
-            return math.inf
-        kind, size = self.loss
-        peak = np.array([max(self.overlap, self.dent)])
-        stiffness = max(float(self.law.unloading_stiffness(peak)[0]), self.stiffness)
-        coefficient = size * stiffness if kind == "time" else size * math.sqrt(self.mass / 3 * stiffness)
-        return self.mass / 2 / coefficient
-
-    @property
-    def _within_dent(self) -> float:
-        """Stiffness at which an elastic contact with the dent stores the energy, N/m; unloading is a power law."""
-        dent = np.array([self.dent])
-        force, steepest = self.law.loading_force(dent), self.law.unloading_stiffness(dent)
-        held = self.law.loading_work(dent) - self.law.dissipated_energy(dent)
-        ratio = steepest * held / force**2  # n/(n + 1) of the exponent n, and (n - 1)/(n + 1) = 2 ratio - 1
-        return float((steepest * np.minimum(1.0, self.energy / held) ** (2 * ratio - 1))[0])
 
 
 def expected_peak_overlap(case: Case | Assembly) -> float:
     """Return an upper bound on the largest overlap of two spheres in the run, m."""
     assembly = assemble(case)
-    between = [encounter.overlap for encounter in _encounters(assembly) if not encounter.against_wall]
+    between = [encounter.overlap for encounter in encounters(assembly) if not encounter.against_wall]
     return max(between, default=0.0)
 
 
@@ -169,7 +60,7 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     Raises
     ------
     ValueError
-        No contact absorbs energy.
+        No contact absorbs energy, or one has no stiffness at its overlap.
     """
     assembly = assemble(case)
     for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR) * shortest_time(assembly)
@@ -180,220 +71,15 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
 
 def shortest_time(assembly: Assembly) -> float:
     """Return the smallest sqrt(mass/stiffness) of the contacts expected, s."""
-    return math.sqrt(min(encounter.mass / encounter.stiffness for encounter in _some_encounters(assembly)))
+    return math.sqrt(min(encounter.mass / encounter.stiffness for encounter in some_encounters(assembly)))
 
 
 def largest_timestep(assembly: Assembly) -> float:
     """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without these."""
-    stiffness = max(encounter.stiffness for encounter in _some_encounters(assembly))
-    of_losses = [_OF_VISCOUS_DECAY * encounter.decay_time for encounter in _some_encounters(assembly)]
+    stiffness = max(encounter.stiffness for encounter in some_encounters(assembly))
+    of_losses = [_OF_VISCOUS_DECAY * encounter.decay_time for encounter in some_encounters(assembly)]
     of_bars = [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
     return min(support_timestep(assembly, stiffness), *of_bars, *of_losses, math.inf)
-
-
-def expected_energy(assembly: Assembly) -> float:
-    """Return the energy input of the load, J; for a force an upper bound."""
-    case = assembly.case
-    energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
-    energy += _energy_of_plate(case.load)
-    return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
-
-
-def fastest(assembly: Assembly) -> float:
-    """Return an upper bound on the speed of any sphere, m/s."""
-    case = assembly.case
-    given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
-    if case.load.kind == "force":
-        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / _least_mass(assembly)))
-    elif case.load.kind == "displacement":
-        given = max(given, case.load.fastest)
-    elif case.load.plate is not None:
-        given = max(given, 2 * case.load.velocity)  # of a sphere that a heavy plate hits
-    return given
-
-
-def _some_encounters(assembly: Assembly) -> list[Encounter]:
-    if not (found := _encounters(assembly)):
-        raise ValueError("no contact takes up any energy")
-    return found
-
-
-def _encounters(assembly: Assembly) -> list[Encounter]:
-    case = assembly.case
-    plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
-    found = _of_impact(assembly) if plain else _of_any(assembly)
-    if case.precompression is not None:
-        found = [one for one in found if one.law.name != NO_FORCE]
-        force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
-        found = [
-            dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
-            for one in found
-        ]
-    if case.contact.initial_overlap:
-        found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
-    return [encounter for encounter in found if encounter.energy > 0 and encounter.law.name != NO_FORCE]
-
-
-def _of_impact(assembly: Assembly) -> list[Encounter]:
-    """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
-    case = assembly.case
-    striking, velocity = case.sphere_mass, case.load.velocity
-    sites = assembly.sites
-    smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
-    law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
-    loss = _loss(assembly, assembly.material, assembly.material)
-    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
-    supports = assembly.lattice.rule.supports
-    if len(supports):
-        n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
-        found.append(
-            Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass, loss=loss)
-        )
-    if case.boundary.bottom == "wall":
-        # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
-        halvings = assembly.lattice.n_layers - 1 if assembly.lattice.rule.set_back else 0
-        energy = striking * (velocity * 0.5**halvings) ** 2 / 2
-        loss = _loss(assembly, assembly.material, None, flat=True)
-        found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss))
-    return found
-
-
-def _of_any(assembly: Assembly) -> list[Encounter]:
-    """Return a collision with the whole energy input for each kind of touching pair."""
-    case = assembly.case
-    energy = expected_energy(assembly)
-    found = []
-    for first, second in _kinds_of_pairs(assembly):
-        masses = assembly.mass_of(first), assembly.mass_of(second)
-        law, effective = pair_contact(assembly, first, second), math.prod(masses) / sum(masses)
-        taken = _limited(assembly, law, energy * max(masses) / sum(masses))
-        loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
-        found.append(Encounter(law, taken, 2 * effective, loss=loss))
-    flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
-    if case.load.plate is not None:
-        flats += [(int(assembly.lattice.top_layer[0]), None)]
-    if case.boundary.bottom == "wall":
-        flats += [(sphere, case.boundary.bottom_material) for sphere in _kinds_of_last_layer(assembly)]
-    if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
-        kinds = [1] if assembly.sites is None else _kinds(assembly.sites).example.tolist()
-        flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
-    for sphere, material in flats:
-        law = flat_contact(assembly, sphere, material)
-        loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
-        taken, mass = _limited(assembly, law, energy), 2 * assembly.mass_of(sphere)
-        found.append(Encounter(law, taken, mass, against_wall=True, loss=loss))
-    return found
-
-
-def _loss(assembly: Assembly, first: Material, second: Material | None, *, flat: bool = False) -> Viscous | None:
-    return viscous_loss(assembly, assembly.case.contact_between(first, second), first, second, flat=flat)
-
-
-def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
-    """Limit the energy absorbed by a contact by the magnitude of the load, J."""
-    case = assembly.case
-    load = case.load
-    if load.kind == "displacement":
-        return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
-    if load.plate is not None:
-        # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
-        share = _energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
-        return min(energy, max(_OF_PLATE * share, _largest_mass(assembly) * (2 * load.velocity) ** 2 / 2))
-    if load.kind != "force" or velocities_of(assembly):
-        return energy
-    bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
-    return bound if load.oscillates else min(energy, bound)
-
-
-def _energy_of_force(assembly: Assembly) -> float:
-    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the wave in the bar."""
-    case = assembly.case
-    load = case.load
-    for bar in assembly.bars:
-        if bar.name == INCIDENT_BAR:
-            impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
-            return load.largest * load.impulse / impedance
-    masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
-    return load.impulse**2 / (2 * sum(masses))
-
-
-def _energy_of_plate(load: Load) -> float:
-    """Return the energy of a plate, J; 0 for other loads."""
-    mass, velocity = load.plate or (0.0, 0.0)
-    return mass * velocity**2 / 2
-
-
-def _largest_mass(assembly: Assembly) -> float:
-    return float(assembly.sphere_masses().max()) if not assembly.plain else assembly.case.sphere_mass
-
-
-def _least_mass(assembly: Assembly) -> float:
-    case = assembly.case
-    return float(assembly.sphere_masses().min()) if not assembly.plain else case.sphere_mass
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Kinds:
-    """Kinds of spheres at the sites of a lattice.
-
-    Attributes
-    ----------
-    of
-        Kind by site: (n_sites,); -1 for vacant ones.
-    example
-        Id of a sphere of each kind.
-    """
-
-    of: NDArray[np.int64]
-    example: NDArray[np.int64]
-
-
-def _kinds(sites: Sites) -> _Kinds:
-    """Classify spheres by material and diameter, or by ranges of diameters if there are too many."""
-    diameters, size = np.unique(sites.diameter, return_inverse=True)
-    if len(diameters) * len(sites.bodies) > _MOST_KINDS:
-        size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
-    code = np.where(sites.present, sites.body * (size.max() + 1) + size, -1)
-    order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
-    codes, first = np.unique(code[order], return_index=True)
-    example = order[first][codes >= 0] + 1
-    return _Kinds(np.searchsorted(codes[codes >= 0], code) - (code < 0), example)
-
-
-def _kinds_of_last_layer(assembly: Assembly) -> list[int]:
-    """Return a sphere of each kind in the last layer."""
-    sites = assembly.sites
-    if sites is None:
-        return [assembly.lattice.n_spheres]
-    kinds = _kinds(sites)
-    there = np.unique(kinds.of[assembly.lattice.last_layer - 1])
-    return kinds.example[there[there >= 0]].tolist()
-
-
-def _kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
-    sites = assembly.sites
-    pairs: list[tuple[int, int]] = []
-    if sites is None:
-        pairs += [(1, 1)] if assembly.lattice.n_spheres > 1 else []
-    else:
-        kinds = _kinds(sites)
-        n = len(kinds.example)
-        codes = {
-            int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
-        }
-        if isinstance(assembly.lattice, Places):  # any two grains may meet
-            codes = {first * n + second for first in range(n) for second in range(first, n)}
-        pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
-        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
-        pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
-    for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
-        pairs += [(number, touched) for touched in striker.touches]
-    alike = {
-        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
-        for pair in pairs
-    }
-    return list(alike.values())
 
 
 def _times_of_load(load: Load) -> list[float]:
@@ -401,19 +87,6 @@ def _times_of_load(load: Load) -> list[float]:
     if load.oscillates:
         return [1 / load.frequencies[1]]
     return [load.duration] if load.duration else []
-
-
-def _work_to_force(law: ContactLaw, force: float) -> float:
-    """Return the work of loading up to a force, J."""
-    low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
-    if float(law.loading_force(np.array([high]))[0]) <= force:
-        return _work(law, high)
-    overlap = brentq(lambda a: float(law.loading_force(np.array([a]))[0]) - force, low, high, xtol=1e-16, rtol=1e-10)
-    return _work(law, overlap)
-
-
-def _work(law: ContactLaw, overlap: float) -> float:
-    return float(law.loading_work(np.array([overlap]))[0])
 
 
 def _round_down(value: float, digits: int = 2) -> float:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.planning.timestep import expected_energy
+from granwave.lammps_inputs.planning.energy_input import expected_energy
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case

@@ -21,8 +21,9 @@ from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, struck_site
-from granwave.lammps_inputs.planning.timestep import expected_energy
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import struck_site
+from granwave.lammps_inputs.planning.energy_input import expected_energy
 
 if TYPE_CHECKING:
     pass

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
+/* Fix gran/timestep: choice of the step. Restart files are in fix_gran_timestep_restart.cpp. */
+
 #include "fix_gran_timestep.h"
 
 #include "atom.h"
@@ -24,7 +26,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1;
 constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
@@ -357,69 +358,3 @@ void FixGranTimestep::post_run()
 }
 
 double FixGranTimestep::compute_vector(int n) { return reported[n]; }
-
-/* ---------------------------------------------------------------------- restart */
-
-void FixGranTimestep::write_restart(FILE *fp)
-{
-  if (comm->me != 0) return;
-  const auto &state = controller.state();
-  const double values[] = {double(RESTART_FORMAT),
-                           tick,
-                           origin,
-                           energy,
-                           bound,
-                           s,
-                           double(n_steps),
-                           double(shortest_taken),
-                           double(longest_taken),
-                           double(state.ticks),
-                           std::round(reported[0] / tick),
-                           double(state.wanted),
-                           double(state.steps),
-                           double(state.since),
-                           state.start,
-                           state.left,
-                           state.swing,
-                           state.swing_before,
-                           reported[1]};
-  const int size = sizeof(values);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(values, sizeof(values), 1, fp);
-}
-
-void FixGranTimestep::restart(char *buffer)
-{
-  const auto *value = reinterpret_cast<const double *>(buffer);
-  const auto next = [&value] { return *value++; };
-  const auto whole = [&next] { return static_cast<std::int64_t>(next()); };
-  if (const double format = next(); format != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", format, STYLE, RESTART_FORMAT);
-  if (const double given = next(); given != tick)
-    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given,
-               tick);
-  origin = next();
-  energy = next();
-  bound = next();
-  s = next();
-  n_steps = whole();
-  shortest_taken = whole();
-  longest_taken = whole();
-  granwave::StepController::State state;
-  state.ticks = whole();
-  const std::int64_t reported_ticks = whole();
-  state.wanted = whole();
-  state.steps = whole();
-  state.since = whole();
-  state.start = next();
-  state.left = next();
-  state.swing = next();
-  state.swing_before = next();
-  const double error = next();
-  controller.restore(state);
-  taken = reported_ticks;
-  report();
-  reported[1] = error;
-  taken = state.ticks;
-  update->dt = static_cast<double>(taken) * tick;
-}

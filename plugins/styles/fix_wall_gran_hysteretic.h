@@ -107,6 +107,8 @@ class FixWallGranHysteretic : public Fix {
   static constexpr int N_SIDE = sizeof(Side) / sizeof(double),
                        N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
 
+  static constexpr double ROUNDING = 1e-12;    // relative to the radius: smaller overlaps are rounding errors of positions
+
   struct Contact {    // present contact of a sphere with a wall
     double force;
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only

@@ -17,7 +17,7 @@ from granwave.analysis.inference.case import read_infer_case
 from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.quantity_notes import NOTES
 from granwave.lammps_inputs import load_case, load_materials
-from granwave.lammps_inputs.case.sections import LAWS
+from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan

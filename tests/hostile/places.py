@@ -89,6 +89,7 @@ def odd_bytes(folder: Path) -> None:
         "png": b"\x89PNG\r\n\x1a\n" + bytes(64),
     }.items():
         (folder / f"{name}.toml").write_bytes(content)
+    (folder / "noise.csv").write_bytes(bytes(range(256)) * 40)
 
 
 def other_h5(folder: Path) -> None:

@@ -23,7 +23,7 @@ from typing import Any
 
 import pytest
 
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from tests.conftest import BIN, PLAIN
 from tests.hostile.powers import without_power_over_files
 

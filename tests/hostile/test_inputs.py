@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.scan_file import load_scan

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.case import bodies, packing, sections, supports
+from granwave.lammps_inputs.case import bodies, boundary, contact, output, packing, precompression, run, supports
 from granwave.lammps_inputs.case.added_grains import AddedGrains
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material
@@ -49,9 +49,9 @@ COMMANDS = {
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
     (CASE, "packing", packing.PackingSection, SPHERES),
-    (CASE, "contact", sections.Contact, SPHERES | {"contact": {}}),
+    (CASE, "contact", contact.Contact, SPHERES | {"contact": {}}),
     (CASE, "load", Load, SPHERES | {"load": {}}),
-    (CASE, "boundary", sections.Boundary, SPHERES | {"boundary": {}}),
+    (CASE, "boundary", boundary.Boundary, SPHERES | {"boundary": {}}),
     (CASE, "boundary.bottom.plate", supports.Plate, SPHERES
         | {"boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 1e8}, "material": BRASS}}}),
     (CASE, "boundary.bottom.damper", supports.Damper, SPHERES
@@ -60,10 +60,10 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
         | {"boundary": {"bottom": {"half_space": {}, "material": BRASS}}}),
     (CASE, "boundary.bottom.bar", supports.SupportBar, SPHERES
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
-    (CASE, "precompression", sections.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
-    (CASE, "run", sections.Run, SPHERES),
-    (CASE, "output", sections.Output, SPHERES | {"output": {}}),
-    (CASE, "pair.1", sections.Contact, SPHERES
+    (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
+    (CASE, "run", run.Run, SPHERES),
+    (CASE, "output", output.Output, SPHERES | {"output": {}}),
+    (CASE, "pair.1", contact.Contact, SPHERES
         | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
     (CASE, "striker.1", bodies.Striker, SPHERES | {"striker": [{"touches": 6, "velocity": [0, 0, 1]}]}),
@@ -71,7 +71,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "guide.1", bodies.Guide, SPHERES | {"guide": [{"index": 3, "free": "z"}]}),
     (CASE, "grains.1", AddedGrains, CHAIN
         | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004}], "boundary": {"bottom": "free"}}),
-    (CASE, "boundary.sides.tube", sections.Tube, CHAIN | {"boundary": {"sides": {"tube": {"radius": 0.02}}}}),
+    (CASE, "boundary.sides.tube", boundary.Tube, CHAIN | {"boundary": {"sides": {"tube": {"radius": 0.02}}}}),
     (CASE, "line.1", bodies.Line, SPHERES | {"line": [{"name": "down"}]}),
     (CASE, "sensor.1", bodies.Sensor, SPHERES | {"sensor": [{"name": "A", "id": 3}]}),
     (CASE, "bar", bodies.Bar, CHAIN | {"bar": BAR}),
@@ -174,7 +174,7 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (sections, bodies, supports):
+    for module in (bodies, boundary, contact, output, precompression, run, supports):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)

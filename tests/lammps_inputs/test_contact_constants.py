@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
-from granwave.lammps_inputs.case import sections
+from granwave.lammps_inputs.case import contact
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
@@ -38,9 +38,9 @@ def case(**contact) -> Case:
 
 def test_one_list_of_constants():
     """Header, case file and twin agree on the names and on the published values."""
-    assert tuple(LAW_CONSTANTS) == sections.LAW_CONSTANTS == CONSTANTS
+    assert tuple(LAW_CONSTANTS) == contact.LAW_CONSTANTS == CONSTANTS
     assert tuple(LAW_CONSTANTS.values()) == PRINTED
-    described = {f.name: f.metadata["description"] for f in dataclasses.fields(sections.Contact)}
+    described = {f.name: f.metadata["description"] for f in dataclasses.fields(contact.Contact)}
     for name, printed in LAW_CONSTANTS.items():
         assert re.search(rf"; {re.escape(f'{printed:g}')} \(thesis 2\.\d+\)$", described[name]), name
 

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.workflows import load_case, load_scan
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 _SPARE = 4_000_000_000  # bytes of address space in addition to those in use
 

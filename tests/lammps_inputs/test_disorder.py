@@ -1,8 +1,7 @@
-"""Disorder: diameters within a tolerance, vacancies, replaced spheres; random numbers, and absence of overlaps."""
+"""Disorder: diameters within a tolerance, random numbers, timestep and time; see also test_unlike_spheres.py."""
 
 from __future__ import annotations
 
-import dataclasses
 import logging
 import math
 import time
@@ -14,65 +13,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from granwave.analysis.lammps_output.dumps import read_contacts
-from granwave.analysis.lammps_output.time_series import read_energy
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.data_file import write_data
-from granwave.lammps_inputs.deck.deck import write_deck
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
-from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.lammps_inputs.packing.packing import Packing, build_packing
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.walls import walls
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.timestep import auto_timestep
-from granwave.workflows import run_case
-from tests.helpers.contacts import assert_same_contacts
-
-LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
-
-D = 0.01
-SIZES = {"fcc": (7, 8, 6), "hcp": (6, 8, 5), "bcc": (6, 7, 8), "sc": (5, 6, 7), "square": (9, 8), "chain": (12,)}
-ANY_SIZE = (6, 8, 7)  # of other kinds
-INNER = 200  # sphere (3, 4, 3) of the fcc packing
-BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbors: touches the six next
-
-
-def case_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
-    size = size or SIZES.get(kind, ANY_SIZE[: len(KINDS[kind].axes)])
-    equal = is_plane_crystal(kind) and tables.get("boundary", {}).get("sides") == "periodic"
-    packing = {
-        "kind": kind,
-        "size": list(size) if len(size) > 1 else size[0],
-        "diameter": D,
-        **({"top_row": "equal"} if equal else {}),
-        **tables.pop("packing", {}),
-    }
-    return case_from_dict({"name": "test", "packing": packing, "material": "brass", **tables})
-
-
-def diameters(case: Case) -> np.ndarray:
-    return assemble(case).sphere_diameters()
-
-
-def around(sphere: int, case: Case | None = None) -> list[int]:
-    return assemble(case or case_of()).lattice.neighbours(sphere)
-
-
-def all_gaps(packing: Packing) -> np.ndarray:
-    """Gaps between the surfaces of all pairs of spheres, with the nearest image: (n, n), m; infinite on the diagonal."""
-    step = packing.positions[None] - packing.positions[:, None]
-    if packing.lattice.periodic:
-        for axis, length in enumerate(packing.lattice.lengths):
-            step[..., axis] -= length * np.round(step[..., axis] / length)
-    diameter = packing.atoms.get_array("diameters")
-    gaps = np.linalg.norm(step, axis=2) - (diameter[None] + diameter[:, None]) / 2
-    np.fill_diagonal(gaps, np.inf)
-    return gaps
+from tests.helpers.disordered import LATTICES, D, all_gaps, case_of, diameters
 
 
 class TestDiameters:
@@ -231,113 +180,6 @@ class TestSeed:
         assert is_random(case_of(replace=[{"share": 0.1, "material": "steel"}]))
 
 
-class TestVacancies:
-    def test_ids_are_those_of_the_lattice(self, tmp_path: Path) -> None:
-        case = case_of(packing={"vacancies": [1, 17, 300]})
-        packing, full = build_packing(case), build_packing(case_of())
-        kept = np.setdiff1d(full.ids, [1, 17, 300])
-        np.testing.assert_array_equal(packing.ids, kept)
-        np.testing.assert_array_equal(packing.positions, full.positions[kept - 1])
-        np.testing.assert_array_equal(packing.rows(packing.ids), np.arange(len(kept)))
-        expected = full.contacts[~np.isin(full.contacts, [1, 17, 300]).any(axis=1)]
-        np.testing.assert_array_equal(packing.contacts, expected)
-        assert (assemble(case).n_spheres, assemble(case).n_contacts) == (333, len(expected))
-        assert assemble(case).last_sphere == 336 and not assemble(case).plain
-        np.testing.assert_array_equal(packing.coordination, np.bincount(expected.ravel(), minlength=337)[kept])
-        write_data(assemble(case), tmp_path / "data")
-        text = (tmp_path / "data").read_text().split("Atoms # sphere: id type diameter density x y z")
-        assert "\n333 atoms\n" in text[0]
-        rows = np.array([row.split() for row in text[1].split("\n") if row], dtype=float)
-        np.testing.assert_array_equal(rows[:, 0], kept)
-        np.testing.assert_array_equal(rows[:, 4:], packing.positions)
-
-    @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "chain"])
-    def test_a_share_never_takes_what_the_case_names(self, kind: str) -> None:
-        case = case_of(
-            kind,
-            packing={"vacancies": 0.5},
-            replace=[{"index": [2, 3], "material": "steel"}],
-            sensor=[{"name": "one", "id": 5}],
-            output={"probes": [{"sphere": 7}, {"contact": [8, 9]}]},
-            striker=[{"touches": 4}],
-            load={"kind": "impact"},
-        )
-        n = assemble(case).lattice.n_spheres
-        assert len(assemble(case).sites.ids) == n - round(n / 2)
-        named = {*struck_spheres(assemble(case).lattice, 1), 2, 3, 4, 5, 7, 8, 9}
-        assert named <= set(assemble(case).ids.tolist())
-        assert assemble(case).ids[-1] == n + 1 and len(assemble(case).positions()) == assemble(case).n_spheres
-
-    def test_a_striker_can_sit_in_one(self) -> None:
-        """Striker between the two spheres next to a vacancy at the edge of a square packing, as near as diameters permit."""
-        tables = {"vacancies": [5], "diameter_scatter": 1e-6}
-        case = case_of("square", packing=tables, striker=[{"touches": [4, 6], "diameter": 0.012}])
-        packing = build_packing(case)
-        assert packing.ids[-1] == 73 and packing.n_spheres == 72
-        assert packing.positions[-1] == pytest.approx([4 * D, -math.sqrt(0.011**2 - D**2), 0], abs=1e-6)
-        assert packing.contacts.tolist() == [[4, 73], [6, 73]]
-
-    def test_they_are_anywhere(self) -> None:
-        case = case_of(size=(40, 40, 25), packing={"vacancies": 0.1})
-        gone = np.setdiff1d(np.arange(1, 40_001), assemble(case).ids)
-        assert len(gone) == 4000
-        assert stats.kstest(gone / 40_000, "uniform").pvalue > 1e-3
-        assert stats.chisquare(np.bincount((gone - 1) % 40, minlength=40)).pvalue > 1e-3
-
-
-class TestReplaced:
-    def test_later_entries_overrule_earlier_ones(self) -> None:
-        box = {"low": [0, 0, 0], "high": [1, 1, 0.001]}
-        case = case_of(replace=[box | {"material": "steel", "diameter": 0.009}, {"index": 3, "material": "ptfe"}],
-                       contact={"law": "hertz"})  # fmt: skip
-        top = assemble(case).lattice.n_spheres // 6
-        names = [assemble(case).material_of(sphere).name for sphere in (1, 2, 3, top, top + 1)]
-        assert names == ["steel", "steel", "ptfe", "steel", "brass"]
-        assert [assemble(case).diameter_of(sphere) for sphere in (1, 3, top, top + 1)] == [0.009, D, 0.009, D]
-        assert len(assemble(case).diameters) == top - 1 and len(assemble(case).materials) == top
-
-    def test_smaller_ones_leave_gaps(self) -> None:
-        case = case_of(replace=[{"index": INNER, "diameter": 0.009}])
-        packing = build_packing(case)
-        assert (
-            packing.coordination[INNER - 1] == 0
-            and assemble(case).n_contacts == assemble(case_of()).lattice.n_contacts - 12
-        )
-        assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
-
-    def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
-        case = case_of(packing={"vacancies": around(INNER)}, replace=[BALL])
-        packing = build_packing(case)
-        gaps = all_gaps(packing)
-        assert gaps.min() > -1e-15
-        pairs = np.argwhere(gaps <= 1e-6 * D)
-        expected = packing.ids[pairs[pairs[:, 0] < pairs[:, 1]]]
-        np.testing.assert_array_equal(packing.contacts, expected)
-        assert np.count_nonzero(expected == INNER) == 6 and assemble(case).n_contacts == len(expected)
-
-    def test_images_of_larger_ones_count(self) -> None:
-        """Sphere 61 is at two faces of the box: its neighbors across them must be removed, too."""
-        periodic = {"sides": "periodic"}
-        ball, near = [{"index": 61, "diameter": 0.018}], around(61, case_of("sc", boundary=periodic))
-        fits = case_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
-        assert len(near) == 6 and all_gaps(build_packing(fits)).min() > -1e-15
-        inside = around(61, case_of("sc"))
-        assert assemble(case_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}))
-        with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
-            case_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
-
-    @pytest.mark.parametrize("sides", ["free", "periodic"])
-    def test_next_to_small_ones_there_is_room(self, sides: str) -> None:
-        ring = {"index": around(INNER), "diameter": 0.009}
-        case = case_of(replace=[ring, {"index": INNER, "diameter": 0.011}], boundary={"sides": sides})
-        assert build_packing(case).coordination[INNER - 1] == 12
-
-    def test_a_share_of_the_spheres_that_there_are(self) -> None:
-        case = case_of(packing={"vacancies": 0.25}, replace=[{"share": 0.5, "material": "steel"}])
-        assert assemble(case).n_spheres == 252 and len(assemble(case).materials) == 126
-        assert set(assemble(case).materials) < set(assemble(case).ids.tolist())
-
-
 class TestTimestep:
     def test_a_small_tolerance_hardly_changes_it(self) -> None:
         plain = auto_timestep(case_of())
@@ -374,75 +216,6 @@ def test_155520_spheres_take_no_time() -> None:
     case = case_of(size=(72, 72, 30), **tables)
     assert assemble(case).n_contacts >= 0 and len(assemble(case).positions()) == 153_965
     assert time.process_time() - start < 2
-
-
-@dataclasses.dataclass
-class Ran:
-    """Run and its results."""
-
-    case: Case
-    directory: Path
-    summary: dict[str, Any]
-
-
-RUN: dict[str, Any] = {
-    "packing": {"diameter_scatter": 2e-6, "vacancies": 0.03, "seed": 2},
-    "replace": [{"share": 0.1, "material": "steel"}, {"index": 100, "diameter": 0.0099}],
-    "run": {"end_time": 1.5e-4, "frames": 3},
-}
-
-
-@pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
-    case, directory = case_of(size=(8, 8, 5), **RUN), tmp_path_factory.mktemp("disorder") / "run"
-    outcome = run_case(case, directory, figures=False)
-    assert outcome.state == "finished"
-    return Ran(case, directory, outcome.summary)
-
-
-def test_the_balance_of_a_disordered_packing_closes(ran: Ran) -> None:
-    assert ran.summary["n_spheres"] == assemble(ran.case).n_spheres == 310
-    assert ran.summary["energy_balance_error"] < 1e-5
-    energy = read_energy(ran.directory)
-    assert energy["dissipated"][-1] > 0.1 * energy["input"][-1]
-
-
-@pytest.mark.parametrize(("kind", "sides"), [*product(KINDS, ["free", "wall"]), *product(LATTICES, ["periodic"])])
-def test_every_lattice_runs(kind: str, sides: str, tmp_path: Path) -> None:
-    """LAMMPS finds all neighbors (otherwise the run stops), and energy is balanced."""
-    packing = {"diameter_scatter": 1e-6, "scatter_distribution": "normal"}
-    case = case_of(
-        kind,
-        packing=packing if kind == "chain" else packing | {"vacancies": 0.05},
-        replace=[{"share": 0.2, "diameter": 0.0099, "material": "steel"}],
-        boundary={"sides": sides},
-        run={"end_time": 3e-5, "frames": 2},
-    )
-    outcome = run_case(case, tmp_path / "run", figures=False)
-    assert outcome.state == "finished" and outcome.summary["energy_balance_error"] < 1e-5
-
-
-def test_one_and_two_ranks_give_the_same_bits(lmp, tmp_path: Path) -> None:
-    found = []
-    for ranks in (1, 2):
-        deck = write_deck(case_of(size=(8, 8, 5), **RUN), tmp_path / str(ranks))
-        done = lmp(deck.script, ranks=ranks)
-        assert done.returncode == 0, done.stdout + done.stderr
-        found.append((read_energy(deck.directory), read_contacts(deck.directory)))
-    (e1, c1), (e2, c2) = found
-    for name in ("kinetic", "elastic", "dissipated"):
-        assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
-    assert_same_contacts(c1, c2)
-
-
-def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None:
-    """Gaps must close first: at 5 m/s, a gap of 1 um in a pair takes 0.2 us."""
-    peaks = []
-    for scatter in (0.0, 5e-6):
-        case = case_of(size=(8, 8, 5), packing={"diameter_scatter": scatter}, run={"end_time": 1.5e-4, "frames": 3})
-        outcome = run_case(case, tmp_path / f"{scatter:g}", figures=False)
-        peaks.append(outcome.summary["wall_peak_force_N"])
-    assert peaks[1] < 0.9 * peaks[0]
 
 
 def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:

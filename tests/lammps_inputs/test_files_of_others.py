@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.run.directory import held
 from tests.conftest import PLAIN
 

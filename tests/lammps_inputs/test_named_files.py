@@ -13,7 +13,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
 from granwave.workflows.scanning import layout
@@ -113,7 +113,7 @@ def test_points_of_a_load(places: tuple[Path, Path]) -> None:
         ("0 0\n1e-5 nan\n", "found [[0.0, 0.0], [1e-05, nan]], expected rows"),
         ("1e-5 0\n0 1\n", "expected rows [time in s, value], at least two, times rising from 0 on"),
         ("0 0\n1 0\n", "expected a value other than zero"),
-        (b"\xff\xfe\x00", "can't decode byte"),
+        (b"\xff\xfe\x00", "bytes that are not UTF-8"),
     ],
 )
 def test_damaged_points_of_a_load(places: tuple[Path, Path], content: str | bytes, expected: str) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case import case as case_module
+from granwave.lammps_inputs.case import tables
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.si_values import POSSIBLE, impossible, unusual
 from granwave.lammps_inputs.errors import InputError
@@ -122,5 +122,5 @@ def test_zero_is_no_magnitude() -> None:
 
 
 def test_every_unit_of_a_case_has_a_range() -> None:
-    units = {case_module.unit_of(key) for key in case_module.case_keys()}
+    units = {tables.unit_of(key) for key in tables.case_keys()}
     assert units - {"", "degrees"} <= set(POSSIBLE)

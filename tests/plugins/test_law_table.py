@@ -17,7 +17,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.deck.commands import law_coefficients
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from tests.conftest import script_of
 from tests.helpers.two_spheres import PAIR, R, collide, value
 

@@ -7,7 +7,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from granwave.plugins import library
-from tests.conftest import refuses, script_of
+from tests.conftest import script_of
 from tests.helpers.twin import Network, scales
 from tests.helpers.two_spheres import LAW, PAIR, R, collide, restitution, value
 
@@ -238,38 +238,6 @@ def test_delete_atoms_between_runs(lammps):
     assert value(lmp, "vz[3]-vz[2]") == pytest.approx(speed, rel=1e-6)
 
 
-THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
-
-
-@pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
-@pytest.mark.parametrize("steps", [800, 20000])  # in contact, separated
-def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
-    lmp = lammps()
-    lmp.commands_string(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
-    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
-        lmp.commands_string(f"{change}\nrun 0")
-
-
-def test_new_ids_with_forgotten_dents_are_refused(lammps):
-    lmp = lammps()
-    lmp.commands_string(
-        script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local"
-    )
-    lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
-    assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
-    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
-        lmp.commands_string("delete_atoms group gone\nrun 0")
-
-
-def test_new_ids_before_any_contact_are_fine(lammps):
-    whole, fewer = lammps(), lammps()
-    collide(whole)
-    fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
-    assert value(fewer, "abs(vz[1])") == pytest.approx(
-        abs(value(whole, "vz[1]")), rel=1e-12
-    )  # IDs are given in any order
-
-
 @pytest.mark.parametrize(
     ("insertion", "large", "density", "modulus"),
     [
@@ -299,34 +267,6 @@ def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, dens
     assert value(lmp, "c_ke") == pytest.approx(0.5 * density * 4 / 3 * np.pi * large**3 * 25, rel=1e-3)
 
 
-@pytest.mark.parametrize("style", ["verlet", "respa 2 2"])
-def test_only_plain_integration(lammps, style):
-    lmp = lammps()
-    lmp.commands_string(script_of(PAIR) + f"run_style {style}")
-    if style == "verlet":
-        lmp.command("run 1")
-    else:
-        with pytest.raises(Exception, match="Pair style gran/hysteretic does not work with run_style respa"):
-            lmp.command("run 1")
-
-
-@pytest.mark.parametrize(("length", "fits"), [(0.0239, False), (0.0241, True)])
-@pytest.mark.parametrize("axis", "xyz")
-def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, length, fits):
-    """Twice the reach: 2 (2 R + gap + skin) = 24 mm."""
-    lmp = lammps()
-    box = [-0.05, 0.05] * 3
-    k = "xyz".index(axis)
-    box[2 * k : 2 * k + 2] = [-0.002, length - 0.002]
-    boundary = " ".join("p" if name == axis else "m" for name in "xyz")
-    lmp.commands_string(script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}"))
-    if fits:
-        lmp.command("run 1")
-    else:
-        with pytest.raises(Exception, match=rf"the periodic box is 0.0239 long in {axis}"):
-            lmp.command("run 1")
-
-
 def test_plane_of_spheres(lammps):
     """LAMMPS requires a periodic third dimension of any thickness with `dimension 2`: there are no contacts across it."""
     lmp, plane = lammps(), lammps()
@@ -336,72 +276,6 @@ def test_plane_of_spheres(lammps):
     plane.command("dimension 2")
     plane.commands_string(text.replace("boundary m m m", "boundary m m p") + "fix plane all enforce2d\nrun 20000")
     assert value(plane, "vx[1]") == pytest.approx(value(lmp, "vz[1]"), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("script", "message"),
-    [
-        (
-            "newton on\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\ncreate_atoms 1 single 0.5 0.5 0.5\n"
-            "set atom 1 diameter 0.1 density 1\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e5 0.3\nrun 0",
-            "newton off",
-        ),
-        (
-            "newton off\natom_style atomic\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\nmass 1 1\npair_style gran/hysteretic 0.1\n"
-            "pair_coeff * * hertz 1e5 0.3\nrun 0",
-            "atom_style sphere",
-        ),
-        (
-            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * rubber 1",
-            "unknown contact law",
-        ),
-        (
-            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3",
-            "material constants",
-        ),
-        (
-            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * elastoplastic 1e9 0.3 0.0",
-            "positive",
-        ),
-        (
-            "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style gran/hysteretic 0.1\npair_coeff * * hertz 1e9 0.7",
-            "Poisson",
-        ),
-        ("pair_style gran/hysteretic", "gap"),
-        ("pair_style gran/hysteretic -1", "positive"),
-        ("fix 1 all gran/hysteretic/history", "belongs to pair style"),
-    ],
-)
-def test_wrong_input_gets_a_message(lammps, script, message):
-    lmp = lammps()
-    if script.startswith("fix"):
-        script = "newton off\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\n" + script
-    with pytest.raises(Exception, match=message):
-        lmp.commands_string(script)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"positions": [(0, 0, 0), (0, 0, 1e-9)]}, "overlap by"),
-        ({"positions": [(0, 0, 0), (0, 0, 0.9 * R)]}, "overlap by"),
-        ({"velocities": [(0, 0, 1e7), (0, 0, 0)]}, "of its radius in one timestep"),
-    ],
-)
-def test_hostile_states_get_a_message(lammps, change, message):
-    lmp = lammps()
-    lmp.commands_string(script_of(**{"positions": [(0, 0, 0), (0, 0, 2 * R)], **change}))
-    with pytest.raises(Exception, match=message):
-        lmp.command("run 2000")
-
-
-@pytest.mark.parametrize("radius", [-0.5 * R, np.nan])
-def test_radius_below_zero_is_refused(lammps, radius):
-    """LAMMPS itself lets a program or a fix set one."""
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)]))
-    lmp.numpy.extract_atom("radius")[1] = radius
-    refuses(lmp, "run 1", rf"atom 2 has the radius (-{0.5 * R:g}|-?nan), expected one above 0, or 0 for a flat face")
 
 
 def test_quiet_lattice_stays_quiet(lammps):

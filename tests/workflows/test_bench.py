@@ -7,7 +7,7 @@ import json
 import pytest
 
 from granwave.workflows.bench import bench, sizes, study, styles
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 
 @pytest.fixture(autouse=True)

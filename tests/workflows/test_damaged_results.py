@@ -16,7 +16,7 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.ownership import read_marker
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 CASE = load_case("two-spheres", ["run.frames=3"])
 CLOCK = ("wall_time_s", "sphere_steps_per_s")

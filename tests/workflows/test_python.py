@@ -62,7 +62,7 @@ def test_commands_do_without_pandas(words, tmp_path):
     words += [] if words[0] != "run" else ["--no-figures", *(f"--set={k}={v}" for k, v in TINY.items())]
     code = f"""
 import sys
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 assert main({words!r}) == 0
 assert not {{"pandas", "xarray"}} & set(sys.modules)
 """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,9 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.as_json import print_json
-from granwave.workflows.cli.small_waves import small_waves
-from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, plan_table
+from granwave.workflows.cli.plan_values import packing_values
+from granwave.workflows.cli.small_waves import SmallWaves, small_waves, wave_rows, wave_values
+from granwave.workflows.cli.tables import continuum_plan_table, expected_cut, is_bound, plan_table
 from granwave.workflows.counterpart import (
     Counterpart,
     Inputs,
@@ -38,12 +38,13 @@ def check(options: argparse.Namespace) -> int:
         inputs, counterpart = inputs_of_packing(case), continuum_of(case)
     elif kind is CONTINUUM:
         inputs, counterpart = inputs_of_continuum(case), packing_of(case)
+    waves = small_waves(case) if kind is GRANULAR else None
     if options.json:
         kind.check(case, expected, Path(case.name).absolute())
-        print_json(_values(kind, case, expected, inputs, counterpart))
+        print_json(_values(kind, case, expected, inputs, counterpart, waves))
         return 0
     if kind is GRANULAR:
-        print(plan_table(case, expected, inputs, small_waves(case)))
+        print(plan_table(case, expected, inputs, wave_rows(waves)))
     else:
         print(continuum_plan_table(case.name, kind.size(case), expected, inputs))
     if counterpart is not None:
@@ -57,12 +58,17 @@ def check(options: argparse.Namespace) -> int:
 
 
 def _values(
-    kind: Kind, case: Any, expected: Cost, inputs: Inputs | None, counterpart: Counterpart | None
+    kind: Kind,
+    case: Any,
+    expected: Cost,
+    inputs: Inputs | None,
+    counterpart: Counterpart | None,
+    waves: SmallWaves | None,
 ) -> dict[str, Any]:
     """Return the values of the plan; units are part of the names."""
     found: dict[str, Any] = {"name": case.name, "command": kind.verb, f"n_{kind.parts}": kind.size(case)}
     if isinstance(expected, Plan):
-        found |= _of_packing(expected)
+        found |= packing_values(case, expected) | {"small_waves": wave_values(waves)}
     found |= {
         "memory_bytes": expected.memory,
         "disk_bytes": expected.disk,
@@ -71,6 +77,7 @@ def _values(
     if inputs is not None:
         found |= {
             "energy_input_J": inputs.energy,
+            "energy_input_at_most": kind is GRANULAR and is_bound(case),
             "energy_input_normalised": inputs.energy_continuum
             if inputs.energy_normalised is None
             else inputs.energy_normalised,
@@ -81,33 +88,3 @@ def _values(
         found["counterpart"] = {"command": counterpart.command or None, "reason": counterpart.reason or None}
     warning = expected_cut(expected.zone) if isinstance(expected, Plan) else ""
     return found | {"warnings": [warning] if warning else []}
-
-
-def _of_packing(expected: Plan) -> dict[str, Any]:
-    """Return what only the plan of a packing has."""
-    schedule, zone = expected.schedule, expected.zone
-    return {
-        "n_contacts": expected.n_contacts,
-        "n_ranks": expected.n_ranks,
-        "timestep_s": schedule.first_timestep,
-        "timestep_largest_s": schedule.largest_timestep if schedule.adaptive else schedule.first_timestep,
-        "n_steps": schedule.n_steps // schedule.first_step,
-        "end_time_s": schedule.end_time,
-        "ends_by_itself": bool(schedule.block_steps),
-        "n_frames": schedule.n_frames,
-        "wall_time_longest_s": expected.times.longest,
-        "wall_time_parts_s": dataclasses.asdict(expected.times),
-        "peak_overlap_m": expected.peak_overlap,
-        "peak_overlap_over_yield": expected.peak_overlap_yield,
-        "peak_overlap_over_radius": expected.peak_overlap_radius,
-        "zone": None
-        if zone is None
-        else {
-            "depth_m": zone.depth,
-            "radius_m": zone.radius,
-            "spread": zone.spread,
-            "room_m": zone.room,
-            "reaches": list(zone.reaches),
-            "may_reach": list(zone.may_reach),
-        },
-    }

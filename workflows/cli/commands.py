@@ -13,8 +13,8 @@ from typing import Any
 
 from granwave.analysis.measures.zone.marks import zone_warnings
 from granwave.analysis.summary_table import continuum_table, summary_table
+from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
-from granwave.lammps_inputs.case.sections import LAWS
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.directories import refuse_other_file, results_directory

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.loss import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.grain_words import GRAINS
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
+from granwave.workflows.cli.plan_values import beyond_law, coordination_of, held_by_first_rank, loss_of
 from granwave.workflows.counterpart import Inputs
 from granwave.workflows.solvers import Cost
 
@@ -29,7 +27,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequ
     overlap = f"{plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
     if plan.peak_overlap_yield is not None:
         overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
-    if case.contact.entry.fitted and plan.peak_overlap_radius > 0.2:
+    if beyond_law(case, plan):
         overlap += " - beyond 0.2 R*, where the contact law ends"
     return lines(
         [
@@ -39,7 +37,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequ
             *_coordination(case),
             *_static(case),
             *waves,
-            *_inputs(inputs, at_most="at most " * (case.load.kind == "force")),
+            *_inputs(inputs, at_most="at most " * is_bound(case)),
             ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", _timestep(schedule)),
@@ -73,9 +71,14 @@ def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
     return rows
 
 
+def is_bound(case: Case) -> bool:
+    """Return True if the energy input of a plan is an upper bound."""
+    return case.load.kind == "force"
+
+
 def _loss(case: Case) -> list[tuple[str, str]]:
-    """Return the loss between two grains of the packing: that which a restitution asks for is found."""
-    found = viscous_loss(assemble(case), case.contact, case.material, case.material)
+    """Return the loss between two grains of the packing."""
+    found = loss_of(case)
     if found is None:
         return []
     kind, size = found
@@ -84,16 +87,11 @@ def _loss(case: Case) -> list[tuple[str, str]]:
 
 def _coordination(case: Case) -> list[tuple[str, str]]:
     """Return the contacts of a grain that were found in a file of grains or a plane crystal."""
-    if case.packing.grains is None and not is_plane_crystal(case.packing.kind):
+    found = coordination_of(case)
+    if found is None:
         return []
-    assembly = assemble(case)
-    found = Counter(assembly.contacts().ravel().tolist())
-    grains = Counter(found.values())
-    alone = assembly.n_spheres - len(found)
-    counts = [(number, n) for number, n in sorted((grains | Counter({0: alone})).items()) if n]
-    parts = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in counts)
-    mean = sum(found.values()) / assembly.n_spheres
-    return [("contacts of a grain", f"{mean:.3g} in the mean: {parts}")]
+    parts = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found.grains.items())
+    return [("contacts of a grain", f"{found.mean:.3g} in the mean: {parts}")]
 
 
 def _grains(case: Case, plan: Plan) -> tuple[str, str]:
@@ -101,7 +99,7 @@ def _grains(case: Case, plan: Plan) -> tuple[str, str]:
     assembly = assemble(case)
     if assembly.grains_called != GRAINS:
         return assembly.grains_called, f"{plan.n_spheres}"
-    cylinders = sum(shape is not None for shape in assembly.grain_shapes())
+    cylinders = assembly.n_cylinders
     return GRAINS, f"{plan.n_spheres}: {plan.n_spheres - cylinders} spheres and {cylinders} cylinders"
 
 
@@ -129,10 +127,8 @@ def _wall(name: str) -> str:
 
 def _of_large_packings(assembly: Assembly) -> list[tuple[str, str]]:
     """Return how a large packing is written, and what makes the first rank hold all its sites at once."""
-    rows = [("output", "a file from each rank (output.parts)")] if assembly.in_parts else []
-    causes = {"unlike or missing spheres": assembly.sites is not None, "strikers": bool(assembly.strikers)}
-    held = [cause for cause, holds in causes.items() if holds]
-    if held and assembly.n_spheres > ANALYSED_AT_ONCE:
+    rows = [("output", "a file from each rank (output.parts)")] if written_in_parts(assembly) else []
+    if held := held_by_first_rank(assembly):
         rows.append(("held by the first rank", f"all sites at once, for {' and '.join(held)}"))
     return rows
 

@@ -196,7 +196,7 @@ class _Worker:
 
 def _load(verb: str, *, figures: bool) -> None:
     """Import the modules that points need, without starting MPI: each point starts its own."""
-    import granwave.workflows.cli.parser
+    import granwave.workflows.cli.main
 
     if verb != GRANULAR.verb:
         import granwave.workflows.finite_elements.punch.run
@@ -233,7 +233,7 @@ def _fork(words: Sequence[str], log: int) -> int:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
         os.dup2(log, 1)
         os.dup2(log, 2)
-        from granwave.workflows.cli.parser import main as granwave
+        from granwave.workflows.cli.main import main as granwave
 
         with _own_mpi() if words[0] == GRANULAR.verb else contextlib.nullcontext():
             status = granwave(words)

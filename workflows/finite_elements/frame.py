@@ -10,10 +10,11 @@ from typing import Any, ClassVar, Self
 
 import tomli_w
 
-from granwave.lammps_inputs.case.case import KNOWN, read_parts
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.parse import read_parts
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
+from granwave.lammps_inputs.case.tables import KNOWN
 from granwave.lammps_inputs.memory import refuse_too_large
 from granwave.lammps_inputs.named_files import with_absolute_paths
 from granwave.lammps_inputs.toml_files import read_toml

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
+from granwave.analysis.spectra.defaults import POINTS
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import CaseLike, home, read_case
@@ -26,7 +27,7 @@ def bands(
     /,
     *,
     path: str | ArrayLike = "",
-    points: int = 61,
+    points: int = POINTS,
     n_bands: int | None = None,
     directions: str = "",
     plane: str = "",

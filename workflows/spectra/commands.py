@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.spectra import files
-from granwave.analysis.spectra.band_structure import POINTS, BandStructure, band_structure
+from granwave.analysis.spectra.band_structure import BandStructure, band_structure
 from granwave.analysis.spectra.bands import growing
 from granwave.analysis.spectra.dampers import dampers_of
+from granwave.analysis.spectra.defaults import POINTS
 from granwave.analysis.spectra.losses import losses_of
 from granwave.analysis.spectra.modes import ALL_UP_TO, Modes, solve_modes
 from granwave.analysis.spectra.network import Array

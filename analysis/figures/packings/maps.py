@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import FORCE_MAP, Drawing, new_figure
-from granwave.analysis.measures.regions import Snapshots
+from granwave.analysis.measures.impact.regions import Snapshots
 
 _MILLI = 1e3  # mm in a metre
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.pulses import MEASURES, ChainSpeeds, last_length, speed_of, theory
-from granwave.analysis.measures.regions import Array, Snapshots, groups, regions
+from granwave.analysis.measures.impact.regions import Array, Snapshots, groups, regions
+from granwave.analysis.measures.waves.pulses import MEASURES, ChainSpeeds, last_length, speed_of, theory
 
 _LEAST = 1e-3  # of the input: what a region must once have held to be shown
 _COLOURS = {
@@ -55,7 +55,7 @@ def pulse_lengths(measured: Mapping[str, Mapping[str, Array]]) -> Drawing:
     ----------
     measured
         By group of chains and by measure: (n_spheres,), diameters; see
-        `granwave.analysis.measures.pulses.lengths`.
+        `granwave.analysis.measures.waves.pulses.lengths`.
     """
     figure = new_figure(3.4, 1.25 * WIDTH)
     panels = figure.subplots(2, 2, sharex=True)

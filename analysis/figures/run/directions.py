@@ -7,7 +7,8 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, ORANGE, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.directions import (
+from granwave.analysis.measures.geometry.planes import preferred_directions
+from granwave.analysis.measures.waves.directions import (
     LAYER_BINS,
     PER_RING,
     RINGS,
@@ -17,7 +18,6 @@ from granwave.analysis.measures.directions import (
     spread,
     travelling_frame,
 )
-from granwave.analysis.measures.planes import preferred_directions
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.signals import Array, arrival
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR, PlacedBar
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar
 
 _NEAR, _FAR = 0.25, 0.75  # sections, in lengths of the bar from where the pulse enters
 _HALF = 0.5  # of a pulse, whose passing is its arrival

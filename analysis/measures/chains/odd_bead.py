@@ -15,7 +15,7 @@ import numpy as np
 from granwave.analysis.measures.chains.bar_pulse import impedance
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import BAR
+from granwave.lammps_inputs.packing.bars import BAR
 
 _LAST, _SETTLED = 0.05, 1e-3  # of the run, in which the energy in the bar changes by less than this share of it
 

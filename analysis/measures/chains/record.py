@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.measures.chains.hertz_chain import ChainScales
 from granwave.analysis.measures.sensors import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.chain import along

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.pulses import LENGTH, theory
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves.pulses import LENGTH, theory
 
 DISCRETE_WIDTH = 1.579  # full width at half maximum of the discrete chain's bead velocity, diameters
 HALF_OF_COS4 = theory()["half maximum of velocity"]  # full width at half maximum, diameters

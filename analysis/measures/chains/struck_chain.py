@@ -6,8 +6,8 @@ dispersion, and the travelling wave of the discrete chain itself (`discrete_spee
 
 from __future__ import annotations
 
+from granwave.analysis.measures.chains.hertz_chain import IMPULSE_COEFFICIENT, discrete_speed
 from granwave.analysis.measures.chains.record import ChainRecord
-from granwave.analysis.measures.hertz_chain import IMPULSE_COEFFICIENT, discrete_speed
 
 
 class StruckChain:

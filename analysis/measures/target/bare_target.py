@@ -24,8 +24,9 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.supports import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
-from granwave.lammps_inputs.packing.assembly import assemble, struck_of, velocities_of
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bars import BAR
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
 from granwave.lammps_inputs.roots import brentq
 

@@ -9,7 +9,7 @@ from granwave.analysis.document.cells import named, value_cell, value_column
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run
-from granwave.lammps_inputs.case.sections import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
 _BEYOND_SMALL = "overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
 SLUG = "balance"

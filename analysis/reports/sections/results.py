@@ -27,7 +27,7 @@ from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
-from granwave.lammps_inputs.case.sections import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6

@@ -19,8 +19,8 @@ import numpy as np
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, legend_above
+from granwave.analysis.measures.driven.transmission import motion_of
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.transmission import motion_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.dampers import dampers_of
 from granwave.analysis.spectra.losses import losses_of

@@ -22,7 +22,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, legend_above
-from granwave.analysis.measures.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of
+from granwave.analysis.measures.driven.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun

@@ -14,9 +14,13 @@ import numpy as np
 
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.line_of_grains import velocities_of_chain, velocities_of_columns, velocities_of_layers
+from granwave.analysis.measures.lines.line_of_grains import (
+    velocities_of_chain,
+    velocities_of_columns,
+    velocities_of_layers,
+)
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.space_time import SpaceTime, space_time_transform
+from granwave.analysis.measures.waves.space_time import SpaceTime, space_time_transform
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
 from granwave.analysis.studies.bands.scattered import scattered_line, without_scatter

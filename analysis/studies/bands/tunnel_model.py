@@ -24,8 +24,8 @@ from granwave.analysis.spectra.gaps import band_edges
 from granwave.analysis.spectra.network import Array, Network, Springs, Supports
 from granwave.analysis.spectra.paths import make_path
 from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.sections import Contact
 from granwave.lammps_inputs.contact.law import law_between
 
 _POINTS = 61

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.figures.chains import confined as figures
-from granwave.analysis.measures.pulses import LENGTH, MEASURES
-from granwave.analysis.measures.pulses import theory as solitary_lengths
 from granwave.analysis.measures.signals import Array, first_peak, width
+from granwave.analysis.measures.waves.pulses import LENGTH, MEASURES
+from granwave.analysis.measures.waves.pulses import theory as solitary_lengths
 from granwave.analysis.studies.confined.runs import ConfinedRun, confined_runs, from_thesis
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

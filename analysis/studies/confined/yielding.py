@@ -12,8 +12,8 @@ import numpy as np
 from granwave.analysis.document.cells import percent
 from granwave.analysis.figures.chains import confined as figures
 from granwave.analysis.formatting.numbers import number
+from granwave.analysis.measures.driven.two_pushes import largest_of_pulses, push_starts
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.two_pushes import largest_of_pulses, push_starts
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.confined.runs import ConfinedRun, row_of
 from granwave.analysis.studies.runs import FinishedRun

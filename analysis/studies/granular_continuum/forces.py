@@ -15,9 +15,9 @@ from granwave.analysis.document.cells import show
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.front import Front, front_of
-from granwave.analysis.measures.impulse import Linearity, linearity, peak_forces
-from granwave.analysis.measures.planes import preferred_directions
+from granwave.analysis.measures.geometry.planes import preferred_directions
+from granwave.analysis.measures.impact.impulse import Linearity, linearity, peak_forces
+from granwave.analysis.measures.waves.front import Front, front_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.studies.granular_continuum.curves import colour_and_marker

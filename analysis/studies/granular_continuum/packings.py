@@ -12,7 +12,7 @@ from granwave.analysis.document.cells import percent, show, spread_cell
 from granwave.analysis.document.model import Column, Note, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.quadratic_law import QuadraticLaw, quadratic_law
+from granwave.analysis.measures.impact.quadratic_law import QuadraticLaw, quadratic_law
 from granwave.analysis.studies.granular_continuum.curves import (
     FRACTION,
     GRANULAR_ENERGY,

@@ -9,7 +9,7 @@ from typing import Any
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing
-from granwave.analysis.measures.involved import Involved, elements_involved, spheres_involved
+from granwave.analysis.measures.impact.involved import Involved, elements_involved, spheres_involved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.granular_continuum.blocks import masses
 from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKERS, add

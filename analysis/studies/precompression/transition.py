@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from granwave.analysis.figures.chains.precompressed import transition_speeds
-from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.measures.chains.hertz_chain import ChainScales
 from granwave.analysis.studies.precompression.waves import LARGE, WHERE, ChainWave, Waves, series, waves_of
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

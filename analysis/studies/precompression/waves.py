@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from granwave.analysis.measures.hertz_chain import ChainScales
+from granwave.analysis.measures.chains.hertz_chain import ChainScales
 from granwave.analysis.measures.precompressed.line_waves import Wave
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.runs import FinishedRun, rising

@@ -12,8 +12,8 @@ import numpy as np
 from granwave.analysis.figures.series import COLOURS, MARKS, column_name, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.formatting.numbers import number
+from granwave.analysis.measures.driven.two_pushes import largest_of_pulses, push_starts
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.two_pushes import largest_of_pulses, push_starts
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.rows.filter import FilterRun
 from granwave.analysis.studies.runs import FinishedRun

@@ -10,8 +10,8 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, MARKS, column_name, legend_outside, panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.pulses import Peaks, peaks
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves.pulses import Peaks, peaks
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Picture, Row

@@ -10,10 +10,10 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, MARKS, column_name, legend_outside, panels
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.impact.regions import groups
 from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
-from granwave.analysis.measures.pulses import peaks, speed_between
-from granwave.analysis.measures.regions import groups
 from granwave.analysis.measures.signals import Array, power
+from granwave.analysis.measures.waves.pulses import peaks, speed_between
 from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import estimate
 from granwave.analysis.studies.precompression.packing_speed import SmallWave

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from granwave.analysis.measures.directions import AXIS_ANGLE
+from granwave.analysis.measures.waves.directions import AXIS_ANGLE
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, packings, squares
 from granwave.analysis.studies.study import Row

@@ -10,9 +10,9 @@ import numpy as np
 
 from granwave.analysis.figures.series import MARKS, one_panel
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.pulses import peaks
-from granwave.analysis.measures.regions import groups
+from granwave.analysis.measures.impact.regions import groups
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves.pulses import peaks
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but
 from granwave.analysis.studies.square.runs import PackingRun, packings

@@ -8,9 +8,9 @@ import numpy as np
 
 from granwave.analysis.figures.packings.maps import speed_maps
 from granwave.analysis.figures.packings.regions import energies_by_region, pulse_lengths
-from granwave.analysis.measures.hertz_chain import discrete_width
-from granwave.analysis.measures.pulses import MEASURES, last_length, lengths, settled_from, theory
-from granwave.analysis.measures.regions import Array, chains, groups, regions
+from granwave.analysis.measures.chains.hertz_chain import discrete_width
+from granwave.analysis.measures.impact.regions import Array, chains, groups, regions
+from granwave.analysis.measures.waves.pulses import MEASURES, last_length, lengths, settled_from, theory
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.square.signals import accelerations, signal_rows

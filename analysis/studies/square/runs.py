@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from granwave.analysis.measures.directions import Spread, energy_of_spheres, spread, travelling_frame
-from granwave.analysis.measures.regions import Snapshots, settled, striker_velocity
+from granwave.analysis.measures.impact.regions import Snapshots, settled, striker_velocity
+from granwave.analysis.measures.waves.directions import Spread, energy_of_spheres, spread, travelling_frame
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.lammps_inputs.case.material import material
@@ -62,7 +62,7 @@ class PackingRun(FinishedRun):
 
     @cached_property
     def settled(self) -> dict[str, float]:
-        """Share of the input that each region got; see `granwave.analysis.measures.regions.settled`."""
+        """Share of the input that each region got; see `granwave.analysis.measures.impact.regions.settled`."""
         return settled(self.snapshots)
 
     @cached_property

@@ -10,8 +10,8 @@ from matplotlib import colormaps
 
 from granwave.analysis.figures.series import legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREY, Drawing
-from granwave.analysis.measures.pulses import reflection
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves.pulses import reflection
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

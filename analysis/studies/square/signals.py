@@ -9,12 +9,12 @@ import numpy as np
 
 from granwave.analysis.figures.run.histories import sensors
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.directions import directions
-from granwave.analysis.measures.hertz_chain import discrete_speed
-from granwave.analysis.measures.pulses import MEASURES, lengths, peaks, speed_between, theory
-from granwave.analysis.measures.regions import groups
+from granwave.analysis.measures.chains.hertz_chain import discrete_speed
+from granwave.analysis.measures.impact.regions import groups
 from granwave.analysis.measures.sensors import sensor_accelerations
 from granwave.analysis.measures.signals import first_peak
+from granwave.analysis.measures.waves.directions import directions
+from granwave.analysis.measures.waves.pulses import MEASURES, lengths, peaks, speed_between, theory
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.square.runs import PackingRun
 from granwave.analysis.studies.study import Row

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.figures.packings.regions import wave_speeds
-from granwave.analysis.measures.pulses import ChainSpeeds, peaks, speed_between, speed_of
-from granwave.analysis.measures.regions import groups
+from granwave.analysis.measures.impact.regions import groups
+from granwave.analysis.measures.waves.pulses import ChainSpeeds, peaks, speed_between, speed_of
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.figures.packings.regions import energies_by_velocity
-from granwave.analysis.measures.regions import groups
+from granwave.analysis.measures.impact.regions import groups
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import WAYS, PackingRun, squares
 from granwave.analysis.studies.study import Picture, Row

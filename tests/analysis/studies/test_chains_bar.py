@@ -14,6 +14,7 @@ from granwave.analysis.studies.study import make_studies
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.bars import echoes
 from granwave.workflows import load_case, run_case
 from tests.helpers.chain_twin import Bar, Bead, Chain, rectangle
 
@@ -166,6 +167,6 @@ def test_a_bar_that_is_too_short_is_told(caplog):
 
 
 def test_echo_of_a_bar_behind_another():
-    times = assemble(load_case("split-hopkinson")).echoes()
+    times = echoes(assemble(load_case("split-hopkinson")).bars)
     crossing = 2.0 / (200e9 / 8100) ** 0.5
     assert times == pytest.approx({"incident_bar": 3 * crossing, "bar": 3 * crossing})

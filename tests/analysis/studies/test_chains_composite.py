@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis.measures.chains.composite_section import Composite, composite_of
+from granwave.analysis.measures.chains.hertz_chain import discrete_speed
 from granwave.analysis.measures.chains.probed_pair import Pair
 from granwave.analysis.measures.chains.section_energy import SectionEnergy
-from granwave.analysis.measures.hertz_chain import discrete_speed
 from granwave.analysis.measures.signals import decay, maxima
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.study import Row, Study, make_studies

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.measures.chains.hertz_chain import DISCRETE_COEFFICIENT, ChainScales, discrete_speed
 from granwave.analysis.measures.chains.solitary_wave import DISCRETE_WIDTH
-from granwave.analysis.measures.hertz_chain import DISCRETE_COEFFICIENT, ChainScales, discrete_speed
 from granwave.analysis.measures.signals import width
 from granwave.analysis.studies.chains.elastic.pulses import TRAIN_LIMIT
 from granwave.analysis.studies.chains.runs import ChainRun, from_thesis

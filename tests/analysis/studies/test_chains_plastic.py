@@ -28,7 +28,7 @@ from granwave.analysis.measures.chains.elastoplastic_model import (
     summed_dissipation,
 )
 from granwave.analysis.measures.chains.elastoplastic_pulse import Pulses
-from granwave.analysis.measures.hertz_chain import IMPULSE_LIMIT
+from granwave.analysis.measures.chains.hertz_chain import IMPULSE_LIMIT
 from granwave.analysis.studies.chains.elastoplastic import pulse as elastoplastic_pulse
 from granwave.analysis.studies.chains.runs import ChainRun, from_thesis
 from granwave.analysis.studies.registry import STUDIES

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import RUN
 from granwave.workflows import library, load_scan
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
 
 #: Reference, equal normalized velocities with E doubled (v/4), and three spheres with the energy of one.

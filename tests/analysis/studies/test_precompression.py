@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import save, style
-from granwave.analysis.measures.hertz_chain import discrete_speed
+from granwave.analysis.measures.chains.hertz_chain import discrete_speed
 from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.sections.studies import studies_of

@@ -17,7 +17,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import draw_studies, make_studies
-from granwave.lammps_inputs.case.sections import Run
+from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import load_scan, run_case
 

@@ -10,9 +10,9 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
-from granwave.analysis.measures import pulses
-from granwave.analysis.measures.directions import energy_of_spheres, spread, travelling_frame
-from granwave.analysis.measures.regions import groups, regions
+from granwave.analysis.measures.impact.regions import groups, regions
+from granwave.analysis.measures.waves import pulses
+from granwave.analysis.measures.waves.directions import energy_of_spheres, spread, travelling_frame
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import PackingRun
 from granwave.analysis.studies.study import make_studies

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.hertz_chain import discrete_width
+from granwave.analysis.measures.chains.hertz_chain import discrete_width
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.defects import Speeds
 from granwave.analysis.studies.square.defects import rows as rows_of_speeds

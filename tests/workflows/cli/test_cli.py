@@ -1,33 +1,20 @@
-"""Command line from the point of view of a user: exit statuses, messages, directories, resume, ranks."""
+"""Command line from the point of view of a user: exit statuses, messages, directories, ranks; see also test_resume.py."""
 
 from __future__ import annotations
 
 import csv
 import json
-import signal
 import subprocess
 import sys
-import time
 
 import h5py
 import pytest
 
 from tests.conftest import PLAIN
+from tests.helpers.summaries import summary, without_clock
 
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
 QUICK = [*TINY, "--no-figures"]
-
-
-def summary(directory):
-    return json.loads((directory / "summary.json").read_text())
-
-
-def without_clock(directory):
-    return {
-        key: value
-        for key, value in summary(directory).items()
-        if key not in ("wall_time_s", "sphere_steps_per_s", "n_ranks")
-    }
 
 
 @pytest.fixture(scope="module")
@@ -103,96 +90,6 @@ def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
             assert two[key] == pytest.approx(value, rel=1e-9, abs=1e-12), key
         else:
             assert two[key] == value, key
-
-
-LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set", "run.frames=5"]
-LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
-
-
-def start(directory, *arguments):
-    command = [
-        sys.executable,
-        "-m",
-        "granwave.workflows",
-        "run",
-        "fcc-small",
-        "-o",
-        str(directory),
-        *LONG,
-        "--no-figures",
-        *arguments,
-    ]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
-
-
-def wait_for(condition, process, limit=120):
-    end = time.monotonic() + limit
-    while not condition():
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
-@pytest.fixture(scope="module")
-def uninterrupted(tmp_path_factory):
-    directory = tmp_path_factory.mktemp("whole") / "run"
-    process = start(directory)
-    assert process.wait(300) == 0
-    return directory
-
-
-def compare(whole, resumed):
-    one, two = without_clock(whole), without_clock(resumed)
-    for key, value in one.items():
-        if key == "energy_balance_error":
-            assert two[key] == pytest.approx(value, rel=1e-3)
-        elif isinstance(value, float):
-            assert two[key] == pytest.approx(value, rel=1e-9, abs=1e-14), key
-        else:
-            assert two[key] == value, key
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_path, ranks):
-    directory = tmp_path / "killed"
-    process = start(directory, "--checkpoint", "0.2", "--np", str(ranks))
-    wait_for(
-        lambda: (
-            len(list(directory.glob("checkpoint-*.restart")))
-            and (directory / "dumps" / "spheres.bin").stat().st_size > 2e5
-        ),
-        process,
-    )
-    time.sleep(0.3)
-    if ranks == 1:
-        process.send_signal(signal.SIGKILL)
-    else:  # the ranks themselves are killed, as in a node failure
-        subprocess.run(["pkill", "-KILL", "-f", f"granwave.workflows run fcc-small -o {directory}"], check=False)
-    process.wait(60)
-    assert not (directory / "summary.json").exists()
-    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume", "--np", ranks)
-    assert done.returncode == 0, done.stderr
-    compare(uninterrupted, directory)
-    assert not list(directory.glob("checkpoint-*"))
-
-
-def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_path):
-    directory = tmp_path / "stopped"
-    process = start(directory)
-    wait_for(
-        lambda: (
-            (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000
-        ),
-        process,
-    )
-    process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=120)
-    assert process.returncode == 130, errors
-    assert "--resume" in errors
-    assert summary(directory)["end_reason"] == "interrupted" and (directory / "result.h5").exists()
-    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume")
-    assert done.returncode == 0, done.stderr
-    compare(uninterrupted, directory)
 
 
 def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
@@ -329,32 +226,6 @@ def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
     done = lmp(tmp_path / "in.granwave")
     assert done.returncode == 0, done.stdout + done.stderr
     assert (tmp_path / "dumps" / "contacts.dump").exists()
-
-
-def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
-    """A block interrupted by a checkpoint is counted from its own start."""
-    sets = ["--set", "packing.size=[12,12,6]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
-    whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets, "--no-figures")
-    assert whole.returncode == 0, whole.stderr
-    command = [
-        sys.executable,
-        "-m",
-        "granwave.workflows",
-        "run",
-        "fcc-small",
-        "-o",
-        str(tmp_path / "cut"),
-        *sets,
-        "--no-figures",
-    ]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
-    ledger = tmp_path / "cut" / "dumps" / "energy.txt"
-    wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, process)
-    process.send_signal(signal.SIGINT)
-    process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--no-figures", "--resume").returncode == 0
-    compare(tmp_path / "whole", tmp_path / "cut")
 
 
 def test_error_on_one_rank_ends_all(granwave, tmp_path):

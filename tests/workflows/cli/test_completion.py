@@ -12,7 +12,8 @@ from argcomplete.lexers import split_line
 
 from granwave.workflows import library
 from granwave.workflows.cli.completion import with_completers
-from granwave.workflows.cli.parser import main, make_parser
+from granwave.workflows.cli.main import main
+from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.shells import SHELLS, SWITCH_ON
 from tests.conftest import BIN, PLAIN
 

@@ -8,7 +8,7 @@ import shlex
 import pytest
 
 from granwave.lammps_inputs.case.material import material
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.counterpart import energy_unit, inputs_of_packing
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case

@@ -11,8 +11,9 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.inference.quantities import QUANTITIES
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 RADIUS, LENGTH, DENSITY, MODULUS, RATIO = 0.005, 0.02, 1200.0, 50e6, 0.4
 MASS = DENSITY * np.pi * RADIUS**2 * LENGTH
@@ -127,6 +128,7 @@ BAD = {
     "partly": ([GOOD[0].rsplit(",", 1)[0] + ","], {}, "line 2: found some of exx, eyy, exy empty"),
     "lonely": ([*GOOD, "9,0.015,1.0,0.005,0,0,0,0,0"], {}, "grain 9: touches nothing"),
     "behind": ([*GOOD, "9,0.1,1.0,0.005,0,0,0,0,0"], {}, "grain 9: lies behind the wall right"),
+    "passing": ([f"{row},2" for row in GOOD], {"header": f"{HEADER},passes_walls"}, "passes_walls: found 2, expected 0"),
     "columns": (GOOD, {"header": HEADER.replace("radius_m", "size")}, "lacks radius_m"),
     "no strain": (["1,0,0,0.005,0,0"], {"header": "id,x_m,y_m,radius_m,ax_m_s2,ay_m_s2"}, "lacks strains or stresses"),
     "half": (["1,0,0,0.005,0"], {"header": "id,x_m,y_m,radius_m,exx"}, "found exx, expected all of exx, eyy, exy"),
@@ -217,6 +219,25 @@ def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch
     measured = found.measurement
     force = found.forces["normal_force_N"].iloc[0]
     assert 0.005**2 * np.pi * 0.02 * 1100 * np.abs(measured["ay_m_s2"].to_numpy()) == pytest.approx(np.full(2, force))
+
+
+def test_a_striker_from_outside_passes_the_wall(tmp_path, monkeypatch, capsys):
+    """A sphere that comes through a side wall: forces are exact, also from the table that was made of the run."""
+    monkeypatch.chdir(tmp_path)
+    packing = {"kind": "sc", "size": [3, 3, 1], "diameter": 0.01}
+    tables = {
+        "name": "through", "material": "steel", "packing": packing, "contact": {"law": "hertz"},
+        "boundary": {"sides": {"material": "steel"}}, "striker": [{"touches": 4, "velocity": [2, 0, 0]}],
+        "run": {"end_time": 3e-5, "frames": 4}, "output": {"contact_forces": True},
+    }  # fmt: skip
+    run_case(case_from_dict(tables, "through"), Path("through"), figures=False)
+    assert main(["infer", "through", "--no-figures", "--json"]) == 0
+    first = json.loads(capsys.readouterr().out)
+    assert first["n_loaded_contacts"] > 0 and first["true_force_error"] < 1e-9
+    assert [row["passes_walls"] for row in rows_of("measurement.csv")].count("1.0") == 1
+    words = ["infer", "infer/measurement.csv", "--case", "infer/measurement.toml", "-o", "again", "--no-figures"]
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["largest_force_N"] == pytest.approx(first["largest_force_N"], rel=1e-9)
 
 
 def test_python_says_what_is_wrong(tmp_path):

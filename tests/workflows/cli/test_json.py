@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -10,7 +11,7 @@ from granwave.workflows.cli import doctor
 from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.doctor import Finding
 from granwave.workflows.cli.keys import tables
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.cli.scan import outcome_values
 from granwave.workflows.scanning.driver import ScanOutcome
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -40,6 +41,44 @@ def test_check(capsys):
     assert (
         sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures")) == plan["wall_time_s"]
     )
+
+
+def leaves(value):
+    """Numbers of a document, those that are keys among them, and the lengths of lists and tables."""
+    if isinstance(value, dict):
+        return [one for key, part in value.items() for one in [*leaves(part), *([float(key)] if key.isdigit() else [])]]
+    if isinstance(value, list):
+        return [one for part in value for one in leaves(part)]
+    return [float(value)] if isinstance(value, int | float) and not isinstance(value, bool) else []
+
+
+def is_rounded(text, value):
+    """True if the text is the value with fewer digits."""
+    mantissa, _, power = text.partition("e")
+    last = 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
+    return abs(float(text) - value) <= 0.5001 * last
+
+
+CHECKED = [
+    ["precompressed-chain", "--np", "2"],
+    ["driven-row", "--set", "contact.loss={restitution=0.9,velocity=0.1}"],
+    ["confined-steel"],
+    ["fcc-small", "--set", "precompression={kind='uniform',pressure=1e5}", "--set", "packing.size=[8,8,5]"],
+]
+
+
+@pytest.mark.parametrize("words", CHECKED, ids=lambda words: words[0])
+def test_the_plan_holds_every_number_of_the_table(words, capsys):
+    values = leaves(document(["check", *words, "--json"], capsys))
+    assert main(["check", *words]) == 0
+    table, _, _ = capsys.readouterr().out.partition("\n\n")
+    of_law = 0.2  # "beyond 0.2 R*"
+    known = [*values, of_law, *(factor * value for value in values for factor in (1e-3, 1e-9, 2.0**-30))]
+    rows = [row for row in table.splitlines() if not row.startswith(("case", "expected time"))]
+    numbers = [(number, row) for row in rows for number in re.findall(r"(?<![\w^])\d+(?:\.\d+)?(?:e[-+]\d+)?", row)]
+    assert len(numbers) > 12
+    for number, row in numbers:
+        assert any(is_rounded(number, value) for value in known), f"{number} of {row!r}"
 
 
 def test_check_of_the_continuum(capsys):

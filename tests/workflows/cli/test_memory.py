@@ -4,7 +4,7 @@ import pytest
 
 from granwave.lammps_inputs.errors import RunError
 from granwave.workflows.cli import commands
-from granwave.workflows.cli.parser import FAILED, main
+from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.run.lammps_engine import Engine
 
 

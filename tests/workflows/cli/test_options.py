@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from granwave.lammps_inputs.case.sections import LAWS
-from granwave.workflows.cli.parser import main
+from granwave.lammps_inputs.case.contact import LAWS
+from granwave.workflows.cli.main import main
 
 
 @pytest.mark.parametrize(

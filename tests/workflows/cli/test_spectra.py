@@ -12,7 +12,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.workflows import load_case
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.spectra import commands
 
 ROW = """

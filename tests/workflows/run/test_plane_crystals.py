@@ -14,7 +14,7 @@ from granwave.analysis.measures.lines.record import lines_of
 from granwave.analysis.notebook.run import Run as Notebook
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case
 from tests.helpers.plane_twin import Discs, crystal

@@ -10,7 +10,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from granwave.workflows.cli.parser import main
+from granwave.workflows.cli.main import main
 
 CASE = """name = "wrong"
 material = "brass"

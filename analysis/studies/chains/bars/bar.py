@@ -16,7 +16,7 @@ from granwave.analysis.measures.signals import power
 from granwave.analysis.studies.chains.runs import ChainRun, chain_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-from granwave.lammps_inputs.packing.assembly import INCIDENT_BAR
+from granwave.lammps_inputs.packing.bars import INCIDENT_BAR, echoes
 
 TITLE = "Elastic bar"
 _WHERE = "thesis 3.2.1"
@@ -86,7 +86,7 @@ def _rows(one: Passage) -> Iterator[Row]:
     of = f"{case.name}, {shape}{one.bar.name.replace('_', ' ')} in elements of {one.bar.pitch * _MILLI:.3g} mm"
     sharp = case.load.shape == "rectangle" and incident
     edge = "An edge is shorter than any element: it ripples, and overshoots by up to 27 %." if sharp else ""
-    echo, lasts = one.run.assembly.echoes()[one.bar.name], float(one.run.time[-1])
+    echo, lasts = echoes(one.run.assembly.bars)[one.bar.name], float(one.run.time[-1])
     back = f"An echo may reach the chain from {echo * _MICRO:.4g} µs on" if lasts > echo else "No echo within the run"
     remark = f"{back}, which takes {lasts * _MICRO:.4g} µs."
     for what, unit, ours, closed, note in (

@@ -12,7 +12,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.chains.runs import ChainRun, chain_runs
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-from granwave.lammps_inputs.packing.assembly import BAR, INCIDENT_BAR
+from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR
 
 TITLE = "Split-Hopkinson bar"
 _MICRO, _KILO = 1e6, 1e-3

@@ -16,9 +16,9 @@ from granwave.analysis.document.model import Column, Table
 from granwave.analysis.figures.scales import ticks_at
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
+from granwave.analysis.measures.chains.hertz_chain import discrete_speed
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.measures.chains.struck_chain import StruckChain
-from granwave.analysis.measures.hertz_chain import discrete_speed
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.studies.chains.runs import elastic_constants, uniform
 from granwave.analysis.studies.runs import FinishedRun

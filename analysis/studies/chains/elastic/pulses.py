@@ -10,7 +10,7 @@ from granwave.analysis.figures.series import COLOURS, label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures.chains.force_pulse import ALIKE, SECOND, ForcePulse, force_pulses, grouped
 from granwave.analysis.measures.chains.groups import columns
-from granwave.analysis.measures.hertz_chain import DISCRETE_LIMIT, IMPULSE_LIMIT
+from granwave.analysis.measures.chains.hertz_chain import DISCRETE_LIMIT, IMPULSE_LIMIT
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

@@ -9,19 +9,19 @@ import numpy as np
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.analysis.measures.chains.groups import columns
+from granwave.analysis.measures.chains.hertz_chain import (
+    DISCRETE_COEFFICIENT,
+    IMPULSE_COEFFICIENT,
+    discrete_speed,
+)
 from granwave.analysis.measures.chains.solitary_wave import (
     DISCRETE_WIDTH,
     HALF_OF_COS4,
     SolitaryWave,
     cos4,
 )
-from granwave.analysis.measures.hertz_chain import (
-    DISCRETE_COEFFICIENT,
-    IMPULSE_COEFFICIENT,
-    discrete_speed,
-)
-from granwave.analysis.measures.pulses import LENGTH
 from granwave.analysis.measures.signals import Array, Power, power, width
+from granwave.analysis.measures.waves.pulses import LENGTH
 from granwave.analysis.studies.chains.runs import uniform
 from granwave.analysis.studies.runs import FinishedRun, rising
 from granwave.analysis.studies.study import Picture, Row

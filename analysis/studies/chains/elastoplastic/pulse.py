@@ -10,7 +10,7 @@ import numpy as np
 from granwave.analysis.figures.chains import plastic_pulses
 from granwave.analysis.measures.chains import elastoplastic_model as model
 from granwave.analysis.measures.chains.elastoplastic_pulse import PlasticWave, Pulses, collect_pulses
-from granwave.analysis.measures.hertz_chain import IMPULSE_LIMIT
+from granwave.analysis.measures.chains.hertz_chain import IMPULSE_LIMIT
 from granwave.analysis.studies.chains.runs import from_thesis, uniform
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

@@ -1,0 +1,1 @@
+"""Planes, directions and places in packings."""

@@ -1,0 +1,1 @@
+"""Energy and forces of an impact: dissipation, the material that did it, and their laws."""

@@ -1,0 +1,185 @@
+"""Dissipation, plastic zone and peak forces as curves: plain numpy on arrays of spheres and contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.measures.geometry.nearest import nearest
+from granwave.analysis.measures.geometry.planes import layers, preferred_directions
+from granwave.analysis.result.reader import Result
+
+_ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
+
+
+def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Rows of the spheres that dissipated anything, the one that dissipated most first (thesis Fig. 5.8)."""
+    order = np.argsort(-dissipated, kind="stable")
+    return order[: np.count_nonzero(dissipated > 0)]
+
+
+def cumulated(
+    dissipated: NDArray[np.float64], energy_input: float, volume: NDArray[np.float64] | None = None
+) -> tuple[NDArray[np.float64], NDArray]:
+    """Dissipated share of the input against the volume of the spheres that did it (thesis Fig. 5.14).
+
+    Parameters
+    ----------
+    dissipated
+        By sphere: (n_spheres,), J.
+    energy_input
+        J.
+    volume
+        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given.
+
+    Returns
+    -------
+    fraction
+        Of the input: (n,).
+    volume
+        Of the spheres that dissipated most, in units of pi D^3/6; of like spheres their number: (n,).
+    """
+    rows = ranked(dissipated)
+    share = np.cumsum(dissipated[rows]) / energy_input
+    return share, np.arange(1, len(rows) + 1) if volume is None else np.cumsum(volume[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneGrowth:
+    """The plastic zone in time; every array (n_times,).
+
+    Attributes
+    ----------
+    time
+        When the zone grew, s.
+    contacts, spheres
+        Yielded so far.
+    depth
+        Of the deepest plastic centre below the struck one, m.
+    radius
+        Largest lateral distance of a plastic centre, m.
+    """
+
+    time: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    spheres: NDArray[np.int64]
+    depth: NDArray[np.float64]
+    radius: NDArray[np.float64]
+
+
+def zone_growth(result: Result) -> ZoneGrowth:
+    """Growth of the plastic zone, from the times at which contacts yielded."""
+    yielded = result["contacts/yielded"].astype(bool)
+    when = result["contacts/time_yield"][yielded]
+    ends = result.ends[yielded]
+    order = np.argsort(when, kind="stable")
+    when, ends = when[order], ends[order]
+    _, first = np.unique(ends.ravel(), return_index=True)
+    new = np.zeros(ends.size, dtype=np.int64)
+    new[first] = 1
+    offset = result["spheres/position"] - result.origin
+    depth = np.maximum.accumulate(offset[ends, 2].max(axis=1, initial=0.0))
+    radius = np.maximum.accumulate(np.hypot(offset[ends, 0], offset[ends, 1]).max(axis=1, initial=0.0))
+    time, last = np.unique(when[::-1], return_index=True)
+    last = len(when) - 1 - last
+    spheres = np.cumsum(new.reshape(-1, 2).sum(axis=1))
+    return ZoneGrowth(time, last + 1, spheres[last], depth[last], radius[last])
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """Peak forces of the contacts along the preferred directions.
+
+    Attributes
+    ----------
+    directions
+        Unit vectors: (n_directions, 3).
+    peak_force
+        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the packing, and where a
+        sphere is missing.
+    """
+
+    directions: NDArray[np.float64]
+    peak_force: NDArray[np.float64]
+
+    @property
+    def difference(self) -> NDArray[np.float64]:
+        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,)."""
+        complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
+        largest = complete.max(axis=1, initial=0.0)
+        return (largest - complete.min(axis=1, initial=np.inf)) / np.where(largest > 0, largest, 1.0)
+
+    @property
+    def max_difference(self) -> float:
+        """The largest of `difference`; symmetry makes it 0 when one sphere is struck."""
+        return float(self.difference.max(initial=0.0))
+
+
+def rays(result: Result) -> Rays:
+    """Peak force of every contact along each preferred direction, from the struck sphere on.
+
+    A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther off than a quarter of
+    a diameter. Grains of a file have no such directions: there is no ray.
+    """
+    directions = preferred_directions(result.case.packing.kind)
+    if not len(directions):
+        return Rays(directions, np.empty((0, 0)))
+    diameter = result.case.packing.diameter
+    positions, ids = result["spheres/position"], result["spheres/id"]
+    reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
+    force = _force_of_pairs(result)
+    columns = []
+    for direction in directions:
+        points = result.origin + np.arange(reach)[:, None] * diameter * direction
+        distance, row = nearest(points, positions)
+        found = np.where(distance <= _ON_RAY * diameter, ids[row], 0)
+        columns.append(force(found[:-1], found[1:]))
+    table = np.stack(columns, axis=1)
+    there = np.flatnonzero(np.isfinite(table).any(axis=1))
+    return Rays(directions, table[: there[-1] + 1 if there.size else 0])
+
+
+def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Largest peak force of a contact in each layer.
+
+    Returns
+    -------
+    depth
+        Of the layer below the struck one: (n_layers,), m.
+    force
+        (n_layers,), N.
+    """
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
+    force = np.zeros(len(mean))
+    np.maximum.at(force, layer, result["spheres/peak_force"])
+    return mean, force
+
+
+def dissipation_mismatch(result: Result) -> float:
+    """Largest difference of the dissipation of a sphere between the last snapshot and ``/contacts``, over the input.
+
+    The two come from different dumps; they differ by rounding and, in an interrupted run, by what happened
+    between.
+    """
+    from_contacts = result["spheres/dissipated_energy"] - result["spheres/dissipated_energy_wall"]
+    from_snapshot = result.frame(result.n_frames - 1, "dissipated_energy")
+    return float(np.max(np.abs(from_snapshot - from_contacts))) / (result.energy_input or 1.0)
+
+
+def _force_of_pairs(result: Result):
+    """A function from pairs of ids to their peak forces, NaN for a pair that is no contact; the id 0 is no sphere."""
+    stride = int(result["spheres/id"][-1]) + 1
+    keys = result["contacts/i"] * stride + result["contacts/j"]
+    forces = result["contacts/peak_force"]
+
+    def force(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.float64]:
+        wanted = np.minimum(first, second) * stride + np.maximum(first, second)
+        if not len(keys):
+            return np.full(len(wanted), np.nan)
+        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        return np.where(keys[place] == wanted, forces[place], np.nan)
+
+    return force

@@ -1,0 +1,1 @@
+"""Waves in packings: fronts, directions, speeds, pulses along lines of grains."""

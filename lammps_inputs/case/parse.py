@@ -1,0 +1,206 @@
+"""Tables of a case file to the fields of `Case`, with all faults."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
+from granwave.lammps_inputs.case.bodies import Bar, read_body, read_list
+from granwave.lammps_inputs.case.boundary import Boundary, Tube
+from granwave.lammps_inputs.case.case import RECORD
+from granwave.lammps_inputs.case.contact_pairs import read_pairs
+from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
+from granwave.lammps_inputs.case.load import Load, read_load
+from granwave.lammps_inputs.case.material import (
+    MATERIALS,
+    Material,
+    read_material,
+    read_materials,
+    with_named_materials,
+)
+from granwave.lammps_inputs.case.packing import PackingSection, check_cell, read_packing
+from granwave.lammps_inputs.case.precompression import Precompression
+from granwave.lammps_inputs.case.schema import ErrorList, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.supports import read_bottom
+from granwave.lammps_inputs.case.tables import BARS, GRAINS, KNOWN, LISTS, PRECOMPRESSION, SECTIONS, WALL_KEYS
+from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.run_directory import FIGURES_TABLE
+
+_REQUIRED = ("packing", "material")
+
+_OF_CONTINUUM = ("block", "punch", "sphere", "partner")
+_OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
+
+
+def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
+    """Read the nested mapping of a case file, table by table; faults are added to ``errors``.
+
+    Parameters
+    ----------
+    source
+        File that the case comes from; its stem is the default name of the case.
+
+    Returns
+    -------
+    dict
+        Fields of `Case` by name; None for those that are wrong.
+    """
+    _refuse_others(data, errors)
+    data = _with_implied(with_absolute_paths(data, Path()))
+    materials = read_materials(data.get(MATERIALS, {}), errors)
+    data = with_named_materials(data, materials)
+    parts = read_parts(data, source, errors, sections=SECTIONS, required=_REQUIRED, read=_read_section)
+    if PRECOMPRESSION in data:
+        parts[PRECOMPRESSION] = read_table(Precompression, data[PRECOMPRESSION], PRECOMPRESSION, errors)
+    parts[PRECOMPRESSION] = _pressed(parts, errors)
+    parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
+    parts[MATERIALS] = tuple(materials.values())
+    for name, section in LISTS.items():
+        parts[name] = read_list(section, data.get(name, ()), name, errors)
+    for name in BARS:
+        parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
+    packing: PackingSection | None = parts["packing"] if "packing" in data else None
+    added = read_list(AddedGrains, data.get(GRAINS, ()), GRAINS, errors)
+    if packing is not None and (added or packing.gaps):
+        boundary: Boundary | None = parts["boundary"]
+        periodic = boundary is not None and boundary.sides == "periodic"
+        packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
+        parts[MATERIALS] = tuple(materials.values())
+    if packing is not None:
+        check_cell(packing, errors)
+    if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
+        parts["load"] = Load(kind="grains")
+    return parts
+
+
+def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
+    """Return the precompression, which a negative gap at the sides implies."""
+    given: Precompression | None = parts.get(PRECOMPRESSION)
+    boundary: Boundary | None = parts.get("boundary")
+    if boundary is None or boundary.gap >= 0:
+        return given
+    axes = [axis for axis in "xy" if boundary.has_planes(axis)]
+    if (packing := parts.get("packing")) is not None and is_plane_crystal(packing.kind) and boundary.y is None:
+        axes = [axis for axis in axes if axis != "y"]
+    moves = {axis: -boundary.gap for axis in axes}
+    implied = Precompression(kind="walls", x=moves.get("x"), y=moves.get("y"))
+    if given is not None and given != implied:
+        errors.add(
+            "boundary.side_gap",
+            f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out",
+        )
+    return implied if axes else given
+
+
+def read_parts(
+    data: Mapping[str, Any],
+    source: str | Path,
+    errors: ErrorList,
+    *,
+    sections: Mapping[str, type],
+    required: Collection[str] = ("material",),
+    read: Callable[[type, Any, str, ErrorList], Any] = read_table,
+) -> dict[str, Any]:
+    """Read name, material and sections of a case of any kind; faults are added to ``errors``.
+
+    Parameters
+    ----------
+    source
+        As in `parse_case`.
+    sections
+        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is required.
+    required
+        Names of the tables that must be there.
+    read
+        Function that reads one section.
+
+    Returns
+    -------
+    dict
+        Parts by name; None for those that are wrong.
+    """
+    parts: dict[str, Any] = {"name": read_name(data, source, errors)}
+    for name in required:
+        if name not in data:
+            errors.add(name, f"missing; a case needs [{name}]")
+    if "material" in data:
+        parts["material"] = read_material(data["material"], errors)
+    for name, section in sections.items():
+        if name in data or name not in required:
+            parts[name] = read(section, data.get(name, {}), name, errors)
+    return parts
+
+
+def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> Any:
+    if section is Load:
+        return read_load(table, errors)
+    if section is PackingSection:
+        return read_packing(table, errors)
+    if section is not Boundary or not isinstance(table, Mapping):
+        return read_table(section, table, name, errors)
+    before, plain = len(errors.lines), dict(table)
+    read: dict[str, Any] = {}
+    for key in WALL_KEYS:
+        if not isinstance(table.get(key), Mapping):
+            continue
+        plain[key] = "wall"
+        if key == "bottom":
+            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
+        else:
+            read[f"{key}_material"], read[f"{key}_tube"] = _read_sides(table[key], f"boundary.{key}", errors)
+    boundary = read_table(Boundary, plain, name, errors)
+    if boundary is None or len(errors.lines) > before:
+        return None
+    return dataclasses.replace(boundary, **read)
+
+
+def _read_sides(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, float | None]:
+    """Read the material of the sides, and the radius of a tube."""
+    refuse_unknown(table, ("material", "tube"), key, errors)
+    if not table:
+        errors.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
+    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
+    tube = read_table(Tube, table["tube"], f"{key}.tube", errors) if "tube" in table else None
+    return material, None if tube is None else tube.radius
+
+
+def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case with implied values.
+
+    These are strikers as the load, the axis of strikers, a bar for a bottom, and frames of a film.
+    """
+    data = dict(data)
+    if "striker" in data and "load" not in data:
+        data["load"] = {"kind": "striker"}
+    packing, strikers = data.get("packing"), data.get("striker")
+    if isinstance(packing, Mapping) and isinstance(strikers, list | tuple) and packing.get("shape") == "cylinder":
+        axis = packing.get("axis", "z" if packing.get("kind") == "square" else None)  # rows of a square are along y
+        data["striker"] = [
+            {**one, "axis": axis}
+            if axis is not None and isinstance(one, Mapping) and one.get("shape") == "cylinder" and "axis" not in one
+            else one
+            for one in strikers
+        ]
+    boundary = data.get("boundary", {})
+    if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
+        data["boundary"] = {**boundary, "bottom": "free"}
+    figures, run = data.get(FIGURES_TABLE, {}), data.get("run", {})
+    if isinstance(figures, Mapping) and isinstance(run, Mapping) and figures.get("film", "none") != "none":
+        data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
+    return data
+
+
+def _refuse_others(data: Mapping[str, Any], errors: ErrorList) -> None:
+    for name in _OF_CONTINUUM:
+        if name in data:
+            errors.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
+    for name in _OF_SCAN:
+        if name in data:
+            errors.add_unknown(name, "belongs in a scan file: granwave scan runs it")
+    others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
+    rest = {name: value for name, value in data.items() if name not in others}
+    refuse_unknown(rest, KNOWN, "", errors)

@@ -1,0 +1,51 @@
+"""Rows of CSV files with the numbers of their lines; what follows a # is a comment."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_text
+
+Row = tuple[int, list[str]]  # number of the line, and the cells
+
+
+def csv_rows(text: str) -> list[Row]:
+    """Return the rows of a text that are no comments; a row is a line, also where quotes are left open.
+
+    Raises
+    ------
+    ValueError
+        A line cannot be taken apart.
+    """
+    found = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        filled = line.partition("#")[0]
+        if not filled.strip():
+            continue
+        try:
+            found.append((number, next(csv.reader([filled], skipinitialspace=True))))
+        except csv.Error as error:
+            raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
+    return found
+
+
+def read_csv_rows(path: Path) -> list[Row]:
+    """Read the rows of a CSV file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
+    """
+    try:
+        return csv_rows(read_text(path))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a CSV file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Fix wall/gran/hysteretic: normal, viscous and tangential force of one contact, and the history that they change. */
+
+#include "fix_wall_gran_hysteretic.h"
+
+#include "atom.h"
+#include "domain.h"
+#include "error.h"
+#include "finite_motion.h"
+#include "update.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+using granwave::ScaledLaw;
+using granwave::TangentialSpring;
+
+/* Squared distance between two locations on the wall, to the nearest image. */
+
+double FixWallGranHysteretic::distance_squared(const double from[2], const double to[2]) const
+{
+  double sum = 0.0;
+  for (int d = 0; d < 2; d++) {
+    const int along = (axis + 1 + d) % 3;
+    double distance = to[d] - from[d], period = domain->periodicity[along] ? domain->prd[along] : 0.0;
+    if (tube) period = d == 0 ? tube->circumference() : domain->periodicity[2] ? domain->prd[2] : 0.0;
+    if (period > 0.0) distance -= period * std::round(distance / period);
+    sum += distance * distance;
+  }
+  return sum;
+}
+
+/* Energy dissipated by yielding at one wall in this run. */
+
+double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
+{
+  const Side &side = sides[2 * i + which];
+  return side.lost_before + scaled.dissipated_energy(law_history(i, which)) -
+         scaled.dissipated_energy({side.initial, initial_extra(i, which)});
+}
+
+/* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. If the contact
+   is along a line, its force is in line_force at the index `line`. */
+
+FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now,
+                                                                     std::size_t line)
+{
+  double *const state = array_atom[i];
+  Side &side = sides[2 * i + which];
+  const double radius = atom->radius[i];
+  if (!(overlap <= radius)) {
+    granwave::require_finite_motion(lmp, i);
+    error->one(FLERR,
+               "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
+               "it, or the timestep is far too large",
+               atom->tag[i], overlap, id, radius);
+  }
+  if (tube && !tube->holds(radius))
+    error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
+               atom->tag[i], radius, tube->radius());
+  const ScaledLaw &scaled = scaled_law(i);
+  const double effective = scaled.effective_radius();
+  if (!(overlap < scaled.largest_overlap()))
+    error->one(FLERR,
+               "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
+               atom->tag[i], overlap, id);
+  if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
+  if (side.touching == 0.0) {
+    side.touching = 1.0;
+    if (side.dent > 0.0) {
+      const double circle_sq =
+          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
+      double place[2];
+      place_of(i, place);
+      if (distance_squared(side.place, place) > circle_sq) {
+        side.lost_before = lost(i, which, scaled);
+        side.dent = side.initial = 0.0;
+        std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
+      }
+    }
+  }
+  if (law.entry().n_extra > 0) scaled.update(overlap, side.dent, extra(i, which));
+  const bool raised = overlap > side.dent;
+  if (raised) {
+    side.dent = overlap;
+    place_of(i, side.place);
+  }
+  Contact contact{};
+  if (scaled.line()) {
+    contact.force = line_force[line];
+    if (support) contact.stiffness = line_stiffness[line];
+    if (friction > 0.0) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
+  } else if (!scaled.yielded(side.dent)) {
+    contact.force = scaled.hertz_force(overlap);
+    if (support) contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.hertz_stiffness(overlap);
+    if (friction > 0.0)
+      contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
+  } else {
+    const granwave::Turning turning = scaled.turning(law_history(i, which));
+    contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
+    if (support) contact.stiffness = scaled.stiffness(turning);
+    if (friction > 0.0)
+      contact.circle_sq =
+          raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, law.area(turning.peak));
+    if (raised) {
+      if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
+      state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
+    }
+  }
+  if (loss) compute_viscous(i, which, overlap, scaled, contact);
+  if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
+    state[FORCE] = contact.force;
+    state[OVERLAP] = overlap;
+  }
+  if (contact.force > state[PEAK_FORCE]) {
+    state[PEAK_FORCE] = contact.force;
+    state[TIME_PEAK] = now;
+  }
+  state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
+  return contact;
+}
+
+/* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
+
+void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
+{
+  granwave::ViscousHistory &history = viscous(i, which);
+  if (update->whichflag != 1) {
+    history.forget_state();
+    return;
+  }
+  const bool advances = !update->setupflag;
+  if (!advances && history.continues(overlap, ROUNDING * atom->radius[i])) {
+    contact.force += history.force;
+    return;
+  }
+  const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), atom->rmass[i]);
+  double normal[3], approach = 0.0;    // from the velocities
+  inward(i, which, normal);
+  for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
+  if (support && which == moving) approach -= support->velocity();
+  contact.force += advances ? history.advance(overlap, contact.force, coefficient, approach, update->dt)
+                            : history.start(overlap, contact.force, coefficient, approach, update->dt);
+  report_viscous(i);
+}
+
+/* Update the column of the energy that the viscous forces of both walls took. */
+
+void FixWallGranHysteretic::report_viscous(int i) { array_atom[i][VISCOUS] = viscous(i, 0).lost + viscous(i, 1).lost; }
+
+/* Compute the tangential force of one wall on sphere i, and its torque. The spring is updated only if a timestep was made. */
+
+void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
+{
+  TangentialSpring &spring = springs[2 * i + which];
+  double *const state = array_atom[i];
+  if (contact.force > 0.0) {
+    double normal[3];
+    inward(i, which, normal);
+    const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
+    if (update->whichflag == 1 && !update->setupflag) {
+      const double *const v = atom->v[i], *const omega = atom->omega[i];
+      const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
+      double slip[3];
+      granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
+      granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq),
+                                   friction * contact.force, tangential_model);
+    }
+    double torque[3];
+    granwave::torque_per_lever(normal, spring.force, torque);
+    for (int d = 0; d < 3; d++) {
+      atom->f[i][d] += spring.force[d];
+      atom->torque[i][d] += lever * torque[d];
+    }
+    const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
+    add_to_wall(i, on_wall);
+    if (contact.force == state[FORCE]) state[TANGENTIAL] = granwave::tangential_force(spring);
+  } else {
+    granwave::release(spring);
+  }
+  state[FRICTION_LOSS] = springs[2 * i].loss + springs[2 * i + 1].loss;
+}

@@ -1,0 +1,289 @@
+"""Analysis in parts, and dumps of which each rank writes its own: the same values as of one part and one file."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+import tracemalloc
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse, pipeline
+from granwave.analysis.exports.export import export
+from granwave.analysis.figures import run_figures
+from granwave.analysis.lammps_output.dumps import read_contacts, read_frames
+from granwave.analysis.result.sums import pairwise_sum
+from granwave.analysis.result.writer import write_result
+from granwave.analysis.summary import summarise
+from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs.deck import data_file
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.records import written_in_parts
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.workflows import run_case
+from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.run import driver
+from tests.conftest import BIN, PLAIN
+from tests.helpers import synthetic
+
+RUN = {"end_time": 6e-5, "frames": 3}
+IN_PARTS = {"parts": True, "dump_format": "binary"}
+#: Each with something that spheres of different parts share: contacts, periods, vacancies, strikers, walls, bars.
+CASES = {
+    "hcp, walls": {"kind": "hcp", "boundary": {"bottom": "wall"}, "contact": {"friction": 0.3}},
+    "periodic": {"boundary": {"sides": "periodic"}, "size": (4, 4, 5)},
+    "vacancies and scatter": {"packing": {"vacancies": 0.1, "diameter_scatter": 2e-6, "seed": 3}},
+    "unlike": {"replace": [{"index": [1, 60], "diameter": 0.0099}, {"index": [20, 77], "material": "steel"}]},
+    "striker": {
+        "load": {"kind": "striker"},
+        "striker": [{"touches": [15], "velocity": [0.0, 0.0, 5.0], "diameter": 0.02}],
+    },
+    "dents": {"contact": {"initial_overlap": 2e-6}},
+    "static stage": {"precompression": {"kind": "uniform", "pressure": 1e4}, "boundary": {"bottom": "wall"}},
+    "bar": {"kind": "chain", "size": 12, "bar": {"length": 0.1, "area": 1e-4, "elements": 40}},
+}
+
+
+def case_of(kind="fcc", size=(6, 6, 4), output=None, **tables):
+    return synthetic.make_case(kind, size, run=RUN, output={"history": 0} | (output or {}), **tables)
+
+
+def values_in(directory: Path) -> dict[str, object]:
+    """All data sets, with their types, and all attributes of a result, as bytes."""
+    found: dict[str, object] = {}
+
+    def note(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        found[name] = sorted((key, str(value)) for key, value in item.attrs.items())
+        if isinstance(item, h5py.Dataset):
+            values = item[()]
+            found[f"{name}:"] = (
+                values.tolist() if values.dtype == object else (values.dtype, values.shape, values.tobytes())
+            )
+
+    with h5py.File(directory / "result.h5") as file:
+        file.visititems(note)
+        found["/"] = [file.attrs[name] for name in ("name", "case", "versions")]
+    return found
+
+
+def in_parts(directory: Path, at_once: int) -> tuple[dict[str, object], dict[str, object]]:
+    """Analyse a run with so many spheres at once: values of result.h5, and the summary."""
+    write_result(directory, at_once=at_once)
+    return values_in(directory), summarise(directory, at_once=at_once)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_parts_give_the_same_bits_as_the_whole(tmp_path, name):
+    run_case(case_of(**CASES[name]), tmp_path, figures=False)
+    whole = values_in(tmp_path), json.loads((tmp_path / "summary.json").read_text())
+    assert len(whole[0]["contacts/i:"][2]) and whole[1]["n_plastic_spheres"] > 1
+    values, summary = in_parts(tmp_path, 1 + whole[1]["n_spheres"] // 5)
+    assert values.keys() == whole[0].keys()
+    assert [key for key in values if values[key] != whole[0][key]] == []
+    assert summary == whole[1]
+
+
+@pytest.mark.parametrize("n", [1, 7, 128, 129, 1000, 4093, 100_001])
+def test_sum_in_pieces_is_numpys_to_the_last_bit(n):
+    values = np.random.default_rng(n).lognormal(0.0, 5.0, n)
+    read = []
+
+    def rows(part: slice) -> np.ndarray:
+        read.append(part.stop - part.start)
+        return values[part]
+
+    assert pairwise_sum(rows, n, 200) == np.sum(values)
+    assert max(read) <= 200
+
+
+# ---------------------------------------------------------------------- files of each rank
+
+
+BOTH = """
+    from granwave.lammps_inputs.load_case import load_case
+    from granwave.workflows import run_case
+    for name in ("parts", "one"):
+        run_case(load_case(f"{name}.toml"), name, figures=False)
+"""
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """A run on two ranks with a file from each, and one with a file from both."""
+    place = tmp_path_factory.mktemp("runs")
+    for name, parts in (("parts", True), ("one", False)):
+        case = case_of(boundary={"bottom": "wall"}, output=IN_PARTS | {"parts": parts})
+        (place / f"{name}.toml").write_text(case.to_toml())
+    (place / "both.py").write_text(textwrap.dedent(BOTH))
+    command = [str(BIN / "mpiexec"), "-n", "2", sys.executable, "-m", "mpi4py", "both.py"]
+    subprocess.run(command, cwd=place, check=True, env=PLAIN, capture_output=True, timeout=240)
+    return {"parts": place / "parts", "one": place / "one"}
+
+
+@pytest.fixture
+def run(runs, tmp_path):
+    shutil.copytree(runs["parts"], tmp_path / "run")
+    return tmp_path / "run"
+
+
+def test_each_rank_writes_its_own(runs):
+    names = {path.name for path in (runs["parts"] / "dumps").iterdir()}
+    assert {"spheres.0.bin", "spheres.1.bin", "contacts.0.dump", "contacts.1.dump", "contacts.txt"} <= names
+    assert not names & {"spheres.bin", "contacts.dump"}
+
+
+def test_results_are_those_of_one_file(runs):
+    one, parts = (values_in(runs[name]) for name in ("one", "parts"))
+    del one["/"], parts["/"]  # the case and the wall time
+    assert [key for key in one if one[key] != parts.get(key)] == []
+    summaries = [json.loads((runs[name] / "summary.json").read_text()) for name in ("one", "parts")]
+    timed = ("wall_time_s", "sphere_steps_per_s")
+    one, parts = ({key: value for key, value in found.items() if key not in timed} for found in summaries)
+    assert one == parts
+
+
+def test_analysis_once_more(run):
+    before = values_in(run)
+    analyse(run, figures=False, at_once=50)
+    assert values_in(run) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("spheres.0.bin", r"spheres\.0\.bin is missing: each of 2 ranks wrote a part of spheres\.%\.bin"),
+        ("spheres.1.bin", r"spheres\.1\.bin is missing"),
+        ("contacts.0.dump", r"contacts\.0\.dump is missing"),
+        ("contacts.1.dump", r"contacts\.1\.dump is missing"),
+        ("contacts.txt", r"contacts\.txt is missing"),
+    ],
+)
+def test_missing_part(run, name, message):
+    before = (run / "result.h5").read_bytes()
+    (run / "dumps" / name).unlink()
+    with pytest.raises(MissingOutputError, match=message) as error:
+        analyse(run, figures=False)
+    assert "\n" not in str(error.value) and "--force" in str(error.value)
+    assert (run / "result.h5").read_bytes() == before
+
+
+def test_last_part_of_a_run_that_did_not_finish(run):
+    """Nothing but the ids tells that there were more ranks."""
+    for name in ("spheres.1.bin", "contacts.1.dump"):
+        (run / "dumps" / name).unlink()
+    with pytest.raises(OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 72 spheres .* 144"):
+        analyse(run, figures=False)
+
+
+@pytest.mark.parametrize("name", ["spheres.0.bin", "spheres.1.bin", "contacts.0.dump", "contacts.1.dump"])
+@pytest.mark.parametrize("kept", [0.3, 0.999])
+def test_part_that_was_cut(run, name, kept):
+    path = run / "dumps" / name
+    os.truncate(path, int(kept * path.stat().st_size))
+    with pytest.raises(OutputFormatError, match=r"cut|contacts, contacts\.txt says") as error:
+        analyse(run, figures=False)
+    assert str(path.parent) in str(error.value) and "--force" in str(error.value)
+
+
+def test_contacts_cut_at_the_end_of_a_row(run):
+    path = run / "dumps" / "contacts.1.dump"
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
+    with pytest.raises(
+        OutputFormatError, match=r"contacts\.%\.dump \(all ranks\): found \d+ contacts, contacts\.txt says"
+    ):
+        analyse(run, figures=False)
+
+
+def test_parts_of_another_run(run):
+    """As of LAMMPS run by hand, first on three ranks and then on two."""
+    shutil.copy(run / "dumps" / "spheres.1.bin", run / "dumps" / "spheres.2.bin")
+    with pytest.raises(OutputFormatError, match="holds 216 spheres that are not the 144"):
+        analyse(run, figures=False)
+
+
+@pytest.mark.parametrize("form", ["binary", "text"])
+def test_resumed_run(tmp_path, monkeypatch, form):
+    """It may have another number of ranks, and writes files of its own."""
+    case = case_of(output=IN_PARTS | {"dump_format": form}, boundary={"bottom": "wall"}, size=(4, 4, 3))
+    run_case(case, tmp_path / "whole", figures=False)
+    monkeypatch.setattr(driver, "_PIECE", 1e-3)
+    with monkeypatch.context() as patched:
+        looks = iter(range(1000))
+        patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
+        assert run_case(case, tmp_path / "cut", figures=False).state == "interrupted"
+    assert run_case(case, tmp_path / "cut", figures=False, resume=True).state == "finished"
+    suffix = {"binary": "bin", "text": "dump"}[form]
+    assert len(list((tmp_path / "cut" / "dumps").glob(f"spheres-*.0.{suffix}"))) == 1
+    whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
+    assert len(whole) == 3 and [frame.step for frame in whole] == [frame.step for frame in cut]
+    assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
+    assert len(read_contacts(tmp_path / "cut")) == len(read_contacts(tmp_path / "whole"))
+    again = run_case(case_of(output={"parts": False}, size=(4, 4, 3)), tmp_path / "cut", figures=False, force=True)
+    assert again.state == "finished"
+    assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list((tmp_path / "cut" / "dumps").glob("spheres-*"))
+
+
+def test_files_of_others_are_not_overwritten(tmp_path):
+    (tmp_path / "dumps").mkdir()
+    (tmp_path / "dumps" / "spheres.12.bin").write_text("mine")
+    with pytest.raises(InputError, match=r"dumps/spheres\.12\.bin would be overwritten"):
+        write_deck(case_of(output=IN_PARTS), tmp_path)
+
+
+def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
+    """Only those in time are drawn, which read no value of all spheres or contacts."""
+    drawn, read = [], []
+    monkeypatch.setattr(pipeline, "MOST_DRAWN", 100)
+    monkeypatch.setattr(run_figures, "draw_figures", lambda _, report, names, helpers: drawn.extend(names))
+    analyse(run, at_once=50)
+    assert "figures of the packing are left out" in caplog.text and "granwave figures" in caplog.text
+    assert "energies" in drawn and not [name for name in drawn if "principal" in name or "3d" in name]
+    monkeypatch.setattr(Result, "read", lambda self, name, old=Result.read: read.append(name) or old(self, name))
+    with Result(run, at_once=50) as result:
+        drawings = [run_figures.FIGURES[name].draw(result) for name in drawn]
+    assert sum(drawing is not None for drawing in drawings) >= 4
+    assert not [name for name in read if name.startswith(("spheres/", "contacts/"))]
+
+
+def test_ovito_does_not_join_parts(run, tmp_path):
+    with pytest.raises(InputError, match=r"each rank wrote its own dumps .*--to vtp"):
+        export(run, "ovito", tmp_path / "out")
+
+
+def test_check_tells_what_a_rank_holds():
+    large = {"packing": {"vacancies": 0.01}, "size": (100, 100, 60), "output": {"parts": True}}
+    case = case_of(**large)
+    table = plan_table(case, plan(case, n_ranks=8))
+    assert "a file from each rank (output.parts)" in table
+    assert "all sites at once, for unlike or missing spheres" in table
+    sizes = [plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000).space for n in (200, 2000)]
+    assert sizes[0].first_rank == pytest.approx(sizes[1].first_rank, rel=0.01)  # the analysis does not grow
+    assert not written_in_parts(assemble(case_of(size=(100, 100, 999))))
+    assert written_in_parts(assemble(case_of(size=(100, 100, 1000))))
+
+
+def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(data_file, "_BATCH", 500)
+    peaks = []
+    for layers in (20, 80):
+        assembly = assemble(case_of(size=(10, 10, layers)))
+        tracemalloc.start()
+        data_file.write_data(assembly, tmp_path / "data")
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.1)
+
+
+def test_case_key(tmp_path):
+    assert case_of().output.parts == "auto"
+    with pytest.raises(InputError, match=r'output\.parts: .*true, false or "auto"'):
+        case_from_dict(case_of().to_dict() | {"output": {"parts": "yes"}})

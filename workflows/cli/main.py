@@ -1,0 +1,113 @@
+"""The command line.
+
+Exit status: 0 done; 1 failed while running; 2 wrong input, nothing was run; 130 stopped by Ctrl-C; 141 the reader of
+the output, such as another command in a pipe, has closed it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import io
+import logging
+import os
+import sys
+from collections.abc import Sequence
+
+from granwave.lammps_inputs.case.schema import printable
+from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.files import DISK_IS_FULL
+from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
+from granwave.workflows.run import mpi
+from granwave.workflows.run.messages import each_warning_once, not_enough_memory
+
+DONE, FAILED, STOPPED, READER_LEFT = 0, 1, 130, 141
+
+_LONGEST_SHOWN = 300  # characters of a path in a message
+_NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; return the exit status."""
+    if "_ARGCOMPLETE" in os.environ:  # the shell asks for completions
+        from granwave.workflows.cli.completion import complete
+
+        complete(make_parser())
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    _set_up_output()
+    options = make_parser().parse_args(words)
+    _set_up_logging()
+    try:
+        status = int(options.command(options, words))
+        sys.stdout.flush()  # here, where an error can still be reported
+        return status
+    except InputError as error:
+        return _report(error.errors, WRONG_INPUT)
+    except GranwaveError as error:
+        return _report([str(error)], FAILED)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards the rest of the output without an error
+        return READER_LEFT
+    except OSError as error:
+        return _report_file(error, words)
+    except MemoryError as error:
+        return _report([not_enough_memory(str(error) or "none left")], FAILED)
+    except ImportError as error:
+        if any(words in str(error) for words in _NO_ROOM_FOR_LIBRARY):
+            return _report([not_enough_memory(str(error))], FAILED)
+        raise
+    except KeyboardInterrupt:
+        return _report(["stopped"], STOPPED)
+
+
+def _set_up_output() -> None:
+    """Make printing and drawing work independently of terminal and settings."""
+    if sys.stdout is None:  # it was closed
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    os.environ["MPLBACKEND"] = "agg"  # figures go to files
+
+
+def _report_file(error: OSError, words: Sequence[str]) -> int:
+    """Report the error of a file; it counts as wrong input if the command line names the file."""
+    try:
+        named = [os.path.abspath(word) for word in words if word]
+        wrong = error.errno in _OF_NAMES or (
+            error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
+        )
+    except OSError:
+        return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
+    # errors of writing name their file, see `granwave.lammps_inputs.files`
+    name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
+    shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."
+    fault = f"{shown}: {error.strerror or error}"
+    return _report([fault], WRONG_INPUT if wrong else FAILED)
+
+
+def _set_up_logging() -> None:
+    """Show granwave's messages from INFO, each warning once, and of libraries errors only.
+
+    Of several ranks only the first shows messages below ERROR.
+    """
+    handler = logging.StreamHandler(sys.stderr)
+    handler.setFormatter(_Messages())
+    handler.addFilter(each_warning_once())
+    logging.basicConfig(level=logging.ERROR, handlers=[handler])
+    logging.getLogger("granwave").setLevel(logging.INFO if mpi.is_first() else logging.ERROR)
+
+
+class _Messages(logging.Formatter):
+    def format(self, record: logging.LogRecord) -> str:
+        text = super().format(record)
+        return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
+
+
+def _report(lines: Sequence[str], status: int) -> int:
+    if not mpi.launched() or mpi.world().rank == 0:
+        with contextlib.suppress(OSError):  # standard error is closed
+            for line in lines:
+                print(f"granwave: {printable(line)}", file=sys.stderr)
+    return status
