@@ -34,9 +34,9 @@ struct ContactBatch {
   double pair_force[CAPACITY];                               // normal force over distance
 
   // friction, input
-  double limit[CAPACITY];           // Coulomb's limit of the tangential force; 0 without friction
-  double keeps[CAPACITY];           // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
-  double velocity[3][CAPACITY];     // of i relative to j
+  double limit[CAPACITY];          // Coulomb's limit of the tangential force; 0 without friction
+  double keeps[CAPACITY];          // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
+  double velocity[3][CAPACITY];    // of i relative to j
   double omega_i[3][CAPACITY], omega_j[3][CAPACITY];
   double tangential[3][CAPACITY];                 // tangential force on i, before and after
   double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after

@@ -118,7 +118,7 @@ class PairGranHysteretic : public Pair {
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
-  /* Pairs within reach, in rows as in LAMMPS's half neighbor list; behind them, in rows of their own, the special pairs. */
+  /* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */
   struct Contacts {
     bool valid = false, published = false;
     int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
@@ -248,8 +248,8 @@ class PairGranHysteretic : public Pair {
   granwave::LineBatch lines{};    // those along lines
   granwave::TouchingPairs pairs{};
   std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
-  double now = 0.0;                // simulation time of this force evaluation
-  bool springs_advance = false;    // true if springs are updated in this force evaluation
+  double now = 0.0;                                  // simulation time of this force evaluation
+  bool springs_advance = false;                      // true if springs are updated in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
 };
 

@@ -41,6 +41,9 @@ void PairGranHysteretic::build_contacts()
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
 
   std::vector<std::pair<int, int>> plain, special;
+  std::size_t listed = 0;
+  for (int ii = 0; ii < list->inum; ii++) listed += list->numneigh[list->ilist[ii]];
+  plain.reserve(listed);
   for (int ii = 0; ii < list->inum; ii++) {
     const int i = list->ilist[ii];
     const int *jlist = list->firstneigh[i];
@@ -225,7 +228,8 @@ void PairGranHysteretic::publish_contacts()
       const Dent dent = dent_of(k);
       if (i < c.owned) {
         history.own(i, c.row_tag[r]);
-        pack_block(k, 1.0, history.place(i, {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
+        pack_block(k, 1.0,
+                   history.place(i, {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
       }
       if (j < c.owned) {
         history.own(j, c.partner_tag[k]);

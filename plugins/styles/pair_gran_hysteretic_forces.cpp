@@ -25,7 +25,7 @@ namespace {
 constexpr int PEAKS_AHEAD = 256, SPRINGS_AHEAD = 192;
 
 /* Vectors of all spheres, which LAMMPS stores contiguously. */
-double (*triples(double **vectors))[3] { return reinterpret_cast<double(*)[3]>(vectors[0]); }
+double (*triples(double **vectors))[3] { return reinterpret_cast<double (*)[3]>(vectors[0]); }
 
 }    // namespace
 
