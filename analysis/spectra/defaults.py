@@ -1,4 +1,4 @@
-"""How many wave vectors, bands and modes are found unless a user says so."""
+"""Default numbers of wave vectors, bands and modes."""
 
 POINTS = 61  # wave vectors of a stretch of the path
 MOST_BANDS = 30  # of a large cell

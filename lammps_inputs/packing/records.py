@@ -1,4 +1,4 @@
-"""How densely chains and lines of a case are recorded in time, and by how many ranks."""
+"""Times at which chains and lines of a case are recorded, and the ranks that record them."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set"
 LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
 
 
-def start(directory, *arguments):
+def start(directory, *arguments, sets=LONG):
     command = [
         sys.executable,
         "-m",
@@ -25,7 +25,7 @@ def start(directory, *arguments):
         "fcc-small",
         "-o",
         str(directory),
-        *LONG,
+        *sets,
         "--no-figures",
         *arguments,
     ]
@@ -107,18 +107,7 @@ def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
     sets = ["--set", "packing.size=[12,12,6]", "--set", "run.end_time=auto", "--set", "run.frames=3"]
     whole = granwave("run", "fcc-small", "-o", tmp_path / "whole", *sets, "--no-figures")
     assert whole.returncode == 0, whole.stderr
-    command = [
-        sys.executable,
-        "-m",
-        "granwave.workflows",
-        "run",
-        "fcc-small",
-        "-o",
-        str(tmp_path / "cut"),
-        *sets,
-        "--no-figures",
-    ]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
+    process = start(tmp_path / "cut", sets=sets)
     ledger = tmp_path / "cut" / "dumps" / "energy.txt"
     wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, process)
     process.send_signal(signal.SIGINT)

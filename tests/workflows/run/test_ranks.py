@@ -1,4 +1,4 @@
-"""Work of the first of several MPI ranks."""
+"""MPI ranks: work of the first, and how all of them leave."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import json
 import subprocess
 import sys
 import textwrap
+
+import pytest
 
 from tests.conftest import BIN, PLAIN
 
@@ -41,3 +43,14 @@ def test_other_ranks_leave_their_cores_to_the_first(tmp_path):
     assert [note["error"] for note in notes] == ["'nothing'", "'nothing'"]
     assert notes[1]["used"] < 0.5
     assert max(note["quick"] for note in notes) < 5
+
+
+@pytest.mark.parametrize("status", [0, 2])
+def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
+    """Several times, as a launcher that loses a rank does so now and then."""
+    script = tmp_path / "leave.py"
+    script.write_text(f"from granwave.workflows.run.mpi import leave\nleave({status})\n")
+    command = [str(BIN / "mpiexec"), "-n", "4", sys.executable, "-m", "mpi4py", str(script)]
+    for _ in range(6):
+        ended = subprocess.run(command, timeout=120, env=PLAIN, capture_output=True, text=True)
+        assert (ended.returncode, ended.stdout, ended.stderr) == (status, "", "")

@@ -14,7 +14,7 @@ def add_run(verbs: argparse._SubParsersAction) -> None:
     parser = shared.command(verbs, "run", commands.run, "run a case: deck, LAMMPS, analysis, figures")
     shared.case(parser)
     shared.output_directory(parser)
-    parser.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    shared.ranks(parser)
     parser.add_argument(
         "--checkpoint",
         type=seconds,
@@ -92,5 +92,5 @@ def add_check(verbs: argparse._SubParsersAction) -> None:
         verbs, "check", commands.check, "what a run would be: size, memory, disk, timestep, time, overlap"
     )
     shared.case(parser)
-    parser.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+    shared.ranks(parser)
     shared.as_json(parser, "the plan")

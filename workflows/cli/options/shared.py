@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from granwave.workflows.cli.arguments import output_name
+from granwave.workflows.cli.arguments import output_name, positive
 
 
 def source(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +50,11 @@ def output_directory(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", dest="directory", type=output_name, metavar="DIR", help="where everything goes (default: ./NAME)"
     )
+
+
+def ranks(parser: argparse.ArgumentParser) -> None:
+    """Add ``--np N``."""
+    parser.add_argument("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
 
 
 def resume_or_force(parser: argparse.ArgumentParser) -> None:
