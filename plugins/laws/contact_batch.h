@@ -10,6 +10,7 @@
 #include "tangential.h"
 
 #include <cmath>
+#include <cstdint>
 
 namespace granwave {
 
@@ -17,45 +18,58 @@ struct ContactBatch {
   static constexpr int CAPACITY = 64;
 
   int size = 0;
-  int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // indices of the pair and its spheres, as set by the caller
+  alignas(64) int k[CAPACITY], i[CAPACITY], j[CAPACITY];    // indices of the pair and its spheres, as set by the caller
 
   // input, by pair
   double del[3][CAPACITY];    // components of the vector from j to i
   double rsq[CAPACITY];       // its length squared
-  double radius_i[CAPACITY], radius_j[CAPACITY], radsum[CAPACITY], effective_radius[CAPACITY];
-  double hertz[CAPACITY];              // force = hertz overlap^(3/2)
+  double radius_i[CAPACITY], radius_j[CAPACITY], radsum[CAPACITY], root_radius[CAPACITY];    // root of R*
+  double hertz[CAPACITY];                                                                    // force = hertz overlap^(3/2)
   double shear_stiffness[CAPACITY];    // k_t of a contact circle of radius 1: 8 G*
   double largest_overlap[CAPACITY];    // beyond it the overlap is an error
   double elastic_limit[CAPACITY];      // overlap up to which a contact is Hertzian
+  double peak[CAPACITY];               // largest overlap before
 
   // output
   double r[CAPACITY], overlap[CAPACITY], force[CAPACITY];    // distance, overlap, normal force
-  double circle[CAPACITY];                                   // radius of the contact circle, squared
+  double circle[CAPACITY];                                   // radius of the contact circle
   double pair_force[CAPACITY];                               // normal force over distance
 
   // friction, input
-  double limit[CAPACITY];          // Coulomb's limit of the tangential force; 0 without friction
-  double keeps[CAPACITY];          // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
-  double velocity[3][CAPACITY];    // of i relative to j
-  double omega_i[3][CAPACITY], omega_j[3][CAPACITY];
-  double tangential[3][CAPACITY];                 // tangential force on i, before and after
-  double compliance[CAPACITY], loss[CAPACITY];    // as in TangentialSpring, before and after
+  double friction[CAPACITY];    // coefficient
+  double keeps[CAPACITY];       // 1: TangentialModel::MINDLIN, 0: MINDLIN_RESCALE
+  // friction, from the spheres and springs of the pairs
+  double normal[3][CAPACITY];                         // unit vector from j to i
+  double limit[CAPACITY];                             // Coulomb's limit of the tangential force; 0 without friction
+  double lever_i[CAPACITY], lever_j[CAPACITY];        // lever arms
+  double velocity[3][CAPACITY], spin[3][CAPACITY];    // velocity of i relative to j; sum of lever arm times angular velocity
+  double tangential[3][CAPACITY];                     // tangential force on i, before and after
+  double compliance[CAPACITY], loss[CAPACITY];        // as in TangentialSpring, before and after
   // friction, output
-  double force_i[3][CAPACITY];                                         // on sphere i, the opposite on j
-  double torque[3][CAPACITY], lever_i[CAPACITY], lever_j[CAPACITY];    // torque on either sphere per unit of its lever arm
+  double force_i[3][CAPACITY];    // on sphere i, the opposite on j
+  double torque[3][CAPACITY];     // on either sphere, per unit of its lever arm
 
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
+  /* Compare the overlaps with the peaks before: bit m of `raised` is set if that of pair m is larger, of `yielded` if the larger
+     of the two is beyond the elastic limit. */
+  void compare_with_peaks(std::uint64_t &raised, std::uint64_t &yielded) const;
   /* Compute normal force over distance. */
   void compute_normal();
+  /* Compute normals, lever arms and Coulomb's limits. Returns true if a limit is 0. */
+  bool prepare_friction();
+  /* Read velocities and angular velocities of the spheres and the springs of the pairs. */
+  void read(const double (*velocities)[3], const double (*omegas)[3], const TangentialSpring *springs);
+  /* Write the springs of the pairs; those whose limit is 0 are left as they are. */
+  void write(TangentialSpring *springs) const;
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
   /* The same after tangential force, compliance and loss have been advanced by a timestep dt; the force is 0 if the limit is 0. */
   void advance_forces_and_torques(double dt);
   /* Add the normal forces to those of both spheres, as far as their indices are below `owned`. */
   void add_normal(double (*forces)[3], int owned) const;
-  /* Add forces and torques including friction likewise. */
-  void add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned) const;
+  /* Add forces and torques including friction likewise, and meanwhile fetch springs of later pairs. */
+  void add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned, const TangentialSpring *springs) const;
 
  private:
   template <bool ADVANCES> void compute_friction(double dt);

@@ -19,7 +19,7 @@ struct PlasticBatch {
   int size = 0;           // at most that of a ContactBatch
   int place[CAPACITY];    // index in the batch of touching pairs
   const ScaledLaw *law[CAPACITY];
-  double overlap[CAPACITY];    // present one
+  alignas(64) double overlap[CAPACITY];    // present one
 
   double force[CAPACITY], circle[CAPACITY];    // output: normal force, squared radius of the contact circle
 

@@ -10,9 +10,13 @@
     !defined(GRANWAVE_ONE_PROCESSOR)
 #define FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
 #define FOR_FOUR_DOUBLES __attribute__((target_clones("avx2", "default")))    // where wider ones are of no use
+// a function written for this instruction set, and the one in its place for all others
+#define FOR_AVX2 __attribute__((target("avx2")))
+#define FOR_OTHERS __attribute__((target("default")))
 #else
 #define FOR_EACH_PROCESSOR
 #define FOR_FOUR_DOUBLES
+#define FOR_OTHERS
 #endif
 
 #endif

@@ -7,6 +7,7 @@
 #define GRANWAVE_ROW_GROUPS_H
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 namespace granwave {
@@ -41,6 +42,21 @@ class RowGroups {
 
   const RowGroup *begin(int block) const { return groups_.data() + first_[block]; }
   const RowGroup *end(int block) const { return groups_.data() + first_[block + 1]; }
+  int first(int block) const { return first_[block]; }    // index of the first group of a block
+
+  /* For each group the pairs k with has(k), as a word: bit m of byte l is that of pair `pair` + l `stride` + m. */
+  template <class Has> std::vector<std::uint64_t> bits(const Has &has) const
+  {
+    std::vector<std::uint64_t> words;
+    words.reserve(groups_.size());
+    for (const RowGroup &g : groups_) {
+      std::uint64_t word = 0;
+      for (int l = 0; l < g.lanes; l++)
+        for (int m = 0; m < g.partners; m++) word |= std::uint64_t(has(g.pair + l * g.stride + m) ? 1 : 0) << (8 * l + m);
+      words.push_back(word);
+    }
+    return words;
+  }
 
   double bytes() const
   {

@@ -18,19 +18,7 @@ typedef std::int64_t Bits __attribute__((vector_size(sizeof(Numbers))));
 
 inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, from, sizeof(numbers)); }
 
-/* Bytes as a word, the first as its lowest. */
-inline std::uint64_t word_of(const void *bytes)
-{
-  std::uint64_t word;
-  std::memcpy(&word, bytes, sizeof(word));
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-  word = __builtin_bswap64(word);
-#endif
-  return word;
-}
-
-/* Eight bytes 0 or 1 as the bits of one byte. */
-inline std::uint64_t packed(std::uint64_t word) { return word * 0x0102040810204080 >> 56; }
+inline std::uint64_t any(const Bits &bits) { return static_cast<std::uint64_t>((bits[0] | bits[1]) | (bits[2] | bits[3])); }
 
 }    // namespace
 
@@ -41,7 +29,7 @@ template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs
   const RowGroup &g = *group;
   const double radsum = 2.0 * uniform_radius, touch_sq = touch_squared(radsum), forget_sq = (radsum + gap) * (radsum + gap);
   constexpr int WIDTH = sizeof(Numbers) / sizeof(double);
-  std::uint64_t touch = 0, apart = 0;
+  Bits touches = {}, beyond = {};
   for (int first = 0; first < g.lanes; first += WIDTH) {
     const int i = g.sphere + first;
     Numbers xi, yi, zi, xj, yj, zj, ri, rj;
@@ -50,8 +38,8 @@ template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs
     load(zi, z + i);
     if (!UNIFORM) load(ri, radius + i);
     Numbers limit = Numbers{} + touch_sq, last = Numbers{} + forget_sq;
-    Bits touches = {}, beyond = {};
-    for (int m = 0; m < g.partners; m++) {
+    Bits bit = Bits{1, 1 << 8, 1 << 16, 1 << 24} << 8 * first;    // of partner m, a byte for each row
+    for (int m = 0; m < g.partners; m++, bit += bit) {
       const int j = g.partner[m] + first;
       load(xj, x + j);
       load(yj, y + j);
@@ -68,46 +56,40 @@ template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs
         limit = sum * sum * touch_squared(1.0);
         last = (sum + gap) * (sum + gap);
       }
-      const Bits bit = Bits{} + (1 << m);
       touches |= ~(rsq >= limit) & bit;    // NaN touches
       beyond |= (rsq > last) & bit;
     }
-    for (int l = 0; l < WIDTH; l++) {
-      touch |= static_cast<std::uint64_t>(touches[l]) << 8 * (first + l);
-      apart |= static_cast<std::uint64_t>(beyond[l]) << 8 * (first + l);
-    }
   }
   const std::uint64_t used = g.lanes == LANES ? ~std::uint64_t(0) : (std::uint64_t(1) << 8 * g.lanes) - 1;
-  touching = touch & used;
-  if ((apart & used) == 0) return;
+  touching = any(touches) & used;
+  const std::uint64_t apart = any(beyond) & used;
+  if (apart == 0) return;
   for (int l = 0; l < g.lanes; l++)
     if (apart >> 8 * l & 0xff) far.push_back(g.row + l);
 }
 
-/* Add the pairs of the present group that have a spring and do not touch. */
+/* Find the pairs of the present group that have parted. */
 
-inline void TouchingPairs::release()
+inline void TouchingPairs::compare()
 {
   const RowGroup &g = *group;
-  const std::uint64_t all = (std::uint64_t(1) << g.partners) - 1;
-  std::uint64_t springs = 0;
-  for (int l = 0; l < g.lanes; l++) springs |= (packed(word_of(has_spring + g.pair + l * g.stride)) & all) << 8 * l;
-  for (std::uint64_t rest = springs & ~touching; rest != 0; rest &= rest - 1) {
+  for (std::uint64_t rest = *before & ~touching; rest != 0; rest &= rest - 1) {
     const int at = __builtin_ctzll(rest);
-    released.push_back(g.pair + (at >> 3) * g.stride + (at & 7));
+    parted.push_back(g.pair + (at >> 3) * g.stride + (at & 7));
   }
+  *before = touching;
 }
 
 /* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
    batch whether it touches or not, and the next one takes its place if it does not. */
 
-template <bool UNIFORM, bool FRICTION>
-__attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch &batch, int n)
+template <bool UNIFORM> __attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch &batch, int n)
 {
   const RowGroup &g = *group;
   const int i = g.sphere;
   double radsum = 2.0 * uniform_radius;
   bool is_far = false;
+  touching = 0;
   for (int m = 0; m < g.partners; m++) {
     const int j = g.partner[m], k = g.pair + m;
     const double delx = x[i] - x[j], dely = y[i] - y[j], delz = z[i] - z[j];
@@ -123,25 +105,26 @@ __attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch
     batch.rsq[n] = rsq;
     n += touches;
     is_far |= rsq > (radsum + gap) * (radsum + gap);
-    if (FRICTION && has_spring[k] > touches) released.push_back(k);
+    touching |= static_cast<std::uint64_t>(touches) << m;
   }
+  if (before) compare();
   if (is_far) far.push_back(g.row);
   return n;
 }
 
-template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline bool TouchingPairs::search(ContactBatch &batch)
+template <bool UNIFORM> __attribute__((always_inline)) inline bool TouchingPairs::search(ContactBatch &batch)
 {
   constexpr int CAPACITY = ContactBatch::CAPACITY;
   const Distances &d = distances;
-  int n = 0;
-  for (; group != end; group++, measured = false) {
+  int n = batch.size;
+  for (; group != end; group++, before += before != nullptr, measured = false) {
     if (group->lanes == 1 && !measured && n + group->partners <= CAPACITY) {
-      n = search_row<UNIFORM, FRICTION>(batch, n);
+      n = search_row<UNIFORM>(batch, n);
       continue;
     }
     if (!measured) {
       measure<UNIFORM>();
-      if (FRICTION) release();
+      if (before) compare();
       measured = true;
     }
     const RowGroup &g = *group;
@@ -167,7 +150,6 @@ template <bool UNIFORM, bool FRICTION> __attribute__((always_inline)) inline boo
 FOR_FOUR_DOUBLES bool TouchingPairs::collect(ContactBatch &batch)
 {
   far.clear();
-  released.clear();
-  if (!radius) return has_spring ? search<true, true>(batch) : search<true, false>(batch);
-  return has_spring ? search<false, true>(batch) : search<false, false>(batch);
+  parted.clear();
+  return radius ? search<false>(batch) : search<true>(batch);
 }

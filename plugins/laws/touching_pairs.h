@@ -24,21 +24,22 @@ struct TouchingPairs {
   const double *x, *y, *z;    // coordinates of all spheres, and RowGroup::LANES numbers more
   const double *radius;       // likewise; null if all are equal to uniform_radius
   double uniform_radius, gap;
-  const char *has_spring;    // by pair, 1 or 0, and RowGroup::PARTNERS more; null without friction
 
   // found by collect(), for the caller to deal with
-  std::vector<int> released;    // pairs that have a spring and do not touch
-  std::vector<int> far;         // rows with pairs beyond the gap
+  std::vector<int> parted;    // pairs that touched and do no longer
+  std::vector<int> far;       // rows with pairs beyond the gap
 
-  /* Search the groups from `first` up to the one before `last`. */
-  void start(const RowGroup *first, const RowGroup *last)
+  /* Search the groups from `first` up to the one before `last`. Their touching pairs (RowGroups::bits) are updated, and parted
+     ones found, unless `touched` is null. */
+  void start(const RowGroup *first, const RowGroup *last, std::uint64_t *touched)
   {
     group = first;
     end = last;
+    before = touched;
     measured = false;
   }
 
-  /* Put touching pairs into an empty batch. Returns false if there is no room for more, and the search must go on. */
+  /* Add touching pairs to a batch. Returns false if there is no room for more, and the search must go on. */
   bool collect(ContactBatch &);
 
  private:
@@ -50,12 +51,13 @@ struct TouchingPairs {
   const RowGroup *group, *end;    // where the search goes on, and where it ends
   bool measured;                  // true if distances and touching are those of the present group
   Distances distances;
-  std::uint64_t touching;    // bits of the pairs that are still to be put into a batch, a byte for each row
+  std::uint64_t touching;    // bits of the pairs that are still to be put into a batch
+  std::uint64_t *before;     // bits of the pairs of the present group that touched when it was searched last, or null
 
   template <bool UNIFORM> void measure();
-  void release();
-  template <bool UNIFORM, bool FRICTION> int search_row(ContactBatch &, int n);
-  template <bool UNIFORM, bool FRICTION> bool search(ContactBatch &);
+  void compare();
+  template <bool UNIFORM> int search_row(ContactBatch &, int n);
+  template <bool UNIFORM> bool search(ContactBatch &);
 };
 
 }    // namespace granwave

@@ -214,6 +214,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
   p.largest_overlap = largest_overlap(ri, rj);
   p.contact = scaled_law(itype, jtype, ri, rj);
+  p.root_radius = std::sqrt(p.contact.effective_radius());
   if (has_special) p.largest_overlap = std::min(p.largest_overlap, p.contact.largest_overlap());
   p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
   p.shear_stiffness = contact_law.tangential_stiffness(1.0);
@@ -230,7 +231,8 @@ double PairGranHysteretic::memory_usage()
   bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
   bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
   bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
-  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) + double(c.has_spring.capacity());
+  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) +
+           double(c.touched.capacity()) * sizeof(std::uint64_t);
   bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
                   c.initial_extra.capacity()) *
            sizeof(double);

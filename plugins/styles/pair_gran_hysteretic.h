@@ -134,7 +134,7 @@ class PairGranHysteretic : public Pair {
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
     std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
-    std::vector<char> has_spring;                      // with friction or losses: 1 if something ends when the pair parts
+    std::vector<std::uint64_t> touched;                // with friction or losses: bits of the pairs whose springs may end
     std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
     std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
     std::vector<tagint> row_tag, partner_tag;
@@ -146,6 +146,7 @@ class PairGranHysteretic : public Pair {
 
   struct PairParameters {    // parameters of a contact, from its two spheres
     double radius_i, radius_j, radsum, touch_sq, largest_overlap;
+    double root_radius;    // square root of R*
     granwave::ScaledLaw contact;
     double friction;           // 0 if one of the two is a face
     double shear_stiffness;    // 8 G*
@@ -204,9 +205,9 @@ class PairGranHysteretic : public Pair {
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
-  void compute_plastic(Batch &, const int *yielded, int n_yielded, const bool *is_raised);
+  void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void discard_turning(int k);
-  void release_spring(int k);
+  bool has_spring(int k);
   void release_contact(int k);
   void raise_reached(int k, double overlap);
   int cached_turning(int k, const granwave::ScaledLaw &);

@@ -82,7 +82,6 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction || has_loss) c.has_spring.assign(n + granwave::RowGroup::PARTNERS, 0);
   if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
@@ -109,6 +108,7 @@ void PairGranHysteretic::build_contacts()
   }
   check_displacements();
   restore_history();
+  if (has_friction || has_loss) c.touched = c.groups.bits([this](int k) { return has_spring(k); });
   c.valid = true;
   c.published = false;
 }
@@ -300,7 +300,6 @@ void PairGranHysteretic::unpack_block(int k, double side, const BlockLayout &lay
     c.spring[k] = view.spring;
     for (double &force : c.spring[k].force) force *= side;
   }
-  if (has_friction || has_loss) c.has_spring[k] = view.spring.compliance > 0.0 || (has_loss && viscous(k)->step > 0.0);
   if (!has_initial_dents) return;
   c.initial[k] = view.initial;
   c.reached[k] = view.reached;

@@ -21,8 +21,7 @@ using granwave::TouchingPairs;
 
 namespace {
 
-// Pairs of the next batch or the one after it, whose memory is fetched meanwhile.
-constexpr int PEAKS_AHEAD = 256, SPRINGS_AHEAD = 192;
+constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are fetched meanwhile
 
 /* Vectors of all spheres, which LAMMPS stores contiguously. */
 double (*triples(double **vectors))[3] { return reinterpret_cast<double (*)[3]>(vectors[0]); }
@@ -56,12 +55,6 @@ inline void PairGranHysteretic::discard_turning(int k)
   if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
 }
 
-inline void PairGranHysteretic::release_spring(int k)
-{
-  release(contacts.spring[k]);
-  contacts.has_spring[k] = has_loss && viscous(k)->step > 0.0;
-}
-
 /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
 
 inline void PairGranHysteretic::raise_reached(int k, double overlap)
@@ -78,11 +71,12 @@ inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
   radius_i[m] = p.radius_i;
   radius_j[m] = p.radius_j;
   radsum[m] = p.radsum;
-  effective_radius[m] = p.contact.effective_radius();
+  root_radius[m] = p.root_radius;
   hertz[m] = p.contact.hertz();
   shear_stiffness[m] = p.shear_stiffness;
   largest_overlap[m] = p.largest_overlap;
   elastic_limit[m] = p.contact.elastic_limit();
+  friction[m] = p.friction;
   keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
 }
 
@@ -122,19 +116,15 @@ void PairGranHysteretic::update_history(Batch &batch)
       if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra))
         discard_turning(k);
     }
-  int raised[Batch::CAPACITY], yielded[Batch::CAPACITY], n_raised = 0, n_yielded = 0;
-  bool is_raised[Batch::CAPACITY];
-  for (int m = 0; m < batch.size; m++) {    // without branches, which would be unpredictable
+  for (int m = 0; m < batch.size; m++) {
     __builtin_prefetch(c.peak.data() + batch.k[m] + PEAKS_AHEAD, 1);
-    const double overlap = batch.overlap[m], before = c.peak[batch.k[m]];
-    raised[n_raised] = yielded[n_yielded] = m;
-    is_raised[m] = overlap > before;
-    n_raised += overlap > before;
-    n_yielded += std::max(overlap, before) > batch.elastic_limit[m];
+    batch.peak[m] = c.peak[batch.k[m]];
   }
-  for (int n = 0; n < n_raised; n++) {
-    const int m = raised[n], k = batch.k[m];
-    const double before = c.peak[k];
+  std::uint64_t raised, yielded;
+  batch.compare_with_peaks(raised, yielded);
+  for (std::uint64_t rest = raised; rest != 0; rest &= rest - 1) {
+    const int m = __builtin_ctzll(rest), k = batch.k[m];
+    const double before = batch.peak[m];
     if (before == 0.0) c.time_first[k] = now;
     if ((before <= batch.elastic_limit[m] || has_initial_dents) && batch.overlap[m] > batch.elastic_limit[m] &&
         c.time_yield[k] < 0.0)
@@ -145,16 +135,18 @@ void PairGranHysteretic::update_history(Batch &batch)
   if (has_initial_dents)
     for (int m = 0; m < batch.size; m++)
       if (batch.overlap[m] > c.reached[batch.k[m]]) raise_reached(batch.k[m], batch.overlap[m]);
-  if (n_yielded > 0) compute_plastic(batch, yielded, n_yielded, is_raised);
+  if (yielded != 0) compute_plastic(batch, yielded, raised);
 }
 
 /* Compute the forces and contact circles of those pairs of a batch that are beyond their elastic limit: on their loading curves
-   if the peak has just been raised, or below their peaks. */
+   if the peak has just been raised, or below their peaks. Bits as of compare_with_peaks(). */
 
-void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n_yielded, const bool *is_raised)
+void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std::uint64_t raised)
 {
   Contacts &c = contacts;
   loading.size = unloading.size = 0;
+  int yielded[Batch::CAPACITY], n_yielded = 0;
+  for (; beyond != 0; beyond &= beyond - 1) yielded[n_yielded++] = __builtin_ctzll(beyond);
   for (int n = 0; n < n_yielded; n++) __builtin_prefetch(&c.turning[batch.k[yielded[n]]]);
   for (int n = 0; n < n_yielded; n++) {
     const int t = c.turning[batch.k[yielded[n]]];
@@ -163,7 +155,7 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
   for (int n = 0; n < n_yielded; n++) {
     const int m = yielded[n], k = batch.k[m];
     const ScaledLaw &law = batch.pair[m]->contact;
-    if (is_raised[m]) {
+    if (raised >> m & 1) {
       discard_turning(k);
       loading.extra[loading.add(m, law, batch.overlap[m])] = law_history(k).extra;
     } else {
@@ -177,7 +169,7 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
        {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
     for (int n = 0; n < part->size; n++) {
       batch.force[part->place[n]] = part->force[n];
-      batch.circle[part->place[n]] = part->circle[n];
+      batch.circle[part->place[n]] = std::sqrt(part->circle[n]);
     }
 }
 
@@ -186,37 +178,19 @@ void PairGranHysteretic::compute_plastic(Batch &batch, const int *yielded, int n
 void PairGranHysteretic::compute_tangential(Batch &batch)
 {
   Contacts &c = contacts;
-  const double *const v = atom->v[0], *const omega = atom->omega[0];    // contiguous
-  for (int m = 0; m < batch.size; m++) {
-    const int k = batch.k[m], i = 3 * batch.i[m], j = 3 * batch.j[m];
-    batch.limit[m] = std::max(batch.pair[m]->friction * batch.force[m], 0.0);
-    if (batch.limit[m] == 0.0) {
-      if (c.has_spring[k]) release_spring(k);
+  if (batch.prepare_friction())
+    for (int m = 0; m < batch.size; m++) {
+      if (batch.limit[m] > 0.0) continue;
+      release(c.spring[batch.k[m]]);
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
-    __builtin_prefetch(c.spring.data() + k + SPRINGS_AHEAD, 1);    // with the next, for about every second pair touches
-    __builtin_prefetch(c.spring.data() + k + SPRINGS_AHEAD + 1, 1);
-    const TangentialSpring &spring = c.spring[k];
-    for (int d = 0; d < 3; d++) {
-      batch.velocity[d][m] = v[i + d] - v[j + d];
-      batch.omega_i[d][m] = omega[i + d];
-      batch.omega_j[d][m] = omega[j + d];
-      batch.tangential[d][m] = spring.force[d];
-    }
-    batch.compliance[m] = spring.compliance;
-    batch.loss[m] = spring.loss;
-  }
+  batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
   if (!springs_advance) {
     batch.compute_forces_and_torques();
     return;
   }
   batch.advance_forces_and_torques(update->dt);
-  for (int m = 0; m < batch.size; m++) {
-    if (batch.limit[m] == 0.0) continue;
-    c.spring[batch.k[m]] = {
-        {batch.tangential[0][m], batch.tangential[1][m], batch.tangential[2][m]}, batch.compliance[m], batch.loss[m]};
-    c.has_spring[batch.k[m]] = 1;
-  }
+  batch.write(c.spring.data());
 }
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
@@ -268,7 +242,7 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (has_loss) compute_viscous(batch);
   if (has_friction) {
     compute_tangential(batch);
-    batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal);
+    batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal, contacts.spring.data());
   } else {
     batch.compute_normal();
     batch.add_normal(triples(atom->f), atom->nlocal);
@@ -300,24 +274,27 @@ void PairGranHysteretic::compute_forces(Tally what)
   pairs.radius = uniform ? nullptr : c.resting.radii();
   pairs.uniform_radius = atom->radius[0];
   pairs.gap = gap;
-  pairs.has_spring = has_friction || has_loss ? c.has_spring.data() : nullptr;
 
+  batch.size = 0;
   for (int begin = 0; begin < rows; begin += RestingBlocks::SIZE) {
     const int block = RestingBlocks::of(begin);
-    if (!c.resting.rests(block)) {
-      bool quiet = true;
-      pairs.start(c.groups.begin(block), c.groups.end(block));
-      for (bool done = false; !done;) {
-        done = pairs.collect(batch);
-        for (const int k : pairs.released) release_contact(k);
-        for (const int r : pairs.far) forget_far_pairs(r);
-        if (batch.size == 0) continue;
-        compute_batch(what);
-        quiet = false;
-      }
-      c.resting.set_quiet(block, quiet);
+    if (c.resting.rests(block)) continue;
+    bool quiet = true;
+    pairs.start(c.groups.begin(block), c.groups.end(block),
+                has_friction || has_loss ? c.touched.data() + c.groups.first(block) : nullptr);
+    for (bool done = false; !done;) {
+      const int before = batch.size;
+      done = pairs.collect(batch);
+      for (const int k : pairs.parted) release_contact(k);
+      for (const int r : pairs.far) forget_far_pairs(r);
+      quiet = quiet && batch.size == before;
+      if (batch.size < Batch::CAPACITY) continue;
+      compute_batch(what);
+      batch.size = 0;
     }
+    c.resting.set_quiet(block, quiet);
   }
+  if (batch.size > 0) compute_batch(what);
   if (has_special) compute_special(what);
 }
 

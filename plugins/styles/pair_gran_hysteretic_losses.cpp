@@ -18,6 +18,13 @@ granwave::ViscousHistory *PairGranHysteretic::viscous(int k)
                                     granwave::ViscousHistory::SIZE);
 }
 
+/* Return true if something ends when the pair parts. */
+
+bool PairGranHysteretic::has_spring(int k)
+{
+  return (has_friction && contacts.spring[k].compliance > 0.0) || (has_loss && viscous(k)->step > 0.0);
+}
+
 /* End the spring of a pair that has parted, and its viscous force. */
 
 void PairGranHysteretic::release_contact(int k)
@@ -32,7 +39,6 @@ void PairGranHysteretic::release_contact(int k)
     viscous(k)->release(atom->radius[i] + atom->radius[j] - apart);
   }
   if (has_friction) release(c.spring[k]);
-  c.has_spring[k] = 0;
 }
 
 /* Add the viscous forces of touching pairs to the normal forces. Where a run is continued they are those of its last step, so
@@ -53,7 +59,6 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
       history.forget_state();
       continue;
     }
-    c.has_spring[k] = 1;
     if (!springs_advance && history.continues(overlap, TouchingPairs::ROUNDING * p.radsum)) {
       batch.force[m] = force + history.force;
       continue;

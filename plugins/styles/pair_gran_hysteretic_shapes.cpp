@@ -132,14 +132,14 @@ void PairGranHysteretic::set_elastic(Batch &batch)
       continue;
     }
     batch.force[m] = contact.hertz_force(batch.overlap[m]);
-    if (has_friction) batch.circle[m] = contact.circle_squared(batch.overlap[m], law_history(batch.k[m]));
+    if (has_friction) batch.circle[m] = std::sqrt(contact.circle_squared(batch.overlap[m], law_history(batch.k[m])));
   }
   if (lines.size == 0) return;
   lines.compute();
   for (int n = 0; n < lines.size; n++) {
     const int m = lines.place[n];
     batch.force[m] = lines.force[n];
-    batch.circle[m] = batch.pair[m]->contact.circle_squared(lines.stiffness[n]);
+    batch.circle[m] = std::sqrt(batch.pair[m]->contact.circle_squared(lines.stiffness[n]));
   }
 }
 
@@ -162,7 +162,7 @@ void PairGranHysteretic::compute_special(Tally what)
                      "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
                      "longer cylinders",
                      atom->tag[i], atom->tag[j]);
-        if ((has_friction || has_loss) && c.has_spring[k]) release_contact(k);
+        if (has_spring(k)) release_contact(k);
         if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
         continue;
       }
