@@ -71,7 +71,8 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         raise InputError(f"{study}: cannot be read: {error.strerror}") from None
     except (OSError, ValueError):
         pass
-    near = _nearest(study, names(kind)) or _nearest(study, _all_names()) or _file_near(study, directory)
+    file, is_path = _file_near(study, directory), len(Path(study).parts) > 1
+    near = (file if is_path else "") or _nearest(study, names(kind)) or _nearest(study, _all_names()) or file
     hint = f"did you mean {near}?" if near else known
     raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
 
@@ -92,10 +93,9 @@ def _nearest(name: str, options: Iterable[str]) -> str:
 def _file_near(study: str, directory: Path) -> str:
     """Return a TOML file with a name similar to a path, relative to ``directory``; empty if none."""
     folder = directory / Path(study).parent
-    files = [file.name for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
-    name = Path(study).name
-    near = f"{name}{_SUFFIX}" if f"{name}{_SUFFIX}" in files else _nearest(name, files)
-    return str(Path(study).with_name(near)) if near else ""
+    names = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
+    near = _nearest(Path(study).name.removesuffix(_SUFFIX), names)
+    return str(Path(study).with_name(f"{near}{_SUFFIX}")) if near else ""
 
 
 def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:

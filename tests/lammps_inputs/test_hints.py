@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from granwave.lammps_inputs.case.hints import _KEY_OF_WORD, _NOTES, _WITHIN
 from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import load_case, load_scan
+from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase
 
@@ -129,3 +130,14 @@ def test_the_word_that_runs_a_study_is_named(
     error = capsys.readouterr().err
     assert error.count("\n") == 1 and expected in error
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_files_with_similar_names_are_named_before_studies(tmp_path: Path) -> None:
+    """By the name without its suffix, which any two files have in common."""
+    (tmp_path / "Impact.toml").write_text("")
+    (tmp_path / "f.toml").write_text("")
+    for name in ("Impact", "impac", "Imapct.toml"):
+        with pytest.raises(InputError, match=rf"did you mean {re.escape(str(tmp_path / 'Impact.toml'))}\?"):
+            library.find(str(tmp_path / name), library.CASES)
+    with pytest.raises(InputError, match="granwave cases lists the built-in ones"):
+        library.find(str(tmp_path / "s24.toml"), library.CASES)
