@@ -29,7 +29,8 @@ NOTES = {
     "velocity_normalised": "(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v: units in which materials fall "
     "on one curve (thesis 5.11).",
     "dissipated_fraction": "Dissipated energy over the input.",
-    "energy_balance_error": "Largest misfit of kinetic + elastic + dissipated - input at any time, over the input.",
+    "energy_balance_error": "Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest "
+    "input up to the end; of a prescribed displacement without the kinetic energy of the moved grains.",
     "energy_kinetic_J": "At the end, with rotation.",
     "energy_elastic_J": "At the end: what contacts, springs and bars would give back.",
     "energy_dissipated_J": "Up to the end, by yielding, friction, viscous losses and dampers.",

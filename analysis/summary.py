@@ -21,6 +21,7 @@ from granwave.analysis.measures.target.record import protection, reached
 from granwave.analysis.measures.waves.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
+from granwave.analysis.result.balance import misfit
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.reader import Result
@@ -138,11 +139,8 @@ def restitution(result: Result) -> float | None:
 
 
 def energy_balance_error(result: Result) -> float | None:
-    """Largest |kinetic + elastic + dissipated - input| of the ledger over the final input."""
-    if not result.energy_input:
-        return None
-    total = result["energy/kinetic"] + result["energy/elastic"] + result["energy/dissipated"]
-    return float(np.max(np.abs(total - result["energy/input"])) / result.energy_input)
+    """Largest error of the ledger over the largest input, see `granwave.analysis.result.balance`."""
+    return float(np.max(misfit(result.ledger)) / result.largest_input) if result.largest_input else None
 
 
 def zone_of(result: Result) -> PlasticZone:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.frame import rows_of, rows_of_all
+from granwave.analysis.result.balance import moved_mass, work_on_packing
 from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
@@ -331,6 +332,16 @@ class Result(_Spheres):
     def energy_input(self) -> float:
         """Energy input up to the end of the run, J."""
         return float(self["energy/input"][-1])
+
+    @property
+    def ledger(self) -> dict[str, NDArray[np.float64]]:
+        """Columns of the energy ledger: (n_times,)."""
+        return {name: self[f"energy/{name}"] for name in self.file["energy"]}
+
+    @property
+    def largest_input(self) -> float:
+        """Largest energy input of the run, which errors of the balance are divided by, J."""
+        return float(np.max(work_on_packing(self.ledger, moved_mass(self.assembly))))
 
     @property
     def n_frames(self) -> int:

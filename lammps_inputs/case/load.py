@@ -17,7 +17,8 @@ Time functions of forces and displacements, with amplitude A, duration T and fre
     sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
     noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase, with the root mean
                    square A; up to T, with a ramp at either end
-    table          linear interpolation between given points; zero before and after
+    table          linear interpolation between given points; a force is zero before and after, a displacement begins
+                   at 0 and keeps its last value
 """
 
 from __future__ import annotations
@@ -192,6 +193,11 @@ class Load:
         return (self.amplitude or 0.0) * (_CREST if self.shape == "noise" else 1.0)
 
     @property
+    def may_stop(self) -> bool:
+        """True for a displacement by a table: the moved spheres may give back most of the energy put in."""
+        return self.kind == "displacement" and bool(self.table)
+
+    @property
     def oscillates(self) -> bool:
         """True for a load of given frequencies."""
         return self.shape in ("harmonic", "burst", "up-and-down", "sweep", "noise")
@@ -287,11 +293,17 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     if load.driven:
         _check_shape(load, errors)
         unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)
-        key = "load.table" if load.table else "load.amplitude"
+        key = ("load.file" if "file" in names else "load.table") if load.table else "load.amplitude"
         if expected := impossible(load.largest, unit):
             errors.add(key, f"found {load.largest:g}, expected {expected}")
         elif odd := unusual(load.largest, unit, usual):
             errors.notes.append(f"{key}: {odd}")
+        if load.kind == "displacement" and load.table and (first := load.table[0][1]):
+            errors.add(
+                key,
+                f"found {first:g} m at first, expected 0: a displacement counts from where the spheres rest at the "
+                f"start; subtract {first:g} from all its values",
+            )
     return load if len(errors.lines) == before else None
 
 

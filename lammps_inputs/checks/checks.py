@@ -35,6 +35,7 @@ from granwave.lammps_inputs.checks.precompression import check_first_yield, chec
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
+from granwave.lammps_inputs.packing.motion import held_ids, struck_of
 from granwave.lammps_inputs.packing.places import Layout, places_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
@@ -106,6 +107,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     check_lines(assembly, errors)
     check_support(assembly, errors)
     check_top(assembly, errors)
+    _check_struck(assembly, errors)
     check_first_yield(assembly, errors)
     check_absorbing(assembly, errors)
     if not errors.lines:
@@ -115,6 +117,27 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     if case.packing.kind == "chain" and (case.boundary.bottom == "wall" or case.bar is not None):
         _check_below(assembly, errors)
     return assembly
+
+
+def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that no struck sphere is held in a direction in which the load moves it."""
+    load = assembly.case.load
+    if not load.hits_spheres or assembly.case.incident_bar:
+        return
+    velocity = load.initial_velocity if load.kind == "impact" else (0, 0, 1)
+    moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
+    struck = set(struck_of(assembly))
+    for name, hold in assembly.case.holds.items():
+        held, entry = sorted(struck & set(held_ids(assembly.case, hold))), name.rstrip("0123456789")
+        if held and (along := sorted(moved & set(hold.axes))):
+            errors.add(
+                f"{entry}.{name.removeprefix(entry)}",
+                f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; leave it out of "
+                f"[[{entry}]], or strike another (load.index)",
+            )
+    held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
+    if held and assembly.case.boundary.bottom == "fixed":
+        errors.add("load.index", f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds')
 
 
 def _check_below(assembly: Assembly, errors: ErrorList) -> None:

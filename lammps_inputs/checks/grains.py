@@ -138,7 +138,7 @@ def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
 def check_chosen(
     load: Load | None, holds: Mapping[str, Hold], packing: PackingSection, n: int, errors: ErrorList
 ) -> None:
-    """Check the ids of ``load.index``, ``[[hold]]`` and ``[[guide]]``, and that no held sphere is struck.
+    """Check the ids of ``load.index``, ``[[hold]]`` and ``[[guide]]``.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def check_chosen(
             continue
         if not hold.axes and not hold.rotation:
             errors.add(key, "holds nothing; give directions, or rotation = true")
-        _check_motion(load, hold, held, packing.grains, key, errors)
+        _check_motion(hold, held, packing.grains, key, errors)
 
 
 def check_touched(case: Case, errors: ErrorList) -> None:
@@ -221,13 +221,8 @@ def check_tube(case: Case, errors: ErrorList) -> None:
         )
 
 
-def _check_motion(
-    load: Load | None, hold: Hold, held: tuple[int, ...], grains: Grains | None, key: str, errors: ErrorList
-) -> None:
-    """Check that held spheres have no load or velocity in a direction in which they are held."""
-    both = sorted(set(held) & set((load.index or ()) if load is not None else ()))
-    if both and "z" in hold.axes:
-        errors.add(key, f"holds sphere {both[0]}, which load.index strikes; take it out of one of them")
+def _check_motion(hold: Hold, held: tuple[int, ...], grains: Grains | None, key: str, errors: ErrorList) -> None:
+    """Check that held grains of a file have no velocity in a direction in which they are held."""
     if grains is None:
         return
     rows = np.array(held) - 1

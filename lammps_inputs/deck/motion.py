@@ -38,6 +38,9 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     if case.load.driven:
         lines += _drive(assembly)
         lines.append("variable        input equal v_given+f_load")
+        if case.load.may_stop:
+            lines.append("# The same without the kinetic energy of the moved spheres, which comes back when they stop.")
+            lines.append("variable        load_work equal v_input-0.5*mass(hit)*vcm(hit,z)^2")
     else:
         lines.append("variable        input equal v_given")
     return [*lines, *_absorbing(assembly), *_holder(assembly)]
@@ -55,11 +58,12 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
         return []
     kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     until = f"until {num(case.load.lasts)} " if 0 < case.load.lasts < math.inf else ""
+    given = "v_load_work" if case.load.may_stop else "v_input"
     tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
     return [
         "# The timestep: up to so many ticks as the energy balance allows.",
         f"variable        balance equal {kinetic}+v_elastic+v_dissipated-v_input",
-        f"fix             step all gran/timestep {longest} {num(tolerance)} v_input first {first} "
+        f"fix             step all gran/timestep {longest} {num(tolerance)} {given} first {first} "
         f"{until}balance v_balance {schedule.ledger_every}",
     ]
 

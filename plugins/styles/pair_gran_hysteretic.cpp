@@ -157,11 +157,15 @@ void PairGranHysteretic::init_style()
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
-  for (int i = 0; i < atom->nlocal; i++)
+  for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->radius[i] >= 0.0))
       error->one(FLERR,
                  "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
                  atom->tag[i], atom->radius[i]);
+    if (!(atom->rmass[i] > 0.0))
+      error->one(FLERR, "Pair style gran/hysteretic: atom {} has the mass {:g}, expected one above 0", atom->tag[i],
+                 atom->rmass[i]);
+  }
 
   cylinders = FixGranCylinder::find(lmp);
   has_special = false;

@@ -224,7 +224,7 @@ HELD_TOP = {"hold": [{"index": 1}], "load": {"index": [2]}}
         ({"hold": [{"index": 9}]}, "hold.1.index: found 9, expected ids from 1 to 3"),
         ({"hold": [{"index": 1, "directions": "xq"}]}, "hold.1.directions: found"),
         ({"hold": [{"index": 1, "directions": "none", "rotation": False}]}, "hold.1: holds nothing"),
-        ({"load": {"index": [3]}} | HELD, "hold.1: holds sphere 3, which load.index strikes"),
+        ({"load": {"index": [3]}} | HELD, "hold.1: holds sphere 3 along z, in which the load moves it"),
         ({"materials": {"soft": {"youngs_modulus": 1e9}}}, "materials.soft.poisson_ratio: missing"),
     ],
 )

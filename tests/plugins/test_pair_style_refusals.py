@@ -132,3 +132,11 @@ def test_radius_below_zero_is_refused(lammps, radius):
     lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)]))
     lmp.numpy.extract_atom("radius")[1] = radius
     refuses(lmp, "run 1", rf"atom 2 has the radius (-{0.5 * R:g}|-?nan), expected one above 0, or 0 for a flat face")
+
+
+def test_mass_of_zero_is_refused(lammps):
+    """A program may set one; `set density 0` ends LAMMPS itself, with a signal."""
+    lmp = lammps()
+    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)]))
+    lmp.numpy.extract_atom("rmass")[1] = 0.0
+    refuses(lmp, "run 1", "atom 2 has the mass 0, expected one above 0")

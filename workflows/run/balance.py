@@ -6,6 +6,8 @@ import dataclasses
 import math
 from pathlib import Path
 
+from granwave.analysis.result.balance import misfit, work_on_packing
+
 TOLERANCE = 1e-5  # largest accepted error at any row of the ledger over the energy input
 
 
@@ -18,13 +20,16 @@ class Balance:
     accepted
         Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
     error
-        Largest |kinetic + elastic + dissipated - input| so far over the largest input; NaN if any value is NaN.
+        Largest error so far over the largest input, see `granwave.analysis.result.balance`; NaN if any value is NaN.
+    moved
+        Mass of the grains whose displacement is prescribed, kg.
     row
         Last row, by column.
     """
 
     path: Path
     accepted: float = TOLERANCE
+    moved: float = 0.0
     error: float = 0.0
     _missed: float = 0.0
     _input: float = 0.0
@@ -52,10 +57,9 @@ class Balance:
             self._columns = words if words[:1] == ("step",) else self._columns
             return
         self.row = dict(zip(self._columns, map(float, line.split()), strict=True))
-        row = self.row
-        missed = abs(row["kinetic"] + row["elastic"] + row["dissipated"] - row["input"])
+        missed = misfit(self.row)
         self._missed = missed if math.isnan(missed) else max(self._missed, missed)
-        self._input = max(self._input, abs(row["input"]))
+        self._input = max(self._input, work_on_packing(self.row, self.moved))
         if self._missed != 0:  # NaN too
             self.error = self._missed / self._input if self._input else math.inf
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
+from granwave.analysis.result.balance import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
@@ -146,7 +147,9 @@ class _Run:
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = Record(name=case.name, n_ranks=comm.size)
-        self.balance = Balance(directory / DUMPS / ENERGY_FILE, max(TOLERANCE, case.run.energy_tolerance))
+        self.balance = Balance(
+            directory / DUMPS / ENERGY_FILE, max(TOLERANCE, case.run.energy_tolerance), moved_mass(assemble(case))
+        )
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
         self.reserve = on_first(comm, lambda: plan(case).disk_reserve)  # disk space to keep free, bytes
         self.lost_before_block = 0.0  # dissipated energy at the start of the current block of end_time = "auto", J
@@ -180,7 +183,7 @@ class _Run:
             tried = deck.schedule.first_timestep
             self.record.attempts.append({"timestep_s": tried, "energy_balance_error": misses})
             timestep, go_on = tried / 2, False
-            self.balance = Balance(self.balance.path, self.balance.accepted)
+            self.balance = Balance(self.balance.path, self.balance.accepted, self.balance.moved)
             self._log(
                 f"the energy balance misses by {misses:.1e} of the input; "
                 f"once more with half the timestep, {timestep:.3g} s"

@@ -59,7 +59,7 @@ def energies(result: Result) -> Drawing | None:
         return None
     time = result["energy/time"]
     parts = _energy_parts(result)
-    residual = np.abs(sum(parts.values()) - result["energy/input"]) / given
+    residual = np.abs(sum(parts.values()) - result["energy/input"]) / result.largest_input
     figure = new_figure(3.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     unit, name = energy_unit(given)

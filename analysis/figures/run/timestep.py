@@ -6,6 +6,7 @@ import numpy as np
 
 from granwave.analysis.figures.run.histories import time_axis
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above, new_figure
+from granwave.analysis.result.balance import misfit, moved_mass, work_on_packing
 from granwave.analysis.result.reader import Result
 
 _NANO, _MICRO = 1e9, 1e6
@@ -14,13 +15,13 @@ _LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 def timestep(result: Result) -> Drawing | None:
     """Draw the timestep against time, and below it the error of the balance: measured, expected, and allowed."""
-    given = result.energy_input
+    given = result.largest_input
     if not given or not result.has("energy/timestep"):
         return None
     time, step = result["energy/time"], result["energy/timestep"]
-    parts = sum(result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
-    error = np.abs(parts - result["energy/input"]) / given
-    expected = np.abs(result["energy/expected_error"] * result["energy/input"]) / given
+    error = misfit(result.ledger) / given
+    work = work_on_packing(result.ledger, moved_mass(result.assembly))
+    expected = np.abs(result["energy/expected_error"]) * work / given
     figure = new_figure(3.2)
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.step(time * _MICRO, step * _NANO, where="pre", color=BLUE)
