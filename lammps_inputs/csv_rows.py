@@ -1,12 +1,16 @@
-"""Rows of CSV files with the numbers of their lines; what follows a # is a comment."""
+"""Rows of CSV files with the numbers of their lines; what follows a # outside quotes is a comment."""
 
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_text
+
+_BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
+_SPECIAL = re.compile('[,"#]')
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
 
@@ -21,7 +25,7 @@ def csv_rows(text: str) -> list[Row]:
     """
     found = []
     for number, line in enumerate(text.splitlines(), start=1):
-        filled = line.partition("#")[0]
+        filled = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # it matches always
         if not filled.strip():
             continue
         try:
@@ -29,6 +33,11 @@ def csv_rows(text: str) -> list[Row]:
         except csv.Error as error:
             raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
     return found
+
+
+def csv_cell(word: str) -> str:
+    """Return a word without line breaks as a cell that `csv_rows` reads, in quotes if they are needed."""
+    return '"' + word.replace('"', '""') + '"' if _SPECIAL.search(word) else word
 
 
 def read_csv_rows(path: Path) -> list[Row]:

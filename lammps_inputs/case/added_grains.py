@@ -30,10 +30,10 @@ from granwave.lammps_inputs.case.schema import (
     ValidationError,
     custom,
     finite,
+    label,
     number,
     parse_point,
     show,
-    text,
     whole,
 )
 from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
@@ -131,7 +131,7 @@ class AddedGrains:
     length: float | None = length_field()
     axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
     material: Material | None = None
-    group: str | None = text("name of their group, for [[hold]]", default=None)
+    group: str | None = label("name of their group, for [[hold]]", default=None)
 
     def most_places(self, n_own: int) -> int:
         """Return an upper bound on the number of places, next to so many grains."""

@@ -26,12 +26,12 @@ from granwave.lammps_inputs.case.schema import (
     choice,
     count,
     custom,
+    label,
     number,
     parse_point,
     plain_name,
     read_table,
     show,
-    text,
     vector,
     whole,
 )
@@ -158,7 +158,7 @@ class Hold:
     """``[[hold]]``: grains that do not move."""
 
     index: tuple[int, ...] | None = custom("which grains", parse_index, default=None)
-    group: str | None = text("the grains of this group of packing.file", default=None)
+    group: str | None = label("the grains of this group of packing.file", default=None)
     directions: str = custom("directions in which they do not move, of x, y and z", _parse_directions, default="xyz")
     rotation: bool = choice("true: they do not turn either", (True, False), default=True)
 
@@ -225,7 +225,7 @@ class Guide:
 
     index: tuple[int, ...] | None = custom("which grains; all if neither index nor group is given", parse_index,
                                            default=None)  # fmt: skip
-    group: str | None = text("the grains of this group of packing.file or [[grains]]", default=None)
+    group: str | None = label("the grains of this group of packing.file or [[grains]]", default=None)
     free: str = custom("directions in which they may move, of x, y and z", _parse_free)
     rotation: bool = choice("false: they do not turn", (False, True), default=True)
 

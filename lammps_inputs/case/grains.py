@@ -15,7 +15,6 @@ radii) and materials from arrays of these names.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -24,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.schema import LARGEST_COUNT, show
+from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
 from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.si_values import POSSIBLE, plain
-from granwave.lammps_inputs.csv_rows import csv_rows
+from granwave.lammps_inputs.csv_rows import csv_cell, csv_rows
 from granwave.lammps_inputs.files import read_regular, read_text
 
 if TYPE_CHECKING:
@@ -38,7 +37,6 @@ _VELOCITY = ("vx", "vy", "vz")
 _NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
-_WORD = re.compile(r"[^,#\"'\s]*(?: [^,#\"'\s]+)*")
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
 _SIZES = ("diameter", "length")
 _UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
@@ -108,7 +106,8 @@ class Grains:
             "diameter": map(repr, self.diameter.tolist()),
         }
         columns |= shape_columns(self.shape)
-        columns |= {name: words for name, words in (("material", self.material), ("group", self.group)) if any(words)}
+        named = (("material", self.material), ("group", self.group))
+        columns |= {name: map(csv_cell, words) for name, words in named if any(words)}
         if self.velocity.any():
             columns |= {name: map(repr, v) for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)}
         lines = [",".join(columns), *(",".join(row) for row in zip(*columns.values(), strict=True))]
@@ -161,12 +160,13 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
         raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
     names = _column_names([name.strip() for name in rows[0][1]], rows[0][0], diameter)
     values: dict[str, list[Any]] = {name: [] for name in names}
-    for number, row in rows[1:]:
+    places = [f"line {number}" for number, _ in rows[1:]]
+    for place, (number, row) in zip(places, rows[1:], strict=True):
         if len(row) != len(names):
-            raise ValueError(f"line {number}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
+            raise ValueError(f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
         for name, value in zip(names, row, strict=True):
-            values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, number))
-    return _grains(values, [f"line {number}" for number, _ in rows[1:]], diameter)
+            values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, place))
+    return _grains(values, places, diameter)
 
 
 def _column_names(names: list[str], line: int, diameter: float | None) -> list[str]:
@@ -195,10 +195,11 @@ def _number(value: str, name: str, line: int) -> float:
     return number
 
 
-def _word(value: str, name: str, line: int) -> str:
-    if not _WORD.fullmatch(value.strip()):
-        raise ValueError(f"line {line}: found {show(value.strip())} for {name}, expected a word without , # and quotes")
-    return value.strip()
+def _word(value: str, name: str, place: str) -> str:
+    word = value.strip()
+    if not word.isprintable():
+        raise ValueError(f"{place}: found {show(word)} for {name}, expected {LABEL_FORM}")
+    return word
 
 
 def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: float | None) -> Grains:
@@ -262,7 +263,7 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
         values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
     for name in ("shape", "axis", *_WORDS):
         if (words := found[name]) is not None:
-            values[name] = [str(word) for word in words]
+            values[name] = [_word(str(word), name, f"grain {number}") for number, word in enumerate(words, start=1)]
     for name in ("length", *AXIS_COLUMNS):
         if (column := found[name]) is not None:
             values[name] = np.asarray(column, dtype=np.float64).tolist()

@@ -15,7 +15,17 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.schema import ErrorList, number, read_table, refuse_unknown, show, text
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    label,
+    number,
+    parse_label,
+    read_table,
+    refuse_unknown,
+    show,
+    text,
+)
 from granwave.lammps_inputs.case.si_values import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.toml_files import read_toml
@@ -28,7 +38,7 @@ MATERIALS = "materials"  # table of further materials of a case
 class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
-    name: str | None = text("what the material is called in figures and tables", default=None)
+    name: str | None = label("what the material is called in figures and tables", default=None)
     youngs_modulus: float = number("Young's modulus", unit="Pa", above=0, usual=YOUNGS_MODULUS)
     poisson_ratio: float = number("Poisson's ratio", above=-1, below=0.5)
     density: float = number("mass density", unit="kg/m^3", above=0, usual=DENSITY)
@@ -148,6 +158,11 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
         return {}
     found: dict[str, Material] = {}
     for name, table in tables.items():
+        try:
+            parse_label(name)
+        except ValidationError as error:
+            errors.add(MATERIALS, f"found a table called {show(name)}, expected {error}")
+            continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:
             own_name = isinstance(table, Mapping) and "name" in table

@@ -28,6 +28,7 @@ LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default b
 NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
 _NOT_A_VALUE = object()  # no key accepts it
 _SHOWN_CHARACTERS = 60
+LABEL_FORM = "a name that is not empty, without tabs, line breaks and other control characters, nor blanks at its ends"
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
 
 
@@ -139,6 +140,18 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
         return value
 
     return _field(description, None, default, parse)
+
+
+def label(description: str, *, default: Any = REQUIRED) -> Any:
+    """Field of the name of a material or a group."""
+    return _field(description, None, default, parse_label)
+
+
+def parse_label(value: Any) -> str:
+    """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError` otherwise."""
+    if not isinstance(value, str) or not value or value != value.strip() or not value.isprintable():
+        raise ValidationError(LABEL_FORM)
+    return value
 
 
 def custom(

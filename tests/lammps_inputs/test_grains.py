@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -156,7 +157,7 @@ def test_runs_of_ids_are_joined() -> None:
         ("x,y,z,diameter\n0,0,nan,1\n", 'line 2: found "nan" for z, expected a finite number'),
         ("x,y,z,diameter\n0,one,0,1\n", 'line 2: found "one" for y'),
         ("x,y,z,diameter\n0,0,0,0.01\n0,0,1,-1\n", "line 3: found a diameter of -1 m"),
-        ('x,y,z,diameter,group\n0,0,0,0.01,"a,b"\n', 'line 2: found "a,b" for group, expected a word'),
+        ("x,y,z,diameter,group\n0,0,0,0.01,a\tb\n", 'line 2: found "a\\tb" for group, expected a name'),
     ],
 )
 def test_wrong_tables(tmp_path: Path, text: str, line: str) -> None:
@@ -328,3 +329,56 @@ def test_grains_by_their_names() -> None:
     text = "Spheres, 3 sphere-steps/s, spherical: plastic spheres of a sphere"
     assert in_grains(text, "spheres") == text
     assert in_grains(text, "grains") == "Grains, 3 grain-steps/s, spherical: plastic grains of a grain"
+
+
+HOSTILE = [
+    "CuZn37, hard",
+    "Bob's steel",
+    '3/8" bearing',
+    "x # y",
+    "#",
+    '"""',
+    "'''",
+    "a = b",
+    "\\n \\",
+    "[1]",
+    "=1+1",
+    "Ω",
+]
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_any_name_in_one_line_is_read_again(name: str, tmp_path: Path) -> None:
+    """Names of materials and groups, in a table of grains, in [[grains]] and [[hold]], and in the case that a run keeps."""
+    soft = {"youngs_modulus": 70e9, "poisson_ratio": 0.3, "density": 2700.0, "yield_strength": 3e8}
+    quoted = '"' + name.replace('"', '""') + '"'
+    (tmp_path / "a.csv").write_text(f"x,y,z,diameter,material,group\n0,0,0,0.01,{quoted},{quoted} # hard\n", "utf-8")
+    case = case_from_dict(
+        {
+            "material": {"preset": "brass", "name": name},
+            "materials": {name: soft},
+            "packing": {"kind": "file", "file": str(tmp_path / "a.csv")},
+            "grains": [{"at": [[0, 0, 0.01]], "diameter": 0.01, "material": name, "group": f"{name}2"}],
+            "hold": [{"group": f"{name}2", "directions": "x"}],
+            "load": {"index": [1]},
+        },
+        "case",
+    )
+    assert case.packing.grains is not None
+    assert (case.packing.grains.material, case.packing.grains.group) == ((name, name), (name, f"{name}2"))
+    (tmp_path / "case.toml").write_text(case.to_toml(), "utf-8")
+    again = load_case(tmp_path / "case.toml")
+    assert dataclasses.replace(again, packing=case.packing) == case
+    assert again.packing.grains == case.packing.grains
+
+
+@pytest.mark.parametrize("name", ["a\tb", "a\nb", " a", "a ", "", "\x1b[31m"])
+def test_names_that_no_line_holds_are_refused(name: str) -> None:
+    fault = "expected a name that is not empty, without tabs"
+    for change in (
+        {"material": {"preset": "brass", "name": name}},
+        {"hold": [{"group": name}]},
+        {"materials": {name: {}}},
+    ):
+        with pytest.raises(InputError, match=fault):
+            case_from_dict(case_of(packing={"kind": "chain", "size": 3, "diameter": 0.01}) | change, "case")
