@@ -319,6 +319,7 @@ def with_added_grains(
         material += [_name_of(entry.material, materials)] * len(places)
         group += [entry.group or ""] * len(places)
         shape += [shape_of(entry)] * len(places)
+    starts = np.cumsum([1, *map(len, position)]).tolist()
     still = np.zeros((sum(map(len, position[1:])), 3))
     grains = Grains(
         np.concatenate(position),
@@ -328,6 +329,7 @@ def with_added_grains(
         np.concatenate([own.velocity, still]),
         shape,
     )
+    grains.file, grains.lines, grains.added_from = own.file, own.lines, starts[1:-1]
     return PackingSection(
         kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period, cell=packing.cell
     )

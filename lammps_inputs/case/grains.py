@@ -15,6 +15,7 @@ radii) and materials from arrays of these names.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -71,8 +72,19 @@ class Grains:
     shape
         Shapes: (n,); None: all are spheres.
     period
-        Periods along x and y of the file that they come from, m; None if it has none. Not part of the table.
+        Periods along x and y of the file that they come from, m; None if it has none. Not part of the table, as the
+        two below.
+    file
+        Name of the file that they come from; empty if from no file.
+    lines
+        Lines of the file, from 1, of those that come from a table: (at most n,).
+    added_from
+        First id of each entry of ``[[grains]]``.
     """
+
+    file: str = ""
+    lines: Sequence[int] = ()
+    added_from: Sequence[int] = ()
 
     def __init__(
         self,
@@ -119,6 +131,17 @@ class Grains:
         diameters, counts = np.unique(self.diameter, return_counts=True)
         return float(diameters[counts == counts.max()].max())
 
+    def key(self, *ids: int) -> str:
+        """Return the key of a case that gave some grains: of the last of them that were added, or the file."""
+        if entry := bisect_right(self.added_from, max(ids)):
+            return f"grains.{entry}"
+        return f"packing.file: {self.file}" if self.file else "packing.grains"
+
+    def called(self, number: int) -> str:
+        """Return the id of a grain, with its line in the file."""
+        in_table = self.file and number <= len(self.lines)
+        return f"{number} (line {self.lines[number - 1]})" if in_table else f"{number}"
+
     def of_group(self, name: str) -> tuple[int, ...]:
         """Return the ids of the grains of a group."""
         return tuple(number for number, group in enumerate(self.group, start=1) if group == name)
@@ -139,9 +162,10 @@ def read_grains(path: Path, diameter: float | None) -> Grains:
     OSError
         It cannot be read.
     """
-    if path.suffix.lower() in _TABLES:
-        return parse_grains(read_text(path), diameter)
-    return _from_ase(path, diameter)
+    is_table = path.suffix.lower() in _TABLES
+    grains = parse_grains(read_text(path), diameter) if is_table else _from_ase(path, diameter)
+    grains.file = str(path)
+    return grains
 
 
 def read_cell(path: Path) -> list[list[float]]:
@@ -166,7 +190,9 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
             raise ValueError(f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
         for name, value in zip(names, row, strict=True):
             values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, place))
-    return _grains(values, places, diameter)
+    grains = _grains(values, places, diameter)
+    grains.lines = [number for number, _ in rows[1:]]
+    return grains
 
 
 def _column_names(names: list[str], line: int, diameter: float | None) -> list[str]:

@@ -27,8 +27,12 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.lammps_inputs.case.grains import Grains
 
-_KEY = "packing.grains"
-_PLACED = (f": {_KEY}", ": packing.gaps", ": grains.")  # of errors of grains that could not be placed
+_PLACED = (
+    ": packing.grains",
+    ": packing.file",
+    ": packing.gaps",
+    ": grains.",
+)  # of errors of grains that could not be placed
 _LEAST_PERIOD = 2.5  # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
@@ -93,11 +97,17 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
             along = abs(shape.axis["xyz".index(letter)])  # type: ignore[union-attr]
             if _OBLIQUE < along < 1 - _OBLIQUE:
                 errors.add(
-                    "packing.axis" if case.packing.grains is None else _KEY,
+                    "packing.axis" if case.packing.grains is None else _key_of_shape(case.packing.grains, shape),
                     f"found cylinders along {show(list(shape.axis))}, "  # type: ignore[union-attr]
                     f"oblique to the wall across {letter}; expected an axis along it or normal to it",
                 )
-    _check_crossings(shapes, errors)
+    if case.packing.grains is not None:
+        _check_crossings(case.packing.grains, shapes, errors)
+
+
+def _key_of_shape(grains: Grains, shape: Shape) -> str:
+    """Return the key that gave the first grain of a shape."""
+    return grains.key(grains.shape.index(shape) + 1)
 
 
 def lattice_shapes(case: Case) -> list[Shape]:
@@ -106,13 +116,13 @@ def lattice_shapes(case: Case) -> list[Shape]:
     return [case.packing.of_grain] if grains is None else list(dict.fromkeys(grains.shape))
 
 
-def _check_crossings(shapes: list[Shape], errors: ErrorList) -> None:
+def _check_crossings(grains: Grains, shapes: list[Shape], errors: ErrorList) -> None:
     cylinders = [one for one in shapes if one is not None]
     for n, one in enumerate(cylinders):
         for other in cylinders[n + 1 :]:
             if cylinder_pair(one, other).nearly_parallel:
                 errors.add(
-                    _KEY,
+                    _key_of_shape(grains, other),
                     f"found cylinders along {show(list(one.axis))} and {show(list(other.axis))}, which are nearly "
                     "parallel; expected parallel axes, or axes at 1 degree or more",
                 )
@@ -128,8 +138,9 @@ def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
         first, second = pairs[0]
         more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
         errors.add(
-            _KEY,
-            f"found grains {first} and {second}, which touch at the end of a cylinder{more}; its side has a law, "
+            places.grains.key(first, second),
+            f"found grains {places.grains.called(first)} and {places.grains.called(second)}, which touch at the end "
+            f"of a cylinder{more}; its side has a law, "
             "its end none: move them apart, or make the cylinder longer",
         )
     return pairs
@@ -240,8 +251,9 @@ def _check_materials(parts: Mapping[str, Any], grains: Grains, errors: ErrorList
         if name and name not in known:
             first = grains.material.index(name) + 1
             errors.add(
-                _KEY,
-                f"found material {show(name)} of grain {first}, expected a preset or a table [materials.{name}]",
+                grains.key(first),
+                f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
+                f"[materials.{name}]",
             )
 
 
@@ -284,24 +296,26 @@ def _check_overlaps(
         pairs, overlaps = pairs[other], overlaps[other]
     if not len(pairs):
         return
-    first, second = pairs[0].tolist()
+    grains, (first, second) = places.grains, pairs[0].tolist()
     if taken:
         shared = 2 / (2 / places.grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
         worst = int(np.argmax(overlaps / shared))
         if overlaps[worst] > LARGEST * shared[worst]:
             first, second = pairs[worst].tolist()
             errors.add(
-                _KEY,
-                f"found grains {first} and {second}, which overlap by {overlaps[worst]:.3g} m; as precompression "
+                grains.key(first, second),
+                f"found grains {grains.called(first)} and {grains.called(second)}, which overlap by "
+                f"{overlaps[worst]:.3g} m; as precompression "
                 f"expected at most {LARGEST * shared[worst]:.3g} m, {LARGEST} R*",
             )
         return
     more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-    if (places.grains.position[first - 1] == places.grains.position[second - 1]).all():
-        errors.add(_KEY, f"found grains {first} and {second} at one place{more}; expected places of their own")
+    key, both = grains.key(first, second), f"found grains {grains.called(first)} and {grains.called(second)}"
+    if (grains.position[first - 1] == grains.position[second - 1]).all():
+        errors.add(key, f"{both} at one place{more}; expected places of their own")
     else:
         errors.add(
-            _KEY,
-            f"found grains {first} and {second}, which overlap by {overlaps[0]:.3g} m{more}; move them "
+            key,
+            f"{both}, which overlap by {overlaps[0]:.3g} m{more}; move them "
             'apart, or take that as a load: [precompression] kind = "overlaps"',
         )

@@ -233,6 +233,30 @@ def test_wrong_cases(changes: dict[str, Any], fault: str) -> None:
     assert any(fault in line for line in faults_of(**changes)), faults_of(**changes)
 
 
+@pytest.mark.parametrize(
+    ("rows", "fault"),
+    [
+        ("0,0,0,0.01,\n\n0,0,0.009,0.01,\n", "grains 1 (line 2) and 2 (line 4), which overlap by 0.001 m"),
+        ("0,0,0,0.01,\n0,0,0,0.01,\n", "grains 1 (line 2) and 2 (line 3) at one place"),
+        ("0,0,0,0.01,\n# here\n0,0,0.01,0.01,stel\n", 'material "stel" of grain 2 (line 4)'),
+    ],
+)
+def test_faults_of_grains_name_file_and_line(tmp_path: Path, rows: str, fault: str) -> None:
+    (tmp_path / "a.csv").write_text("x,y,z,diameter,material\n" + rows)
+    data = {"packing": {"kind": "file", "file": str(tmp_path / "a.csv")}, "material": "brass", "load": {"index": [1]}}
+    with pytest.raises(InputError) as caught:
+        case_from_dict(data, "my.toml")
+    assert caught.value.errors[0].startswith(f"my.toml: packing.file: {tmp_path}/a.csv: found {fault}")
+
+
+def test_faults_of_added_grains_name_their_entry() -> None:
+    beside = [{"at": [[0, 0, z]], "diameter": 0.01} for z in (0.03, 0.039)]
+    with pytest.raises(InputError, match=r"grains\.2: found grains 4 and 5, which overlap by 0\.001 m"):
+        case_from_dict(
+            {"packing": {"kind": "chain", "size": 3, "diameter": 0.01}, "material": "brass", "grains": beside}
+        )
+
+
 def test_grains_of_a_lattice() -> None:
     with pytest.raises(InputError, match=r'packing\.grains: belongs to packing\.kind = "file"; found "chain"'):
         case_from_dict(case_of(packing={"kind": "chain", "size": 3, "diameter": 0.01}), "mine")
