@@ -132,10 +132,10 @@ class Grains:
         return float(diameters[counts == counts.max()].max())
 
     def key(self, *ids: int) -> str:
-        """Return the key of a case that gave some grains: of the last of them that were added, or the file."""
+        """Return the key of a case that gave some grains, of the last of them that were added."""
         if entry := bisect_right(self.added_from, max(ids)):
             return f"grains.{entry}"
-        return f"packing.file: {self.file}" if self.file else "packing.grains"
+        return "packing.file" if self.file else "packing.grains"
 
     def called(self, number: int) -> str:
         """Return the id of a grain, with its line in the file."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,18 +96,27 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         for letter in planes if shape is not None else ():
             along = abs(shape.axis["xyz".index(letter)])  # type: ignore[union-attr]
             if _OBLIQUE < along < 1 - _OBLIQUE:
-                errors.add(
-                    "packing.axis" if case.packing.grains is None else _key_of_shape(case.packing.grains, shape),
+                fault = (
                     f"found cylinders along {show(list(shape.axis))}, "  # type: ignore[union-attr]
-                    f"oblique to the wall across {letter}; expected an axis along it or normal to it",
+                    f"oblique to the wall across {letter}; expected an axis along it or normal to it"
                 )
+                if (grains := case.packing.grains) is None:
+                    errors.add("packing.axis", fault)
+                else:
+                    _add(errors, grains, _first_of(grains, shape), fault)
     if case.packing.grains is not None:
         _check_crossings(case.packing.grains, shapes, errors)
 
 
-def _key_of_shape(grains: Grains, shape: Shape) -> str:
-    """Return the key that gave the first grain of a shape."""
-    return grains.key(grains.shape.index(shape) + 1)
+def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], message: str) -> None:
+    """Add an error of some grains, under the key and the file that gave them."""
+    key = grains.key(*ids)
+    errors.add(key, f"{grains.file}: {message}" if key == "packing.file" else message)
+
+
+def _first_of(grains: Grains, shape: Shape) -> list[int]:
+    """Return the id of the first grain of a shape."""
+    return [grains.shape.index(shape) + 1]
 
 
 def lattice_shapes(case: Case) -> list[Shape]:
@@ -121,8 +130,10 @@ def _check_crossings(grains: Grains, shapes: list[Shape], errors: ErrorList) -> 
     for n, one in enumerate(cylinders):
         for other in cylinders[n + 1 :]:
             if cylinder_pair(one, other).nearly_parallel:
-                errors.add(
-                    _key_of_shape(grains, other),
+                _add(
+                    errors,
+                    grains,
+                    _first_of(grains, other),
                     f"found cylinders along {show(list(one.axis))} and {show(list(other.axis))}, which are nearly "
                     "parallel; expected parallel axes, or axes at 1 degree or more",
                 )
@@ -137,8 +148,10 @@ def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
     if pairs:
         first, second = pairs[0]
         more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-        errors.add(
-            places.grains.key(first, second),
+        _add(
+            errors,
+            places.grains,
+            (first, second),
             f"found grains {places.grains.called(first)} and {places.grains.called(second)}, which touch at the end "
             f"of a cylinder{more}; its side has a law, "
             "its end none: move them apart, or make the cylinder longer",
@@ -250,8 +263,10 @@ def _check_materials(parts: Mapping[str, Any], grains: Grains, errors: ErrorList
     for name in dict.fromkeys(grains.material):
         if name and name not in known:
             first = grains.material.index(name) + 1
-            errors.add(
-                grains.key(first),
+            _add(
+                errors,
+                grains,
+                [first],
                 f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
                 f"[materials.{name}]",
             )
@@ -302,20 +317,24 @@ def _check_overlaps(
         worst = int(np.argmax(overlaps / shared))
         if overlaps[worst] > LARGEST * shared[worst]:
             first, second = pairs[worst].tolist()
-            errors.add(
-                grains.key(first, second),
+            _add(
+                errors,
+                grains,
+                (first, second),
                 f"found grains {grains.called(first)} and {grains.called(second)}, which overlap by "
                 f"{overlaps[worst]:.3g} m; as precompression "
                 f"expected at most {LARGEST * shared[worst]:.3g} m, {LARGEST} R*",
             )
         return
     more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-    key, both = grains.key(first, second), f"found grains {grains.called(first)} and {grains.called(second)}"
+    both = f"found grains {grains.called(first)} and {grains.called(second)}"
     if (grains.position[first - 1] == grains.position[second - 1]).all():
-        errors.add(key, f"{both} at one place{more}; expected places of their own")
+        _add(errors, grains, (first, second), f"{both} at one place{more}; expected places of their own")
     else:
-        errors.add(
-            key,
+        _add(
+            errors,
+            grains,
+            (first, second),
             f"{both}, which overlap by {overlaps[0]:.3g} m{more}; move them "
             'apart, or take that as a load: [precompression] kind = "overlaps"',
         )
