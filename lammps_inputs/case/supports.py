@@ -29,7 +29,7 @@ from granwave.lammps_inputs.case.si_values import AREA, LENGTH, MASS
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
 BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
-_OF_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness)
+PLATE_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 
 
@@ -189,7 +189,7 @@ class Support:
             Sum of the stiffnesses of all contacts with the plane, N/m.
         """
         if self.plate:
-            return _OF_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
+            return PLATE_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
         if self.damper:
             return _OF_DECAY * self.damper.damping / contacts
         assert material is not None
@@ -200,7 +200,7 @@ class Support:
         front = self.bar.mass(material) / self.bar.elements / 2
         return min(
             BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus),
-            _OF_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
+            PLATE_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
         )
 
 

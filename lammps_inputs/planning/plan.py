@@ -19,7 +19,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.load_frequency import check_load_frequency
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.planning.space import Space, expected_space
-from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap
+from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, expected_peak_overlap, timestep_limits
 from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone, expected_zone
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("granwave")
 
+_FAR_SHORTER = 0.1  # timestep over the longest one that a contact alone would allow: its cause is told
+_LONG = 60.0  # s of wall time beyond which that is a warning
 _FAR_TOO_LONG = 20.0  # times the automatic timestep: energy error above 1e-4, half of the stability limit
 
 
@@ -51,6 +53,8 @@ class Plan:
         Wall times of the parts of the run.
     zone
         Expected size of the plastic zone; None if nothing yields, or there is no estimate.
+    limits
+        Bounds on the automatic timestep, the smallest first; empty with a fixed one.
     """
 
     name: str
@@ -64,6 +68,27 @@ class Plan:
     peak_overlap_radius: float
     times: WallTime
     zone: ExpectedZone | None = None
+    limits: tuple[Limit, ...] = ()
+
+    @property
+    def limit(self) -> Limit | None:
+        """Bound that makes the timestep far shorter than some contacts would; None if there is none."""
+        return self.limits[0] if self.limits and self.limits[0].step < _FAR_SHORTER * self.allowed else None
+
+    @property
+    def slowness(self) -> str:
+        """Cause of a timestep that makes the run take long, and how to mend it; empty if there is none."""
+        if self.limit is None or self.wall_time < _LONG:
+            return ""
+        return (
+            f"the timestep, {self.schedule.first_timestep:.2g} s, is set by {self.limit.cause}, where a contact alone "
+            f"would allow {self.allowed:.2g} s; {self.limit.remedy} or an earlier run.end_time would shorten the run"
+        )
+
+    @property
+    def allowed(self) -> float:
+        """Longest first timestep that a kind of collision would allow alone, s."""
+        return max((limit.step for limit in self.limits if limit.of_contact), default=math.nan)
 
     @property
     def memory(self) -> float:
@@ -126,6 +151,7 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
         peak_overlap_radius=overlap / law.effective_radius,
         times=expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
         zone=expected_zone(assembly),
+        limits=tuple(timestep_limits(assembly, case.run.energy_tolerance)) if schedule.adaptive else (),
     )
 
 

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.records import chain_history, line_history
-from granwave.lammps_inputs.planning.timestep import auto_timestep, largest_timestep
+from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, largest_timestep, timestep_limits
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -211,7 +211,8 @@ def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
         return _Steps(fixed, 1, 1, every, n_steps, n_steps * n_blocks, adaptive=False)
     bounds = _bounds(assembly)
     first, shortest, longest = (step * min(1.0, duration / rows / bounds[0]) for step in bounds)
-    check_steps(case.name, duration, shortest)
+    if duration / shortest > MOST_STEPS:
+        check_steps(case.name, duration, shortest, timestep_limits(assembly, run.energy_tolerance)[0])
     per_first = round(longest / first)
     bound = min(duration / rows, _WALL_STEPS * first, *_intervals(assembly, first))
     while per_first > 1 and not (per_first * first <= bound and _fits(case, per_first * first, first)):
@@ -267,8 +268,13 @@ def _fits(case: Case, length: float, first: float) -> bool:
     return abs(max(1, round(interval / length)) * length - interval) <= 0.5 * first
 
 
-def check_steps(name: str, duration: float, timestep: float) -> None:
+def check_steps(name: str, duration: float, timestep: float, limit: Limit | None = None) -> None:
     """Raise InputError if a run has more steps than `MOST_STEPS`.
+
+    Parameters
+    ----------
+    limit
+        Bound that sets an automatic timestep.
 
     Raises
     ------
@@ -276,9 +282,10 @@ def check_steps(name: str, duration: float, timestep: float) -> None:
         ``duration`` (s) takes more than `MOST_STEPS` of ``timestep`` (s).
     """
     if not duration / timestep <= MOST_STEPS:
+        way = "run.timestep longer" if limit is None else f"take {limit.remedy}: {limit.cause} sets the steps"
         raise InputError(
             f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than {MOST_STEPS:g} steps; "
-            "make the run shorter, or run.timestep longer"
+            f"make the run shorter, or {way}"
         )
 
 

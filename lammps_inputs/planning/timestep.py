@@ -20,18 +20,18 @@ dt is rounded down to two significant digits. At given velocity it is proportion
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
-from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER
+from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER, PLATE_OSCILLATION
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.planning.encounters import encounters, some_encounters
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.load import Load
 
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
@@ -62,11 +62,50 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    assembly = assemble(case)
-    for_contacts = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR) * shortest_time(assembly)
-    share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
-    of_load = [share * time for time in _times_of_load(assembly.case.load)]
-    return _round_down(min(for_contacts, largest_timestep(assembly), *of_load))
+    return _round_down(timestep_limits(assemble(case), tolerance)[0].step)
+
+
+@dataclasses.dataclass(frozen=True)
+class Limit:
+    """Bound on the timestep.
+
+    Attributes
+    ----------
+    step
+        Largest timestep that it leaves, s.
+    cause
+        What sets it: a key of the case and its value, or the contacts.
+    remedy
+        What would leave a longer timestep.
+    of_contact
+        True for the bound by a kind of collision.
+    """
+
+    step: float
+    cause: str
+    remedy: str
+    of_contact: bool = False
+
+
+def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[Limit]:
+    """Return the bounds on the timestep, the smallest first, those of contacts by kind of collision.
+
+    Raises
+    ------
+    ValueError
+        No contact absorbs energy, or one has no stiffness at its overlap.
+    """
+    factor = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR)
+    found = [
+        Limit(
+            factor * math.sqrt(one.mass / one.stiffness),
+            f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg",
+            "larger grains there",
+            of_contact=True,
+        )
+        for one in some_encounters(assembly)
+    ]
+    return sorted([*found, *_limits_of_load(assembly), *_limits_at_any_time(assembly)], key=lambda limit: limit.step)
 
 
 def shortest_time(assembly: Assembly) -> float:
@@ -76,17 +115,35 @@ def shortest_time(assembly: Assembly) -> float:
 
 def largest_timestep(assembly: Assembly) -> float:
     """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without these."""
-    stiffness = max(encounter.stiffness for encounter in some_encounters(assembly))
-    of_losses = [_OF_VISCOUS_DECAY * encounter.decay_time for encounter in some_encounters(assembly)]
-    of_bars = [BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed for bar in assembly.bars]
-    return min(support_timestep(assembly, stiffness), *of_bars, *of_losses, math.inf)
+    return min((limit.step for limit in _limits_at_any_time(assembly)), default=math.inf)
 
 
-def _times_of_load(load: Load) -> list[float]:
-    """Return the duration or the period of the load, s; empty if it has none."""
+def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
+    case, found = assembly.case, some_encounters(assembly)
+    stiffness = max(encounter.stiffness for encounter in found)
+    lossy = [one for one in found if one.loss is not None]
+    limits = [Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy]
+    bars = [(BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed, bar.name) for bar in assembly.bars]
+    limits += [Limit(step, f"{name}.elements", "fewer elements") for step, name in bars]
+    limits.append(Limit(support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"))
+    if case.load.plate is not None:
+        on_plate = len(assembly.lattice.top_layer) * stiffness
+        step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
+        limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
+    return limits
+
+
+def _limits_of_load(assembly: Assembly) -> list[Limit]:
+    """Return the bound by the duration or the period of the load; none if it has none."""
+    load = assembly.case.load
+    share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
     if load.oscillates:
-        return [1 / load.frequencies[1]]
-    return [load.duration] if load.duration else []
+        highest = load.frequencies[1]
+        key = "last_frequency" if load.last_frequency == highest else "frequency"
+        return [Limit(share / highest, f"load.{key} = {highest:g} Hz", "a lower frequency")]
+    if load.duration:
+        return [Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load")]
+    return []
 
 
 def _round_down(value: float, digits: int = 2) -> float:

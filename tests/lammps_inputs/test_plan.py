@@ -250,3 +250,42 @@ def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
     assert "load.frequency: found 114840 Hz" in message
     with pytest.raises(InputError, match=r"load.frequency: found 1e\+07 Hz, 461 times .* expected at most 100 times"):
         planned(1e7)
+
+
+TINY = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "cause", "remedy"),
+    [
+        ({"load": TINY | {"duration": 1e-9}}, "load.duration = 1e-09 s", "a longer load"),
+        (
+            {"load": {"kind": "force", "shape": "noise", "amplitude": 1.0, "duration": 1e-3, "frequency": 1e3,
+                      "last_frequency": 1e9}},
+            "load.last_frequency = 1e+09 Hz", "a lower frequency",
+        ),
+        ({"contact": {"loss": {"dashpot": 3e4}}}, "contact.loss", "a smaller loss"),
+        ({"replace": [{"index": [5], "diameter": 1e-6}]}, "a contact of R* = 5e-07 m", "larger grains"),
+        ({"load": {"kind": "plate", "mass": 1e-11}}, "load.mass = 1e-11 kg", "a heavier plate"),
+        ({"boundary": {"bottom": {"plate": {"mass": 1e-10, "stiffness": 1e6}}}}, "boundary.bottom", "a heavier or softer"),
+    ],
+)  # fmt: skip
+def test_what_makes_steps_short_is_told(changes: dict[str, Any], cause: str, remedy: str) -> None:
+    planned = plan(make((6, 6, 4), **({"run": {"end_time": 1e-3}} | changes)))
+    assert planned.limit is not None and planned.limit.cause.startswith(cause)
+    assert planned.limit.step == pytest.approx(planned.schedule.first_timestep, rel=0.1)
+    assert planned.allowed > 10 * planned.limit.step
+    assert cause in planned.slowness and remedy in planned.slowness
+
+
+def test_usual_steps_need_no_reason() -> None:
+    planned = plan(make((6, 6, 4)))
+    assert planned.limit is None and not planned.slowness
+
+
+@pytest.mark.parametrize("changes", [{"load": TINY | {"duration": 1e-11}}, {"contact": {"loss": {"dashpot": 1e6}}}])
+def test_too_many_steps_name_their_cause(changes: dict[str, Any]) -> None:
+    with pytest.raises(
+        InputError, match=r"are more than 2e\+09 steps; .* (load\.duration = 1e-11 s|contact\.loss) sets"
+    ):
+        plan(make((6, 6, 4), **({"run": {"end_time": 1e-3}} | changes)))

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.toml_files import read_toml
@@ -52,9 +53,17 @@ def check(options: argparse.Namespace) -> int:
         print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
     sys.stdout.flush()
     kind.check(case, expected, Path(case.name).absolute())
-    if kind is GRANULAR and (warning := expected_cut(expected.zone)):
+    for warning in _warnings(expected):
         print(f"granwave: warning: {case.name}: {warning}", file=sys.stderr)
     return 0
+
+
+def _warnings(expected: Cost) -> list[str]:
+    """Return what to think of before this run."""
+    if not isinstance(expected, Plan):
+        return []
+    slow = f"the run takes about {duration(expected.wall_time)}: {expected.slowness}" if expected.slowness else ""
+    return [one for one in (slow, expected_cut(expected.zone)) if one]
 
 
 def _values(
@@ -86,5 +95,4 @@ def _values(
         }
     if counterpart is not None:
         found["counterpart"] = {"command": counterpart.command or None, "reason": counterpart.reason or None}
-    warning = expected_cut(expected.zone) if isinstance(expected, Plan) else ""
-    return found | {"warnings": [warning] if warning else []}
+    return found | {"warnings": _warnings(expected)}

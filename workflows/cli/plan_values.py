@@ -67,6 +67,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "memory_other_rank_bytes": plan.space.other_rank if plan.n_ranks > 1 else None,
         "timestep_s": schedule.first_timestep,
         "timestep_largest_s": schedule.largest_timestep if schedule.adaptive else schedule.first_timestep,
+        "timestep_set_by": plan.limit.cause if plan.limit else None,
         "energy_tolerance": schedule.energy_tolerance if schedule.adaptive else None,
         "n_steps": schedule.n_steps // schedule.first_step,
         "end_time_s": schedule.end_time,

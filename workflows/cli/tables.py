@@ -41,6 +41,11 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequ
             ("memory", _memory(plan)),
             ("disk", f"about {plan.disk / 1e9:.3g} GB"),
             ("timestep", _timestep(schedule)),
+            *(
+                [("", f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s")]
+                if plan.limit
+                else []
+            ),
             ("steps", f"{at_most}{_steps(schedule)}, to {schedule.end_time:.4g} s"),
             ("snapshots", f"{at_most}{schedule.n_frames}"),
             ("expected time", f"about {usual}: {_parts(times)}"),

@@ -36,6 +36,7 @@ from granwave.workflows.run.coordination import check_coordination, expected_nei
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
+from granwave.workflows.run.messages import announce
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.run.record import Record
@@ -120,6 +121,8 @@ def run_case(
                 run = _Run(case, directory, comm, progress, checkpoint_interval)
         if what == FINISHED:
             return Outcome(directory, record.FINISHED, on_first(comm, lambda: read_summary(directory)))
+        if run.show:
+            announce(plan(case, n_ranks=comm.size, figures=figures))
         with StopRequest(comm) as stop, contextlib.chdir(directory):
             run.integrate(stop, go_on=what == CONTINUE)
         return run.analyse(figures=figures)
