@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -75,7 +76,7 @@ class Encounter:
     dent: float = 0.0
     loss: Viscous | None = None
 
-    @property
+    @cached_property
     def overlap(self) -> float:
         """Overlap at which the work of loading equals the energy, m."""
         limit = _LARGEST_OVERLAP * self.law.effective_radius
@@ -90,7 +91,7 @@ class Encounter:
             low -= 5.0
         return math.exp(brentq(excess, low, math.log(limit), xtol=1e-10))
 
-    @property
+    @cached_property
     def stiffness(self) -> float:
         """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading for the rest."""
         peak = np.array([self.overlap])
@@ -139,7 +140,9 @@ def _has_stiffness(encounter: Encounter) -> bool:
         return False
 
 
+@lru_cache(maxsize=1)
 def encounters(assembly: Assembly) -> list[Encounter]:
+    """Return the collisions that bound the overlaps of a run; those of the last assembly are kept."""
     case = assembly.case
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)

@@ -36,6 +36,7 @@ from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
+_PLANNED = 1000  # points that a plan is made of, taken at random: 5 to 20 s
 _MOST_ROWS = 40
 _MOST_MEANS = 4  # quantities in the table of means
 
@@ -57,7 +58,8 @@ def scan(options: argparse.Namespace) -> int:
 
 
 def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
-    found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL)
+    most = _PLANNED if options.plan else None
+    found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL, most=most)
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         check_installed(options.executor)
@@ -198,12 +200,14 @@ def plan_text(
     """Return the table of a planned scan."""
     points = scan.distinct.values()
     left = needs.left(scan, directory, fresh=fresh)
-    counts = f"{len(scan.points)}"
+    counts = f"{scan.n_points}"
+    if scan.scale > 1:
+        counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"
     if len(left) < len(points):
         counts += f", {len(points) - len(left)} done already"
-    kinds = ", ".join(f"{key} ({len({str(p.labels[key]) for p in scan.points})})" for key in scan.varied)
+    kinds = ", ".join(f"{key} ({scan.n_values_of(key)})" for key in scan.varied)
     at_once = sorted((p.plan.memory for p in left), reverse=True)[:jobs]
     sizes = [p.size for p in points]
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
@@ -218,12 +222,12 @@ def plan_text(
         ("jobs at once", f"{jobs}"),
         (
             "expected time",
-            f"about {duration(expected_scan_time(left, profile, jobs, slowness or 1.0))}"
+            f"about {duration(scan.scale * expected_scan_time(left, profile, jobs, slowness or 1.0))}"
             + (", from the speed measured here" if slowness else ""),
         ),
         *([("static stages", static_stage_note(unknown, jobs / (slowness or 1.0)))] if unknown else []),
         ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
-        ("disk", f"about {sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
+        ("disk", f"about {scan.scale * sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
         *([("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")] * bool(cut)),
         ("directory", str(directory)),
     ]
@@ -241,15 +245,16 @@ def plan_values(
         "name": scan.name,
         "directory": directory,
         "varied": list(scan.varied),
-        "n_points": len(scan.points),
+        "n_points": scan.n_points,
+        "n_planned": len(scan.points),
         "n_distinct": len(points),
         "n_left": len(left),
         f"n_{parts}_least": min(sizes),
         f"n_{parts}_most": max(sizes),
         "jobs": jobs,
-        "wall_time_s": expected_scan_time(left, profile, jobs, slowness or 1.0),
+        "wall_time_s": scan.scale * expected_scan_time(left, profile, jobs, slowness or 1.0),
         "memory_bytes": sum(sorted((point.plan.memory for point in left), reverse=True)[:jobs]),
-        "disk_bytes": sum(point.plan.disk for point in left),
+        "disk_bytes": scan.scale * sum(point.plan.disk for point in left),
     }
 
 

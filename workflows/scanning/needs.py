@@ -49,7 +49,7 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
         The points cannot be run; the message lists all faults.
     """
     points = sorted(left(scan, directory, fresh=force), key=lambda point: point.number)
-    needed = sum(point.plan.disk for point in points)
+    needed = scan.scale * sum(point.plan.disk for point in points)
     spare = layout.LEAST_FREE + max((point.plan.disk_reserve for point in points), default=0.0)
     cases = [point.case for point in points if force and isinstance(point.case, Case)]
     sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}

@@ -11,6 +11,7 @@ import dataclasses
 import hashlib
 import json
 import logging
+import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.run.messages import each_warning_once
+from granwave.workflows.run.progress import Progress
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.header import Header
 from granwave.workflows.scanning.labels import labels_of
@@ -35,6 +37,7 @@ from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind,
 _LOG = logging.getLogger("granwave")
 
 _ID_LENGTH = 12
+_MANY = 300  # points from which reading them, some 5 ms each, shows a bar
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,6 +88,10 @@ class Scan:
         Text of the file, after comments with the overrides.
     study
         Names of the studies in its report.
+    n_points
+        Number of points of the file; more than ``points`` if only some were made.
+    n_values
+        Number of different values of varied keys, if only some points were made.
     """
 
     name: str
@@ -94,6 +101,17 @@ class Scan:
     figures: bool
     text: str
     study: tuple[str, ...] = ()
+    n_points: int = 1
+    n_values: Mapping[str, int] = dataclasses.field(default_factory=dict)
+
+    @property
+    def scale(self) -> float:
+        """Points of the file over those that were made."""
+        return self.n_points / len(self.points)
+
+    def n_values_of(self, key: str) -> int:
+        """Return the number of different values of a varied key."""
+        return self.n_values.get(key) or len({str(point.labels[key]) for point in self.points})
 
     @property
     def distinct(self) -> dict[str, Point]:
@@ -134,8 +152,10 @@ def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
         raise InputError(f"{scan}: cannot be read: {error.strerror}") from None
 
 
-def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (), *, here: bool = True) -> Scan:
-    """Read a scan file and make all its points.
+def load_scan(
+    scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (), *, here: bool = True, most: int | None = None
+) -> Scan:
+    """Read a scan file and make its points.
 
     Parameters
     ----------
@@ -145,6 +165,8 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
         Keys of the case for all points, in addition to those of ``[set]`` and with precedence over them.
     here
         True if the points run on this machine and must fit into its memory.
+    most
+        Number of points to make of a larger scan, taken at random, for its plan; None: all.
 
     Raises
     ------
@@ -153,7 +175,8 @@ def load_scan(scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
-    return scan_from_dict(read_toml(path), path, changes, here=here, text=path.read_text(encoding="utf-8"))
+    text = path.read_text(encoding="utf-8")
+    return scan_from_dict(read_toml(path), path, changes, here=here, text=text, most=most)
 
 
 def scan_from_dict(
@@ -164,6 +187,7 @@ def scan_from_dict(
     here: bool = True,
     text: str = "",
     template: Mapping[str, Any] | None = None,
+    most: int | None = None,
 ) -> Scan:
     """Make a scan of the tables of a scan file; raise as `load_scan`.
 
@@ -179,6 +203,8 @@ def scan_from_dict(
         Text of the file.
     template
         Tables of the case; None if ``data`` names its file.
+    most
+        As in `load_scan`.
     """
     data = dict(data)
     if "scans" in data:
@@ -194,7 +220,7 @@ def scan_from_dict(
     variations = variations_of(tables, header, errors)
     if errors.lines or header is None:
         raise InputError(errors.lines)
-    return _build(path, header, fixed, changes, variations, here, text, template)
+    return _build(path, header, fixed, changes, variations, here, text, template, most)
 
 
 def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
@@ -219,7 +245,12 @@ def _build(
     here: bool,
     text: str,
     template: Mapping[str, Any] | None = None,
+    most: int | None = None,
 ) -> Scan:
+    n_all, n_values = len(variations), {}
+    if most is not None and n_all > most:
+        n_values = {key: len({repr(values.get(key)) for values in variations}) for key in variations[0]}
+        variations = [variations[n] for n in sorted(random.Random(0).sample(range(n_all), most))]
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
     if header.replicates > 1:
         if SEED in varied:
@@ -242,7 +273,8 @@ def _build(
         data = _with(template, {**fixed, **values}, path, changes)
         return kind.read(data, path, overridden=changes)
 
-    with _each_warning_once():
+    progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
+    with _each_warning_once(), contextlib.closing(progress):
         for n, values in enumerate(variations, start=1):
             try:
                 for replicate in _replicates(values, header, read):
@@ -251,6 +283,7 @@ def _build(
                     kind.check(case, points[-1].plan, files=False, memory=here)
             except InputError as error:
                 errors.append((n, values, error.errors))
+            progress.update(n, "checked")
     if header.replicates > 1 and len(points) == len(variations):
         _LOG.warning("%s: replicates: nothing is random in these packings, so that each is run once", path)
     if errors:
@@ -262,6 +295,8 @@ def _build(
         points=tuple(_labelled(points, varied, path.parent)),
         figures=header.figures,
         study=header.study,
+        n_points=round(len(points) * n_all / len(variations)),
+        n_values=n_values,
         text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
     )
 
