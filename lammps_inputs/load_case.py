@@ -13,6 +13,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.struck_spheres import centred
 from granwave.lammps_inputs.toml_files import read_toml
 
 
@@ -61,6 +62,7 @@ def case_from_dict(
     parts = parse_case(data, source, errors)
     check_together(parts, errors)
     errors.report(parts["name"])
+    parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
     case = Case(**parts)
     assembly = check_case(case, errors)
     errors.report(case.name)

@@ -17,7 +17,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.planning.energy_input import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 
@@ -111,8 +111,8 @@ def continuum_of(case: Case) -> Counterpart:
     lattice, diameter = assemble(case).lattice, case.packing.diameter
     if not case.contact.yields or case.material.yield_strength is None:
         return Counterpart(reason="the contacts do not yield")
-    if case.load.kind != "impact" or case.load.angle:
-        return Counterpart(reason="it is made for impacts along z alone")
+    if not _strikes_along_z(case):
+        return Counterpart(reason="it is made for impacts and strikers along z alone")
     low, high = lattice.bounds()
     width, height = min(high[:2] - low[:2]) + diameter, high[2] - low[2] + diameter
     if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
@@ -129,6 +129,16 @@ def continuum_of(case: Case) -> Counterpart:
         "punch.taper": _TAPER * diameter,
     }
     return _command("continuum", _BLOCK, changes, f"{case.name}-continuum")
+
+
+def _strikes_along_z(case: Case) -> bool:
+    """Return True for struck spheres, or one striker, that move along z into a packing at rest."""
+    if case.load.kind not in ("impact", "striker"):
+        return False
+    assembly = assemble(case)
+    moving, struck = velocities_of(assembly), struck_of(assembly)
+    one = case.load.kind == "impact" or len(struck) == 1
+    return one and set(moving) == set(struck) and all(v[2] > 0 and not any(v[:2]) for v in moving.values())
 
 
 def packing_of(case: ContinuumCase) -> Counterpart:

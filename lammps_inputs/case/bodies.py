@@ -44,6 +44,7 @@ _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
 
 
+CENTRE = "centre"  # of the top
 _NO_DIRECTION = "none"
 _ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
@@ -67,6 +68,16 @@ def _parse_free(value: Any) -> str:
     if letters == _NO_DIRECTION or len(letters) == 3:
         raise ValidationError(expected)
     return letters
+
+
+def _parse_touches(value: Any) -> tuple[int, ...]:
+    """Return ids; none for the sphere at the centre of the top, which is found when the packing is known."""
+    if value == CENTRE:
+        return ()
+    try:
+        return parse_index(value)
+    except ValidationError as error:
+        raise ValidationError(f'{error}; or "{CENTRE}"') from None
 
 
 def _parse_extent(value: Any) -> tuple[float, float, float]:
@@ -101,7 +112,10 @@ class Replace:
 class Striker:
     """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with earlier strikers."""
 
-    touches: tuple[int, ...] = custom("ids of the spheres that it touches", parse_index)
+    touches: tuple[int, ...] = custom(
+        'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
+        _parse_touches,
+    )
     velocity: tuple[float, float, float] = vector("velocity of the striker", unit="m/s", usual=VELOCITY)
     spin: tuple[float, float, float] = vector("angular velocity of the striker", unit="rad/s", usual=SPIN)
     diameter: float | None = number(

@@ -36,7 +36,7 @@ from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
-from granwave.lammps_inputs.packing.places import Layout, places_of
+from granwave.lammps_inputs.packing.places import layout_of
 from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
@@ -381,11 +381,8 @@ def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: B
 def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     if load is None or not load.hits_spheres or load.index is not None:
         return
-    lattice: Layout = packing.lattice(periodic=boundary.sides == "periodic")
-    if packing.grains is not None:
-        lattice = places_of(packing.grains, packing.diameter, packing.period if boundary.sides == "periodic" else None)
     try:
-        struck_spheres(lattice, load.spheres)
+        struck_spheres(layout_of(packing, boundary), load.spheres)
     except ValueError as error:
         errors.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
 

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
 from granwave.lammps_inputs.packing.disorder import striker_shift
 from granwave.lammps_inputs.packing.grain_words import grains_called
-from granwave.lammps_inputs.packing.places import Layout, Places, places_of
+from granwave.lammps_inputs.packing.places import Layout, Places, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 from granwave.lammps_inputs.packing.strikers import place_strikers
 
@@ -389,10 +389,7 @@ def _assemble(case: Case) -> Assembly:
 
 def lattice_of(case: Case) -> Layout:
     """Return the lattice of a case, or the places of its grains."""
-    if case.packing.grains is not None:
-        period = case.packing.period if case.boundary.sides == "periodic" else None
-        return places_of(case.packing.grains, case.packing.diameter, period)
-    return case.packing.lattice(periodic=case.boundary.sides == "periodic")
+    return layout_of(case.packing, case.boundary)
 
 
 def gap_tolerance(case: Case) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from functools import cached_property, lru_cache
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Kind, Lattice, kind_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.boundary import Boundary
+    from granwave.lammps_inputs.case.packing import PackingSection
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -187,3 +191,11 @@ Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 def places_of(grains: Grains, diameter: float, period: tuple[float, float] | None = None) -> Places:
     """Return the places of grains; those of equal grains are the same, so that their contacts are searched once."""
     return Places(grains, diameter, period)
+
+
+def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
+    """Return the lattice of a packing, or the places of its grains."""
+    periodic = boundary.sides == "periodic"
+    if packing.grains is None:
+        return packing.lattice(periodic=periodic)
+    return places_of(packing.grains, packing.diameter, packing.period if periodic else None)

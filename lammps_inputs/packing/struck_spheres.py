@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from granwave.lammps_inputs.lattices import KINDS, TOUCHING
-from granwave.lammps_inputs.packing.places import Layout
+from granwave.lammps_inputs.packing.places import Layout, layout_of
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.bodies import Striker
+    from granwave.lammps_inputs.case.boundary import Boundary
+    from granwave.lammps_inputs.case.packing import PackingSection
 
 
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
@@ -37,6 +46,14 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if not pairs:
         raise ValueError("no two neighbours of the struck sphere rest with it on one sphere below")
     return (centre, *min(pairs))
+
+
+def centred(strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary) -> tuple[Striker, ...]:
+    """Return strikers, those that touch the sphere at the centre of the top with its id."""
+    if all(striker.touches for striker in strikers):
+        return tuple(strikers)
+    centre = struck_spheres(layout_of(packing, boundary), 1)
+    return tuple(one if one.touches else dataclasses.replace(one, touches=centre) for one in strikers)
 
 
 def _central(lattice: Layout) -> int:

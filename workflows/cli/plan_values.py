@@ -6,9 +6,14 @@ import dataclasses
 from collections import Counter
 from typing import Any
 
+import numpy as np
+
+from granwave.analysis.measures.target.bare_target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.motion import struck_site
 from granwave.lammps_inputs.packing.records import written_in_parts
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.plan import Plan
@@ -36,6 +41,72 @@ def coordination_of(case: Case) -> Coordination | None:
     return Coordination(mean, {number: n for number, n in sorted(grains.items()) if n})
 
 
+@dataclasses.dataclass(frozen=True)
+class Size:
+    """Mass of a packing, kg, its height, and its widths along x and y, m; strikers and bars left out."""
+
+    mass: float
+    height: float
+    width: tuple[float, float]
+
+
+def size_of(assembly: Assembly) -> Size:
+    """Return the size of a packing with its grains where they are placed."""
+    case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
+    if sites is None:
+        reach = extents(np.array([lattice.diameter / 2]), [case.packing.of_grain])
+        low, high = lattice.bounds() + np.concatenate([-reach, reach])
+        mass = lattice.n_spheres * case.sphere_mass
+    else:
+        there = sites.present
+        shapes = assembly.grain_shapes()[: lattice.n_spheres]
+        reach = extents(sites.diameter / 2, shapes)[there]
+        place = sites.positions(1, lattice.n_spheres)[there]
+        low, high = (place - reach).min(axis=0), (place + reach).max(axis=0)
+        mass = float(assembly.sphere_masses()[: lattice.n_spheres][there].sum())
+    x, y, z = (high - low).tolist()
+    return Size(mass, z, (x, y))
+
+
+@dataclasses.dataclass(frozen=True)
+class Struck:
+    """Sphere of the packing that the load hits first.
+
+    Attributes
+    ----------
+    sphere
+        Its id.
+    aside_m
+        Distance from the middle of the top, m; 0 of a sphere next to it.
+    below_m
+        Depth below the top, m.
+    where
+        Words on its place on the top: at a corner, an edge or an end; else empty.
+    """
+
+    sphere: int
+    aside_m: float
+    below_m: float
+    where: str
+
+
+def struck_place(assembly: Assembly) -> Struck | None:
+    """Return the sphere that the load hits; None if it hits none in particular."""
+    lattice, sphere = assembly.lattice, struck_site(assembly)
+    if sphere is None or assembly.case.load.kind in ("plate", "grains") or assembly.case.incident_bar:
+        return None
+    place, top = lattice.positions(sphere, sphere)[0], lattice.top_layer
+    at_top = lattice.positions(1, int(top.max()))[top - 1]
+    if sphere not in top:
+        return Struck(sphere, 0.0, float(place[2] - at_top[:, 2].min()), "")
+    across = [axis for axis in (0, 1) if np.ptp(at_top[:, axis]) > lattice.diameter / 2]
+    ends = sum(bool(np.abs(place[axis] - [at_top[:, axis].min(), at_top[:, axis].max()]).min() < lattice.diameter / 2)
+               for axis in across)  # fmt: skip
+    aside = float(np.linalg.norm(place[:2] - at_top[:, :2].mean(axis=0)))
+    where = ("", "at an edge of the top" if len(across) > 1 else "at an end of the top", "at a corner of the top")
+    return Struck(sphere, aside if aside > lattice.diameter else 0.0, 0.0, where[ends])
+
+
 def loss_of(case: Case) -> Viscous | None:
     """Return the loss between two grains of the packing: that which a restitution asks for is found."""
     return viscous_loss(assemble(case), case.contact, case.material, case.material)
@@ -57,7 +128,14 @@ def held_by_first_rank(assembly: Assembly) -> list[str]:
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     assembly, schedule, zone, coordination = assemble(case), plan.schedule, plan.zone, coordination_of(case)
+    size, struck = size_of(assembly), struck_place(assembly)
+    no_reduction = no_bare_target(case)
     return {
+        "packing_mass_kg": size.mass,
+        "packing_height_m": size.height,
+        "packing_width_m": list(size.width),
+        "struck": None if struck is None else dataclasses.asdict(struck),
+        "nulls": {"peak_reduction": no_reduction} if no_reduction else {},
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
         "coordination": None if coordination is None else dataclasses.asdict(coordination),
@@ -85,8 +163,10 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "zone": None
         if zone is None
         else {
-            "depth_m": zone.depth,
-            "radius_m": zone.radius,
+            "depth_m": min(zone.depth, zone.room["bottom"]),
+            "radius_m": min(zone.radius, zone.room.get("sides", zone.radius)),
+            "depth_in_larger_packing_m": zone.depth,
+            "radius_in_larger_packing_m": zone.radius,
             "spread": zone.spread,
             "room_m": zone.room,
             "reaches": list(zone.reaches),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.measures.target.bare_target import no_bare_target
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -14,7 +15,14 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.planning.wall_time import WallTime
 from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
-from granwave.workflows.cli.plan_values import beyond_law, coordination_of, held_by_first_rank, loss_of
+from granwave.workflows.cli.plan_values import (
+    beyond_law,
+    coordination_of,
+    held_by_first_rank,
+    loss_of,
+    size_of,
+    struck_place,
+)
 from granwave.workflows.counterpart import Inputs
 from granwave.workflows.solvers import Cost
 
@@ -34,6 +42,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequ
             ("case", plan.name),
             _grains(case, plan),
             ("contacts at the start", f"{plan.n_contacts}"),
+            *_size(case),
             *_coordination(case),
             *_static(case),
             *waves,
@@ -55,6 +64,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Sequ
             ("largest overlap", f"up to {overlap}"),
             *_loss(case),
             *([("outermost yield", _expected(plan.zone))] if plan.zone else []),
+            *([("no peak reduction", reason)] if (reason := no_bare_target(case)) else []),
         ]
     )
 
@@ -73,6 +83,19 @@ def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
             rows.append(("energy normalised" * (len(rows) == 1), f"{at_most}{value:.6g} {unit}"))
     if inputs.velocity_normalised is not None:
         rows.append(("velocity normalised", f"{inputs.velocity_normalised:.6g}"))
+    return rows
+
+
+def _size(case: Case) -> list[tuple[str, str]]:
+    """Return mass and extent of the packing, and what the load hits."""
+    assembly = assemble(case)
+    size, struck = size_of(assembly), struck_place(assembly)
+    across = " and ".join(f"{width:.4g}" for width in size.width)
+    rows = [("packing", f"{size.mass:.4g} kg, {size.height:.4g} m high, {across} m wide")]
+    if struck is not None:
+        aside = f"{struck.aside_m:.3g} m beside the middle of the top" if struck.aside_m else ""
+        below = f"{struck.below_m:.3g} m below the top" if struck.below_m else ""
+        rows.append(("struck", ", ".join(filter(None, [f"sphere {struck.sphere}", struck.where, aside, below]))))
     return rows
 
 
@@ -166,7 +189,10 @@ def _expected(zone: ExpectedZone) -> str:
         return "the whole chain"
     within = f", within a factor of {zone.spread:g}" if zone.spread > 1 else " or deeper"
     radius = f", radius {zone.radius:.2g} m" if zone.radius else ""
-    return f"about {zone.depth:.2g} m deep{radius}{within}"
+    larger = f"about {zone.depth:.2g} m deep{radius}{within}"
+    if not zone.reaches:
+        return larger
+    return f"to the {' and the '.join(zone.reaches)} of the packing; in a larger one {larger}"
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:

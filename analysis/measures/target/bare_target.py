@@ -182,6 +182,23 @@ def bare_target_peak(case: Case, end_time: float) -> tuple[float, float] | None:
     return None if found is None else (found.peak_force, found.ground_peak_force)
 
 
+def no_bare_target(case: Case) -> str:
+    """Return why a case has no bare target to compare with; empty if it has one."""
+    load = case.load
+    if load.kind == "plate":
+        return 'load.kind = "plate" strikes all grains of the top: there is no like load on the bare target'
+    if load.kind == "displacement":
+        return "a prescribed displacement has no like load on the bare target"
+    if load.kind == "force" and load.oscillates:
+        return "the load oscillates: what a packing passes on of it is its transmission"
+    target = target_of(case)
+    if target is None:
+        return "there is nothing below the packing"
+    if load.kind != "force" and not impactors_of(case, target.material):
+        return "nothing moves towards the target"
+    return ""
+
+
 def unprotected(case: Case, end_time: float) -> BareTarget | None:
     """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
 
@@ -193,14 +210,14 @@ def unprotected(case: Case, end_time: float) -> BareTarget | None:
         When it ends at the latest, s; not before the first collision is over.
     """
     target = target_of(case)
-    if target is None:
+    if target is None or no_bare_target(case):
         return None
     if case.load.kind == "force":
-        return None if case.load.oscillates else _pushed(case.load, target, end_time)
-    groups = impactors_of(case, target.material) if case.load.kind not in ("displacement", "plate") else []
+        return _pushed(case.load, target, end_time)
+    groups = impactors_of(case, target.material)
     if len(groups) == 1 and not target.moves:
         return _rebound(groups[0])
-    return _hit(groups, target, end_time) if groups else None
+    return _hit(groups, target, end_time)
 
 
 def target_of(case: Case) -> Target | None:

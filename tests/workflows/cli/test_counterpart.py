@@ -83,8 +83,8 @@ def test_inputs_are_those_of_the_summary(tmp_path):
         (["elastic-impact"], "the contacts do not yield"),
         (["two-spheres"], "no block: a chain"),
         (["fcc-small", "--set", "packing.size=[1,1,6]"], "or too narrow"),
-        (["elastoplastic-pulse"], "impacts along z alone"),
-        (["fcc-small", *SMALL, "--set", "load.angle=30"], "impacts along z alone"),
+        (["elastoplastic-pulse"], "impacts and strikers along z alone"),
+        (["fcc-small", *SMALL, "--set", "load.angle=30"], "impacts and strikers along z alone"),
     ],
 )
 def test_where_there_is_none_it_says_why(words, reason, capsys):
