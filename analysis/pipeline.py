@@ -8,7 +8,7 @@ from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
-from granwave.analysis.lammps_output.completeness import check_complete
+from granwave.analysis.lammps_output.completeness import check_complete, check_unchanged
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.groups import AT_ONCE
@@ -22,8 +22,8 @@ from granwave.lammps_inputs.deck_changes import check_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.planning.space import MOST_DRAWN
-from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
-from granwave.lammps_inputs.run_state import check_case
+from granwave.lammps_inputs.run_directory import FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
+from granwave.lammps_inputs.run_state import check_case, note_files
 
 logger = logging.getLogger(__name__)
 
@@ -70,7 +70,7 @@ def analyse(
     MissingOutputError
         It is not the directory of a run, or the run did not leave a file that is needed.
     OutputFormatError
-        A file is damaged.
+        A file is damaged, or is not what the run wrote.
     InputError
         case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not
         write.
@@ -118,11 +118,13 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_o
     check_case(directory)
     check_complete(directory)
     _check_deck(directory)
+    check_unchanged(directory)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
         write_result(directory, at_once=at_once)
         report("summary.json")
         summary = summarise(directory, at_once=at_once)
+        note_files(directory, [RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import functools
 import json
 import math
 import os
 import re
+import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +17,7 @@ from typing import Any
 import numpy as np
 
 DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
+_BLOCK = 2**20  # bytes read at a time
 
 
 @contextlib.contextmanager
@@ -121,6 +124,29 @@ def read_json(path: Path) -> dict[str, Any] | None:
     except (OSError, ValueError, RecursionError):  # RecursionError: brackets nested too deeply
         return None
     return content if isinstance(content, dict) else None
+
+
+def checksum(path: Path, size: int | None = None, *, after: tuple[int, int] = (0, 0)) -> int:
+    """Return the CRC-32 of a file, or of its first ``size`` bytes.
+
+    Parameters
+    ----------
+    after
+        Size and CRC-32 of a part at the beginning that was read before.
+    """
+    status = path.stat()
+    end = status.st_size if size is None else size
+    return _checksum(path, end, after, (status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns))
+
+
+@functools.lru_cache(maxsize=1024)  # each file is read once, as long as it stays the same
+def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, ...]) -> int:
+    place, found = after
+    with path.open("rb") as file:
+        file.seek(place)
+        while block := file.read(min(_BLOCK, max(end - place, 0))):
+            found, place = zlib.crc32(block, found), place + len(block)
+    return found
 
 
 def head(path: Path, size: int = -1) -> bytes:

@@ -54,10 +54,10 @@ def read_marker(directory: Path) -> Marker | None:
     path = directory / MARKER
     if not path.is_symlink() and (found := read_json(path)) is not None:
         kind, case, files = found.get("kind"), found.get("case", ""), found.get("files")
-        digests = noted if isinstance(noted := found.get("digests"), dict) else {}
+        digests, sums = (noted if isinstance(noted := found.get(one), dict) else {} for one in ("digests", "sums"))
         if isinstance(kind, str) and isinstance(case, str) and isinstance(files, dict):
             inside = {name: size for name, size in files.items() if _is_inside(name)}
-            return Marker(kind, str(found.get("version", "")), case, inside, digests)
+            return Marker(kind, str(found.get("version", "")), case, inside, digests, sums)
     return recognise(directory)
 
 

@@ -92,6 +92,8 @@ class Marker:
         in "/" is a directory of results with a marker of its own; one with "%" stands for the files of all ranks.
     digests
         Digests of the files of the deck as granwave wrote them, by name.
+    sums
+        CRC-32 of finished files by name, as their sizes in ``files``.
     """
 
     kind: str
@@ -99,11 +101,13 @@ class Marker:
     case: str = ""
     files: dict[str, int | None] = dataclasses.field(default_factory=dict)
     digests: dict[str, str] = dataclasses.field(default_factory=dict)
+    sums: dict[str, int] = dataclasses.field(default_factory=dict)
 
     def write(self, directory: Path) -> None:
         """Replace the marker in ``directory`` atomically."""
         self.version = __version__
         self.digests = {name: digest for name, digest in self.digests.items() if name in self.files}
+        self.sums = {name: one for name, one in self.sums.items() if self.files.get(name) is not None}
         replace_text(directory / MARKER, json.dumps(dataclasses.asdict(self), indent=1) + "\n")
 
 

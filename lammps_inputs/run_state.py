@@ -1,7 +1,8 @@
-"""Detection of changes after a run: case.toml edited, lost or damaged, output truncated."""
+"""Detection of changes after a run: case.toml edited, lost or damaged, output truncated, damaged or replaced."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,18 +10,22 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.files import checksum, read_json, replace_text
 from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
+    CONTINUUM,
     DATA_FILE,
     FIGURES_TABLE,
+    MARKER,
     RECORD_FILE,
     RESULT_FILE,
     SUMMARY_FILE,
 )
 from granwave.lammps_inputs.toml_files import read_tables
 
+_RESOLVED = "resolved"  # derived values in case.toml
+_DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
 
@@ -32,6 +37,12 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
         return tomllib.loads(marker.case) or None if marker else None
     except ValueError:  # a marker that somebody edited
         return None
+
+
+def case_digest(tables: Mapping[str, Any]) -> str:
+    """Return a digest of the tables of a case that decide its results."""
+    deciding = {name: table for name, table in tables.items() if name not in ("name", _RESOLVED, FIGURES_TABLE)}
+    return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
 
 
 def check_case(directory: Path) -> None:
@@ -87,25 +98,50 @@ def _shown(value: Any) -> str:
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
-def note_sizes(directory: Path, names: Iterable[str]) -> None:
-    """Store the sizes of finished files in the marker, so that `cut_file` detects later truncation."""
+def note_files(directory: Path, names: Iterable[str]) -> None:
+    """Store sizes and checksums of finished files in the marker, so that `changed_file` detects later changes."""
     marker = read_marker(directory)
     if marker is None:
         return
     for name in names:
         path = own_file(directory, name)
         marker.files[name] = path.stat().st_size if path is not None else None
+        if path is not None:
+            marker.sums[name] = checksum(path)
     marker.write(directory)
 
 
-def cut_file(directory: Path) -> str:
-    """Describe the first file whose size changed since it was finished; empty if none. Missing files are ignored."""
-    marker = read_marker(directory)
-    for name, size in marker.files.items() if marker else ():
-        path = directory / name
-        if size is not None and path.is_file() and path.stat().st_size != size:
-            return f"{path}: has {path.stat().st_size} bytes, had {size} at the end of the run"
+def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
+    """Describe the first file that is not what the run wrote; empty if none. Missing files are ignored.
+
+    Parameters
+    ----------
+    names
+        Names of the files to look at; None: all that were noted.
+    """
+    marker = read_marker(directory) if (directory / MARKER).is_file() else None
+    if marker is None:
+        return ""
+    for name in marker.files if names is None else names:
+        path, size, noted = directory / name, marker.files.get(name), marker.sums.get(name)
+        if size is None or not path.is_file():
+            continue
+        if path.stat().st_size != size:
+            return f"{path}: is not what the run wrote: it has {path.stat().st_size} bytes, had {size}"
+        if noted is not None and checksum(path) != noted:
+            return f"{path}: is not what the run wrote: its checksum differs; it was damaged, or is of another run"
     return ""
+
+
+def changed_result(directory: Path, names: Iterable[str] = (RESULT_FILE, SUMMARY_FILE)) -> str:
+    """Describe the first result of a run that is not what its analysis wrote, and how to mend it; empty if none."""
+    fault = changed_file(directory, names)
+    if not fault:
+        return ""
+    marker = read_marker(directory)
+    if marker is not None and marker.kind == CONTINUUM:
+        return f"{fault}: run the case again with --resume"
+    return f"{fault}: make it anew with  granwave analyse {directory}"
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
@@ -133,10 +169,11 @@ def result_fault(directory: Path) -> str:
         pass
     except OSError:
         return f"{result}: is damaged"
-    return cut_file(directory)
+    return changed_file(directory)
 
 
 def outputs_complete(directory: Path) -> bool:
-    """Return True if all output of LAMMPS exists with the same size as at the end of the run."""
+    """Return True if all output of LAMMPS exists as it was at the end of the run."""
     names = output_names(directory)
-    return bool(names) and all((directory / name).is_file() for name in (DATA_FILE, *names)) and not cut_file(directory)
+    names = [DATA_FILE, *names]
+    return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)

@@ -10,9 +10,11 @@ from granwave.analysis.lammps_output.run_record import read_record
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import read_deck
+from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
     DUMPS,
     ENERGY_FILE,
     LINES_FILE,
@@ -21,6 +23,7 @@ from granwave.lammps_inputs.run_directory import (
     WALL_CONTACTS_FILE,
     WALLS_FILE,
 )
+from granwave.lammps_inputs.run_state import changed_file
 
 
 def check_complete(directory: Path) -> None:
@@ -51,6 +54,15 @@ def check_complete(directory: Path) -> None:
     for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):
         if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
             raise MissingOutputError(f"{path} is missing; {AGAIN}")
+
+
+def check_unchanged(directory: Path) -> None:
+    """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
+    if fault := changed_file(directory, output_names(directory)):
+        raise OutputFormatError(
+            f"{fault}: put back what the run wrote, or run the case again: "
+            f"granwave run {directory / CASE_FILE} -o {directory} --resume"
+        )
 
 
 def _check_series(path: Path, table: Table, columns: list[str], last: int, every: int) -> None:

@@ -33,7 +33,7 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
     is_scan,
 )
-from granwave.lammps_inputs.run_state import check_case, tables_as_run
+from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 
 Kind = Literal["run", "continuum"]
@@ -306,6 +306,8 @@ def _short(text: str, longest: int = 60) -> str:
 
 def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     check_case(path)
+    if changed := changed_result(path):
+        raise InputError(changed)
     case, record = _case(path), _record(path)
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED

@@ -28,6 +28,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE
+from granwave.lammps_inputs.run_state import changed_result
 from granwave.lammps_inputs.toml_files import read_tables
 
 if TYPE_CHECKING:
@@ -97,6 +98,8 @@ class Result(_Spheres):
         if not self.path.exists():
             raise MissingOutputError(_why_no_run(path))
         try:
+            if changed := changed_result(self.path.parent, [self.path.name]):
+                raise OutputFormatError(changed)
             self.file = h5py.File(self.path, "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None

@@ -25,8 +25,10 @@ import numpy as np
 from MDAnalysis.coordinates.base import ReaderBase
 from MDAnalysis.coordinates.timestep import Timestep
 
+from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
+from granwave.lammps_inputs.run_state import changed_result
 
 DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy")
 
@@ -45,6 +47,9 @@ class ResultReader(ReaderBase):
 
     def __init__(self, filename: str | Path, **kwargs: object) -> None:
         super().__init__(filename, **kwargs)
+        path = Path(self.filename)
+        if changed := changed_result(path.parent, [path.name]):
+            raise OutputFormatError(changed)
         self._file = h5py.File(self.filename, "r")
         self._spheres = self._file[GROUP]
         self._data = [name for name in DATA if name in self._spheres]

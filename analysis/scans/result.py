@@ -17,7 +17,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.units import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
-from granwave.lammps_inputs.run_state import read_summary
+from granwave.lammps_inputs.run_state import case_digest, read_summary, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 
 SEED = "packing.seed"  # points that differ only in this key are replicates
@@ -140,6 +140,8 @@ class ScanResult:
 
     def _summary(self, name: str, directory: Path) -> dict[str, Any]:
         if name not in self._summaries:
+            if other := other_point(directory):
+                raise OutputFormatError(other)
             summary = read_summary(directory)
             if not summary:
                 return {}
@@ -153,6 +155,18 @@ def _checked(entry: dict[str, Any]) -> dict[str, Any]:
     if not isinstance(number, int) or not isinstance(name, str) or not isinstance(labels, dict):
         raise ValueError(f"a point has no number, id or labels: {entry}")
     return entry
+
+
+def other_point(directory: Path) -> str:
+    """Say that the directory of a finished point holds another point or another run; empty if it does not."""
+    noted = read_point(directory)
+    way = "move it away: --resume then runs the point again"
+    if (other := noted.get("id", directory.name)) != directory.name:
+        return f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"
+    tables = tables_as_run(directory) if "case" in noted else None
+    if tables is not None and case_digest(tables) != noted["case"]:
+        return f"{directory}: holds a run of another case than that of the point; {way}"
+    return ""
 
 
 def read_point(directory: Path) -> dict[str, Any]:

@@ -32,7 +32,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, replace_text
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import tables_as_run
+from granwave.lammps_inputs.run_state import case_digest, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
@@ -125,6 +125,7 @@ class _Worker:
             layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": reason, "asked": job})
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
+        note["case"] = case_digest(point["case"])
         note["job"] = os.environ.get("SLURM_JOB_ID", "")
         layout.write_state(place, state=layout.RUNNING, **note)
         log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0

@@ -17,6 +17,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.lammps_inputs.run_directory import RESULT_FILE
+from granwave.lammps_inputs.run_state import changed_result
 from granwave.workflows.finite_elements.frame import ElementCase
 
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
@@ -62,6 +63,8 @@ class ElementResult:
         path = Path(directory) / RESULT_FILE
         if not path.exists():
             raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
+        if changed := changed_result(path.parent):
+            raise OutputFormatError(changed)
         try:
             with h5py.File(path, "r") as file:
                 self._read(file)

@@ -18,8 +18,8 @@ from granwave.lammps_inputs.directories import decide, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
-from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import read_summary, restore_case, result_fault
+from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case, result_fault
 from granwave.workflows.finite_elements.frame import ElementCase, check_memory
 
 logger = logging.getLogger("granwave")
@@ -142,6 +142,7 @@ def run_elements(
             summary = plain(summary)
             run.write(directory, summary)
             replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
+            note_files(directory, [RESULT_FILE, SUMMARY_FILE])
     assert summary is not None  # what is done has a history
     run.conclude(directory, summary, lambda: drawings().draw_figures(directory) if figures else None)
     return summary

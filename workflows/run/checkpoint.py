@@ -1,4 +1,4 @@
-"""Checkpoints of a run: a LAMMPS restart file, and the sizes of all output files at that step.
+"""Checkpoints of a run: a LAMMPS restart file, and sizes and checksums of all output files at that step.
 
 A resumed run truncates its output files to these sizes and appends, so that nothing is repeated.
 """
@@ -10,8 +10,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from granwave.lammps_inputs.files import checksum
 from granwave.lammps_inputs.ownership import claim, clear, output_names, own_file, read_marker
-from granwave.lammps_inputs.run_directory import CHECKPOINT_FILE, DATA_FILE, SCRIPT_FILE
+from granwave.lammps_inputs.run_directory import CHECKPOINT_FILE, DATA_FILE, RECORD_FILE, SCRIPT_FILE
 from granwave.workflows.run.mpi import on_first
 
 if TYPE_CHECKING:
@@ -22,22 +23,35 @@ if TYPE_CHECKING:
 _FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", r"\d+"))
 
 
-def write(engine: Engine, comm: Intracomm, directory: Path) -> dict[str, Any]:
+def write(engine: Engine, comm: Intracomm, directory: Path, previous: dict[str, Any] | None = None) -> dict[str, Any]:
     """Write a checkpoint; the previous one remains until `keep_only` is called with the new one.
+
+    Parameters
+    ----------
+    previous
+        Checkpoint before this one, of whose output files only what was added since is read.
 
     Returns
     -------
     dict
-        Name of the restart file, step, and sizes for `usable` and `cut_back`.
+        Name of the restart file, step, and sizes and CRC-32 for `fault` and `cut_back`.
     """
     name = CHECKPOINT_FILE.format(engine.step)
     on_first(comm, lambda: claim(directory, [name]))
     engine.commands(f"write_restart {name}")
     comm.barrier()
+    return on_first(comm, lambda: _record(directory, name, engine.step, previous or {}))
+
+
+def _record(directory: Path, restart: str, step: int, previous: dict[str, Any]) -> dict[str, Any]:
     outputs = [name for name in output_names(directory) if (directory / name).is_file()]
     sizes = {name: (directory / name).stat().st_size for name in sorted(outputs)}
-    whole = {file: (directory / file).stat().st_size for file in (name, DATA_FILE, SCRIPT_FILE)}
-    return {"file": name, "step": engine.step, "sizes": sizes, "whole": whole}
+    whole = {name: (directory / name).stat().st_size for name in (restart, DATA_FILE, SCRIPT_FILE)}
+    before = previous.get("sums", {})
+    read = {name: (size, before[name]) for name, size in previous.get("sizes", {}).items() if name in before}
+    sums = {name: checksum(directory / name, size, after=read.get(name, (0, 0))) for name, size in sizes.items()}
+    sums |= {name: checksum(directory / name) for name in whole}
+    return {"file": restart, "step": step, "sizes": sizes, "whole": whole, "sums": sums}
 
 
 def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
@@ -47,21 +61,25 @@ def keep_only(directory: Path, checkpoint: dict[str, Any] | None) -> None:
     clear(directory, [name for name in (marker.files if marker else ()) if _FILE.fullmatch(name) and name != kept])
 
 
-def usable(directory: Path, checkpoint: dict[str, Any] | None) -> bool:
-    """Return True if all files of the checkpoint exist with the same sizes; output files may have grown.
+def fault(directory: Path, checkpoint: dict[str, Any]) -> str:
+    """Describe why a run cannot go on from a checkpoint: a file that is not what the run wrote; empty if it can.
 
-    Return False for a damaged record.
+    Output files may have grown.
     """
-    if checkpoint is None:
-        return False
     try:
-        for name, size in checkpoint["whole"].items():
-            if not (directory / name).is_file() or (directory / name).stat().st_size != size:
-                return False
-        paths = {directory / name: size for name, size in checkpoint["sizes"].items()}
-        return all(path.is_file() and path.stat().st_size >= size for path, size in paths.items())
+        whole, sums = checkpoint["whole"], checkpoint.get("sums", {})
+        for name, size in (whole | checkpoint["sizes"]).items():
+            path = directory / name
+            if not path.is_file():
+                return f"{path}: is missing"
+            found = path.stat().st_size
+            if found < size or (found != size and name in whole):
+                return f"{path}: has {found} bytes, had {size} at the checkpoint"
+            if name in sums and checksum(path, size) != sums[name]:
+                return f"{path}: is not what the run wrote: its checksum differs"
     except (AttributeError, KeyError, TypeError):
-        return False
+        return f"{directory / RECORD_FILE}: its checkpoint cannot be read"
+    return ""
 
 
 def cut_back(directory: Path, checkpoint: dict[str, Any]) -> None:

@@ -95,7 +95,11 @@ def _remaining_work(directory: Path) -> str:
     if state in (record.FINISHED, record.INTEGRATED) and outputs_complete(directory):
         way = ANALYSE
     else:
-        way = CONTINUE if seen and checkpoint.usable(directory, seen.checkpoint) else START
+        saved = seen.checkpoint if seen else None
+        useless = checkpoint.fault(directory, saved) if saved else ""
+        way = CONTINUE if saved and not useless else START
+        if useless:
+            logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
     if fault and (there is None or state == record.FINISHED):
         logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
     return way

@@ -29,7 +29,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
-from granwave.lammps_inputs.run_state import note_sizes, read_summary, restore_case
+from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case
 from granwave.workflows.run import checkpoint, record
 from granwave.workflows.run.balance import TOLERANCE, Balance
 from granwave.workflows.run.coordination import check_coordination, expected_neighbours
@@ -192,7 +192,7 @@ class _Run:
                 f"once more with half the timestep, {timestep:.3g} s"
             )
 
-        on_first(self.comm, lambda: note_sizes(self.directory, [DATA_FILE, *output_names(self.directory)]))
+        on_first(self.comm, lambda: note_files(self.directory, [DATA_FILE, *output_names(self.directory)]))
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _failure(self, error: RunError | OSError) -> RunError:
@@ -272,7 +272,7 @@ class _Run:
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
-                on_first(self.comm, lambda: self._claim_snapshots(saved["file"]))
+                on_first(self.comm, lambda: self._claim_output(saved["file"]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
@@ -288,9 +288,10 @@ class _Run:
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
 
-    def _claim_snapshots(self, restart_from: str) -> None:
-        """Enter the snapshots that a resumed run will write in the marker."""
-        claim(self.directory, [f"{DUMPS}/{frames_file(assemble(self.case), restart_from)}"])
+    def _claim_output(self, restart_from: str) -> None:
+        """Enter the snapshots that a resumed run will write in the marker, and what it will add to."""
+        added = f"{DUMPS}/{frames_file(assemble(self.case), restart_from)}"
+        claim(self.directory, [added, *output_names(self.directory)])
 
     def _check_equilibrium(self) -> None:
         found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
@@ -369,7 +370,7 @@ class _Run:
             self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
-        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory)
+        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory, self.record.checkpoint)
         self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
         on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.scans.result import read_point
+from granwave.analysis.scans.result import other_point, read_point
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim, clear
@@ -69,12 +69,14 @@ def fault(directory: Path, point: str) -> str:
     Raises
     ------
     InputError
-        The case.toml of the point was changed after the run.
+        The case.toml of the point was changed after the run, or the directory is that of another point.
     """
     place = finished(directory, point)
     if not place.is_dir():
         return ""
     check_case(place)
+    if other := other_point(place):
+        raise InputError(other)
     case = place / CASE_FILE
     if read_tables(case) is None and tables_as_run(place) is not None:
         return f"{case}: is damaged, or missing"
@@ -130,7 +132,7 @@ def write_state(place: Path, **record: Any) -> None:
     """Replace the record of a point, all or nothing; raises InputError where somebody else's file is in its place."""
     place.mkdir(parents=True, exist_ok=True)
     claim(place, POINT_FILES)
-    replace_text(place / POINT_FILE, json.dumps(record, indent=1) + "\n")
+    replace_text(place / POINT_FILE, json.dumps({**record, "id": place.name}, indent=1) + "\n")
 
 
 def is_final(directory: Path, point: str) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.run_directory import CASE_FILE, CONTACT_TABLE, RESULT_FILE, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import note_sizes
+from granwave.lammps_inputs.run_state import note_files
 from granwave.workflows.finite_elements.runner import ElementRun, run_elements
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.output import write_results
@@ -77,7 +77,7 @@ class _Run(ElementRun):
 
     def write(self, directory: Path, summary: dict[str, Any]) -> None:
         write_results(directory, self.case, self.solver, self.history, summary)
-        note_sizes(directory, [CONTACT_TABLE])
+        note_files(directory, [CONTACT_TABLE])
 
     def conclude(self, directory: Path, summary: Mapping[str, Any], draw: Callable[[], None]) -> None:
         if self.history.end_reason == "refused":
