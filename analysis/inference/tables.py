@@ -87,11 +87,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "n_grains": len(one.grains),
         "n_contacts": len(one.contacts),
         "n_loaded_contacts": int(np.count_nonzero(loaded)),
-        "n_significant_contacts": (
-            None
-            if one.spread is None
-            else int(np.count_nonzero(loaded & (one.force[:, 0] > _ERRORS * one.spread[:, 0])))
-        ),
+        "n_significant_contacts": None if one.spread is None else int(np.count_nonzero(loaded & clear)),
         "n_equations": one.equations.n_equations,
         "n_unknowns": one.n_unknowns,
         "condition_number": one.condition,

@@ -32,7 +32,7 @@ def comparison_section(inputs: Inputs) -> Section:
 
 def comparison_of(inputs: Inputs) -> list[Study]:
     """Comparison of a report's runs; empty if none can be compared."""
-    whole = [run for run in inputs.whole() if run.status != "refused"]
+    whole = [run for run in inputs.whole() if run.has_balance and run.status != "refused"]
     found = [read_run(run.label, run.directory, run.summary) for run in whole]
     runs = [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
     impacts = collect(runs)
