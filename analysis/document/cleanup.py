@@ -1,4 +1,4 @@
-"""Removal of clutter from tables: columns and rows without a value, and the digits of numbers that are nothing but rounding.
+"""Removal of clutter from tables: columns and rows without a value, and digits that are nothing but rounding.
 
 A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The scale is the largest
 number of the same unit that belongs to the same run (its energies, say); where it is the only one of its unit, or has
