@@ -75,8 +75,8 @@ def symbols_note(inputs: Inputs) -> list[Note]:
         said.append(f"e_in = {_range(given, 'J')} is the energy put in, {lost}".rstrip("; ,") + ".")
     if velocities := [value for run in packings if (value := run.number("velocity_normalised")) is not None]:
         said.append(
-            f"The normalised velocity, {_range(velocities, '')}, is (2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) "
-            "sigma_y^-2.5 v, with E* of two grains, density rho and yield strength sigma_y."
+            f"v\u0304_0 = {_range(velocities, '')}, the normalised velocity, is (2/sqrt 3) (2/(1.6 pi))^2 E*^2 "
+            "sqrt(rho) sigma_y^-2.5 v, with E* of two grains, density rho and yield strength sigma_y."
         )
     blocks = [run for run in runs if run.kind == "continuum" and "punch.diameter" in run.case]
     if units := [unit for unit in _by_constants(blocks, _unit_of_block) if unit]:

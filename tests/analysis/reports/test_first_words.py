@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.reports.inputs import Run, read_inputs
-from granwave.analysis.reports.sections.answer import _of_run_in_words
+from granwave.analysis.reports.sections.outcome import in_words
 from granwave.analysis.reports.sections.results import value_rows
 from granwave.lammps_inputs.errors import InputError
 
@@ -25,7 +25,7 @@ def test_a_driven_row():
         energy_input_J=2e-7, dissipated_fraction=0.95, absorbed_fraction=0.9, transmission=0.5,
         driven_velocity_m_s=4e-4, peak_reduction=20.0, impactor_velocity_m_s=1e-4,
     )  # fmt: skip
-    words = _of_run_in_words(run)
+    words = in_words(run)
     assert words.startswith("90 % of the 2e-7 J put in was taken by absorbing spheres, and 5 % was dissipated.")
     assert "0.5 of the driven end's velocity, 0.0004 m/s, came through." in words
     assert labels(run)[0] == "Transmission"
@@ -34,7 +34,7 @@ def test_a_driven_row():
 
 def test_a_plate():
     run = run_with(energy_input_J=9.0, dissipated_fraction=0.3, plate_velocity_m_s=-3.5, impactor_velocity_m_s=-3.0)
-    assert "The plate rebounds with 3.5 m/s." in _of_run_in_words(run)
+    assert "The plate rebounds with 3.5 m/s." in in_words(run)
     assert labels(run)[0] == "Plate at the end" and "Struck sphere at the end" not in labels(run)
 
 
@@ -53,7 +53,7 @@ def test_inferred_forces():
         largest_force_N=179.8,
         residual_fraction=0.05,
     )
-    assert _of_run_in_words(run) == (
+    assert in_words(run) == (
         "9 of 104 contacts bear a force, at most 179.8 N. What these forces leave unexplained is 5 % of the data."
     )
     assert labels(run)[:3] == ["Grains", "Contacts", "Contacts that bear a force"]
