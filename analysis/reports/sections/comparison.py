@@ -24,7 +24,7 @@ def comparison_section(inputs: Inputs) -> Section:
     """
     blocks: list[Block] = []
     runs = _compared(inputs)
-    for study in comparison_of(runs):
+    for study in _studies(runs):
         if study.pictures:
             with style():
                 gallery = Gallery(pictures_of(study, inputs, SLUG))
@@ -37,8 +37,12 @@ def comparison_section(inputs: Inputs) -> Section:
     return Section("Comparison", SLUG, tuple(blocks))
 
 
-def comparison_of(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Study]:
-    """Comparison of runs; empty if none can be compared."""
+def comparison_of(inputs: Inputs) -> list[Study]:
+    """Comparison of a report's runs; empty if none can be compared."""
+    return _studies(_compared(inputs))
+
+
+def _studies(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Study]:
     impacts = collect(runs)
     if len(impacts.granular) + len(impacts.continuum) < 2:
         return []

@@ -104,8 +104,8 @@ def _of_item(item: Run | Scan) -> str:
         return setting_of(case, grains_called_in([item.summary]))
     runs = [point.run for point in item.points if point.run]
     text = setting_of(_shared(runs), grains_called_in([run.summary for run in runs]))
-    varied = ", ".join(item.source.varied)
-    return "; varied: ".join(filter(None, (text, varied)))
+    varied = f"{', '.join(item.source.varied)} varied" if item.source.varied else ""
+    return "; ".join(filter(None, (text, varied)))
 
 
 def _of_inference(run: Run) -> str:
