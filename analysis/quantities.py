@@ -144,10 +144,10 @@ ENTRIES = (
     # energies
     Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g"),
     Quantity("energy_input_normalised", "Energy input, normalised", short="normalised", digits=".4g",
-             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"E_0/(F_\mathrm{y}\alpha_\mathrm{y})"),
-    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\hat{v}_0"),
+             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})"),
+    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\bar{v}_0"),
     Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of it", axis="Dissipated fraction",
-             symbol=r"E_\mathrm{d}/E_0"),
+             symbol=r"e_\mathrm{dis}/e_\mathrm{in}"),
     Quantity("plastic_fraction", "Share dissipated by yielding",
              "Energy dissipated by yielding of contacts in this run, over the input.",
              short="  by yielding", digits=".5f", phrase="{} of it"),

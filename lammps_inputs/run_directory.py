@@ -69,6 +69,8 @@ MADE_CASE = "measurement.toml"
 
 # Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in the file.
 SPECTRA_FILE = "spectra.h5"
+#: Commands of small waves; each leaves its values in a file of its name, .json.
+SPECTRA_KINDS = ("bands", "modes", "transmission")
 
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"

@@ -1,4 +1,4 @@
-"""Removal of clutter from tables: columns without a value, and the digits of numbers that are nothing but rounding.
+"""Removal of clutter from tables: columns and rows without a value, and digits that are nothing but rounding.
 
 A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The scale is the largest
 number of the same unit that belongs to the same run (its energies, say); where it is the only one of its unit, or has
@@ -40,14 +40,22 @@ def _part(part: Part) -> Part:
 
 
 def tidied_table(table: Table) -> Table:
-    """The table without empty columns, and with ``< 1e-16`` for what is rounding."""
+    """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
     rows = _without_rounding(table)
+    if table.by_row and (full := [row for row in rows if _has_value(table, row)]):
+        rows = full
     kept = [n for n in range(len(table.columns)) if not rows or any(row[n].text not in ("", BLANK) for row in rows)]
     return dataclasses.replace(
         table,
         columns=tuple(table.columns[n] for n in kept),
         rows=tuple(tuple(row[n] for n in kept) for row in rows),
     )
+
+
+def _has_value(table: Table, row: Sequence[Cell]) -> bool:
+    """True if any of the numbers of a quantity is known, or there are no columns of numbers."""
+    values = [cell.text for cell, column in zip(row, table.columns, strict=True) if column.numeric and not column.key]
+    return not values or any(text not in ("", BLANK) for text in values)
 
 
 def _without_rounding(table: Table) -> list[list[Cell]]:

@@ -38,10 +38,13 @@ class RunFigure:
         Its caption in reports.
     function
         Function that draws it from a result, or returns None if it does not apply.
+    look
+        What to look for in it: the rest of its caption in reports.
     """
 
     caption: str
     function: Callable[[Result], Drawing | None]
+    look: str
 
     def draw(self, result: Result) -> Drawing | None:
         """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it does not apply."""
@@ -51,81 +54,152 @@ class RunFigure:
         return drawing
 
 
+def _on_planes(
+    name: str, caption: str, function: Callable[..., Drawing | None], look: str
+) -> Iterator[tuple[str, RunFigure]]:
+    """Yield the figures of one quantity on the three planes."""
+    for plane, where in (
+        ("principal", "principal plane"),
+        ("orthogonal", "plane orthogonal to it"),
+        ("section", "plane of the case"),
+    ):
+        yield f"{name}_{plane}", RunFigure(f"{caption}, {where}", partial(function, name=plane), look)
+
+
 #: Figures by name, in the order of reports.
 FIGURES: dict[str, RunFigure] = {
-    "peak_force_principal": RunFigure(
-        "Peak contact force, principal plane", partial(sections.peak_force_section, name="principal")
+    **dict(
+        _on_planes(
+            "peak_force", "Peak contact force", sections.peak_force_section,
+            "Bright lines are rows of contacts that carry the wave; beside them the force falls fast.",
+        )
     ),
-    "peak_force_orthogonal": RunFigure(
-        "Peak contact force, plane orthogonal to it", partial(sections.peak_force_section, name="orthogonal")
+    "peak_force_depth": RunFigure(
+        "Peak contact force against depth", dissipation.peak_force_depth,
+        "On a logarithmic axis a straight line is an exponential decay; marks are the preferred directions.",
     ),
-    "peak_force_section": RunFigure(
-        "Peak contact force, plane of the case", partial(sections.peak_force_section, name="section")
+    **dict(
+        _on_planes(
+            "dissipation", "Dissipation", sections.dissipation_section,
+            "How far from the impact spheres are coloured is the size of the plastic zone.",
+        )
     ),
-    "peak_force_depth": RunFigure("Peak contact force against depth", dissipation.peak_force_depth),
-    "dissipation_principal": RunFigure(
-        "Dissipation, principal plane", partial(sections.dissipation_section, name="principal")
+    **dict(
+        _on_planes(
+            "dissipation_parts", "Dissipation by yielding, friction and viscous losses",
+            sections.dissipation_parts_section,
+            "The panels have one scale: compare where spheres yield with where they slide or are damped.",
+        )
     ),
-    "dissipation_orthogonal": RunFigure(
-        "Dissipation, plane orthogonal to it", partial(sections.dissipation_section, name="orthogonal")
+    **dict(
+        _on_planes(
+            "dents", "Dents from before the run", sections.dents_section,
+            "A contact is elastic up to the force that dented it, so that large dents lose less.",
+        )
     ),
-    "dissipation_section": RunFigure(
-        "Dissipation, plane of the case", partial(sections.dissipation_section, name="section")
+    "dissipation_ranked": RunFigure(
+        "Dissipation of spheres in descending order", dissipation.dissipation_ranked,
+        "The steeper the fall, the fewer spheres take the energy.",
     ),
-    "dissipation_parts_principal": RunFigure(
-        "Dissipation by yielding, friction and viscous losses, principal plane",
-        partial(sections.dissipation_parts_section, name="principal"),
-    ),
-    "dissipation_parts_orthogonal": RunFigure(
-        "Dissipation by yielding, friction and viscous losses, plane orthogonal to it",
-        partial(sections.dissipation_parts_section, name="orthogonal"),
-    ),
-    "dissipation_parts_section": RunFigure(
-        "Dissipation by yielding, friction and viscous losses, plane of the case",
-        partial(sections.dissipation_parts_section, name="section"),
-    ),
-    "dents_principal": RunFigure(
-        "Dents from before the run, principal plane", partial(sections.dents_section, name="principal")
-    ),
-    "dents_orthogonal": RunFigure(
-        "Dents from before the run, plane orthogonal to it", partial(sections.dents_section, name="orthogonal")
-    ),
-    "dents_section": RunFigure(
-        "Dents from before the run, plane of the case", partial(sections.dents_section, name="section")
-    ),
-    "dissipation_ranked": RunFigure("Dissipation of spheres in descending order", dissipation.dissipation_ranked),
     "dissipation_cumulated": RunFigure(
-        "Cumulated dissipation against the volume involved", dissipation.dissipation_cumulated
+        "Cumulated dissipation against the volume involved", dissipation.dissipation_cumulated,
+        "Where the curve turns up, the last per cents of the energy are spread over most of the volume.",
     ),
-    "plastic_zone_growth": RunFigure("Growth of the plastic zone", dissipation.plastic_zone_growth),
+    "plastic_zone_growth": RunFigure(
+        "Growth of the plastic zone", dissipation.plastic_zone_growth,
+        "Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run.",
+    ),
     "plastic_zone_size": RunFigure(
-        "Size of the plastic zone: energy of yielding that lies farther out", zone.plastic_zone_size
+        "Size of the plastic zone: energy of yielding that lies farther out", zone.plastic_zone_size,
+        "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly.",
     ),
-    "energies": RunFigure("Energies and the error of their balance", histories.energies),
-    "timestep": RunFigure("Timestep, and the error of the energy balance that it follows", timestep.timestep),
-    "bottom_force": RunFigure("Force and impulse on the bottom", histories.bottom_force),
-    "target": RunFigure("What reaches the target, and the force there without the packing", target.target),
-    "impactor_velocity": RunFigure("Velocity of the sphere that is struck or loaded", histories.impactor_velocity),
-    "packing_3d": RunFigure("Packing cut open, peak contact force", packing3d.packing_3d),
-    "packing_3d_dissipation": RunFigure("Packing cut open, dissipation", packing3d.packing_3d_dissipation),
-    "probes": RunFigure("Probes", histories.probes),
-    "wave_front": RunFigure("Wave front", sections.wave_front),
-    "force_map": RunFigure("Contact force in place and time", chain.force_map),
-    "force_histories": RunFigure("Forces of single contacts", chain.force_histories),
-    "along_chain": RunFigure("Peak force and dissipation along the chain", chain.along_chain),
-    "bead_velocities": RunFigure("Velocities along the chain", chain.bead_velocities),
+    "energies": RunFigure(
+        "Energies and the error of their balance", histories.energies,
+        "Where the dissipated energy is level, the impact is over; the residual must stay small.",
+    ),
+    "timestep": RunFigure(
+        "Timestep, and the error of the energy balance that it follows", timestep.timestep,
+        "Steps are short while contacts are stiff; the residual stays below the line, the tolerance.",
+    ),
+    "bottom_force": RunFigure(
+        "Force and impulse on the bottom", histories.bottom_force,
+        "The first rise is the arrival of the wave; the impulse is the area below the force.",
+    ),
+    "target": RunFigure(
+        "What reaches the target, and the force there without the packing", target.target,
+        "Compare the two peaks of force: their ratio is the peak reduction. The packing makes the pulse longer.",
+    ),
+    "impactor_velocity": RunFigure(
+        "Velocity of the sphere that is struck or loaded", histories.impactor_velocity,
+        "Below zero the sphere rebounds; where the curve is level, it touches nothing.",
+    ),
+    "packing_3d": RunFigure(
+        "Packing cut open, peak contact force", packing3d.packing_3d,
+        "A quarter is cut away at the impact; bright rows of spheres carry the wave.",
+    ),
+    "packing_3d_dissipation": RunFigure(
+        "Packing cut open, dissipation", packing3d.packing_3d_dissipation,
+        "A quarter is cut away at the impact; bright spheres take most of the energy.",
+    ),
+    "probes": RunFigure(
+        "Probes", histories.probes,
+        "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay.",
+    ),
+    "wave_front": RunFigure(
+        "Wave front", sections.wave_front,
+        "The edge of the coloured region is the front: how far it is in each direction shows where the wave is fast.",
+    ),
+    "force_map": RunFigure(
+        "Contact force in place and time", chain.force_map,
+        "A wave is a slanted line, the faster the flatter; it decays where its colour fades, and is reflected where it "
+        "turns back.",
+    ),
+    "force_histories": RunFigure(
+        "Forces of single contacts", chain.force_histories,
+        "Equal pulses one after the other are a steady wave; pulses that become lower and longer lose energy.",
+    ),
+    "along_chain": RunFigure(
+        "Peak force and dissipation along the chain", chain.along_chain,
+        "Level dots are a wave that keeps its force; falling ones are its decay.",
+    ),
+    "bead_velocities": RunFigure(
+        "Velocities along the chain", chain.bead_velocities,
+        "Each curve is the whole row at one instant: the front goes to the right, and its height tells the decay.",
+    ),
     "transmission": RunFigure(
         "Amplitude along the row, or transmission against frequency, of a load that oscillates",
         transmission.transmission,
+        "Where the curve is near zero, nothing comes through.",
     ),
-    "amplitude_sweep": RunFigure("Answer of the row against the amplitude of its load", transmission.amplitude_sweep),
-    "bars": RunFigure("Bars: contact force and energy", chain.bars),
-    "sensors": RunFigure("Sensors", chain.sensors),
-    "line_speeds": RunFigure("Speeds along lines of grains", lines.line_speeds),
-    "line_decay": RunFigure("Peak speed along lines of grains, and its decay in two regions", lines.line_decay),
-    "accelerations": RunFigure("Accelerations of the sensors", histories.sensors),
-    "directions": RunFigure("Energy and dissipation by direction from the impact point", directions.directions),
-}
+    "amplitude_sweep": RunFigure(
+        "Answer of the row against the amplitude of its load", transmission.amplitude_sweep,
+        "A jump, or two curves apart, means two states of the row at one amplitude.",
+    ),
+    "bars": RunFigure(
+        "Bars: contact force and energy", chain.bars,
+        "A second peak is the reflected pulse; the energies add up to what came in.",
+    ),
+    "sensors": RunFigure(
+        "Sensors", chain.sensors,
+        "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay.",
+    ),
+    "line_speeds": RunFigure(
+        "Speeds along lines of grains", lines.line_speeds,
+        "The first peak of each grain is the wave; what follows is rattling and what walls send back.",
+    ),
+    "line_decay": RunFigure(
+        "Peak speed along lines of grains, and its decay in two regions", lines.line_decay,
+        "A straight line is an exponential decay; where the two lines meet, it changes.",
+    ),
+    "accelerations": RunFigure(
+        "Accelerations of the sensors", histories.sensors,
+        "Compare sensors that lie alike: ideally their curves are the same.",
+    ),
+    "directions": RunFigure(
+        "Energy and dissipation by direction from the impact point", directions.directions,
+        "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike.",
+    ),
+}  # fmt: skip
 
 #: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
 _LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",), ("directions",))

@@ -15,6 +15,7 @@ from granwave.analysis.inference.infer import Inference
 _WIDEST = 5.0  # line of the largest force, points
 _TALLEST = 8.0  # figure, inches
 _OUTLINE = "#b8b8b8"
+_DEPTH = 2  # axis along which depth is measured, as everywhere
 
 
 def network(found: Inference) -> Drawing:
@@ -153,5 +154,8 @@ def _discs(axes: Axes, x: Array, radius: Array, **options: object) -> EllipseCol
 
 
 def _label(axes: Axes, first: int, second: int) -> None:
+    """Label the axes; z, the depth below the top of a packing, goes down."""
     axes.set_xlabel(f"${'xyz'[first]}$ (mm)")
-    axes.set_ylabel(f"${'xyz'[second]}$ (mm)")
+    axes.set_ylabel("Depth $z$ (mm)" if second == _DEPTH else f"${'xyz'[second]}$ (mm)")
+    if second == _DEPTH:
+        axes.invert_yaxis()

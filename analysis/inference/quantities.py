@@ -14,6 +14,8 @@ ENTRIES = (
     Quantity("n_grains", "Grains"),
     Quantity("n_contacts", "Candidate contacts", "Pairs, and grains at walls, that lie within the tolerance."),
     Quantity("n_loaded_contacts", "Contacts that bear a force"),
+    Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
+             "Normal force; noise gives most candidates some force. Null without standard errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
     Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),

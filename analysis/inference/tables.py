@@ -14,6 +14,7 @@ from granwave.analysis.inference.quantities import QUANTITIES
 from granwave.analysis.versions import versions_of
 
 _SLIDING = 1e-3  # of the limit of friction
+_ERRORS = 2.0  # standard errors that a normal force exceeds to count as found
 _LOADED = 1e-6  # of the largest force; smaller ones are errors of the solver
 KIND = "inference"
 
@@ -77,6 +78,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         friction[one.contacts.second < 0] = one.settings.wall_friction
     shear = np.linalg.norm(one.force[:, 1:], axis=1)
     sliding = loaded & (friction > 0) & (shear >= (1 - _SLIDING) * friction * one.force[:, 0])
+    clear = loaded if one.spread is None else one.force[:, 0] > _ERRORS * one.spread[:, 0]
     known = one.spread is not None or one.settings.noise.complete(one.grains)
     modulus = None if one.grains.modulus is None else float(one.grains.modulus[0]) * one.factor
     total = float(np.linalg.norm(one.force))
@@ -85,6 +87,7 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "n_grains": len(one.grains),
         "n_contacts": len(one.contacts),
         "n_loaded_contacts": int(np.count_nonzero(loaded)),
+        "n_significant_contacts": None if one.spread is None else int(np.count_nonzero(loaded & clear)),
         "n_equations": one.equations.n_equations,
         "n_unknowns": one.n_unknowns,
         "condition_number": one.condition,

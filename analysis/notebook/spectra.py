@@ -1,107 +1,133 @@
-"""Bands, modes and transmission as datasets of xarray; each variable has its unit in ``attrs["units"]``."""
+"""Bands, modes and transmission as datasets of xarray; each variable has its unit in ``attrs["units"]``.
+
+They are made of the groups of spectra.h5, as `granwave.analysis.spectra.files` writes them.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from xarray import Dataset, Variable
 
-from granwave.analysis.spectra.band_structure import BandStructure
-from granwave.analysis.spectra.modes import Modes
-from granwave.analysis.spectra.network import FREEDOMS
-from granwave.analysis.spectra.states import State
-from granwave.analysis.spectra.transmission import Transmission
+from granwave.analysis.spectra.files import Table, read_spectra
+from granwave.lammps_inputs.files import plain
+from granwave.lammps_inputs.run_directory import SPECTRA_KINDS
+
+#: Dimensions of variables by kind, then group and name in spectra.h5; those after the bar are coordinates.
+_VARIABLES: dict[str, dict[str, tuple[str, ...]]] = {
+    "bands": {
+        "frequency": ("point", "band"),
+        "group_velocity": ("point", "band", "axis"),
+        "edges": ("band", "edge"),
+        "gaps": ("gap", "edge"),
+        "speed": ("wave",),
+        "surface_share": ("point", "band"),
+        "complex/attenuation": ("complex_frequency", "root"),
+        "complex/phase": ("complex_frequency", "root"),
+        "plane/frequency": ("plane_k2", "plane_k1", "plane_band"),
+        "plane/slowness": ("angle", "plane_wave"),
+    },
+    "modes": {
+        "frequency": ("mode",),
+        "participation_ratio": ("mode",),
+        "shape": ("freedom", "mode"),
+        "density_of_states": ("density_frequency",),
+    },
+    "transmission": {"amplitude_ratio": ("frequency", "sensor"), "phase": ("frequency", "sensor")},
+}
+_COORDINATES: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "bands": {
+        "distance": ("distance", ("point",)),
+        "k": ("k", ("point", "axis")),
+        "complex_frequency": ("complex/frequency", ("complex_frequency",)),
+        "plane_k1": ("plane/k", ("plane_k1",)),
+        "plane_k2": ("plane/k", ("plane_k2",)),
+        "angle": ("plane/angle", ("angle",)),
+    },
+    "modes": {
+        "id": ("id", ("freedom",)),
+        "direction": ("freedom", ("freedom",)),
+        "density_frequency": ("density_frequency", ("density_frequency",)),
+    },
+    "transmission": {"frequency": ("frequency", ("frequency",)), "sensor": ("sensor", ("sensor",))},
+}
+_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
 
 
-def bands(found: BandStructure) -> Dataset:
-    """Return bands along a path.
+def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -> Dataset:
+    """Return bands along a path, modes of a finite packing, or the transmission between grains.
+
+    Parameters
+    ----------
+    kind
+        ``bands``, ``modes`` or ``transmission``.
+    tables
+        Groups of spectra.h5 by name.
+    values
+        Values of bands.json, modes.json or transmission.json.
 
     Returns
     -------
     Dataset
-        ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz
+        Of bands: ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz
         (gap, edge), ``speed`` of long waves m/s (wave); where known ``attenuation`` from plane to plane
         and ``phase`` rad (complex_frequency, root), ``slowness`` s/m (angle, wave), ``plane_frequency`` Hz over a
         plane of wave vectors (plane_k2, plane_k1, band), and of a slab ``surface_share`` (point, band), the part of
-        the energy in its upper quarter. Coordinates ``distance`` and ``k`` rad/m, ``corner``. The values of
-        bands.json are in ``attrs``.
+        the energy in its upper quarter. Coordinates ``distance`` and ``k`` rad/m, ``corner``.
+        Of modes: ``frequency`` Hz, ``participation_ratio`` (mode), ``shape`` (freedom, mode), ``density_of_states``
+        1/Hz (density_frequency). Coordinates ``id`` and ``direction`` of each freedom.
+        Of a transmission: ``amplitude_ratio``, ``phase`` rad (frequency, sensor).
+        The values are in ``attrs``.
     """
-    path = found.bands.path
-    corner = np.full(len(path.k), "", dtype=object)
-    for row, name in path.corners:
-        corner[row] = name
-    gaps = np.array([[gap.low, gap.high] for gap in found.gaps]).reshape(-1, 2)
+    found = {
+        f"{group}/{name}".removeprefix(f"{kind}/"): content
+        for group, table in tables.items()
+        for name, content in table.items()
+        if group.startswith(kind)
+    }
     variables = {
-        "frequency": Variable(("point", "band"), found.bands.frequency, {"units": "Hz"}),
-        "group_velocity": Variable(("point", "band", "axis"), found.bands.velocity, {"units": "m s-1"}),
-        "edges": Variable(("band", "edge"), found.edges, {"units": "Hz"}),
-        "gaps": Variable(("gap", "edge"), gaps, {"units": "Hz"}),
-        "speed": Variable("wave", found.speeds, {"units": "m s-1"}),
+        _short(name): _variable(shape, found[name]) for name, shape in _VARIABLES[kind].items() if name in found
     }
     coordinates = {
-        "distance": Variable("point", path.distance, {"units": "rad m-1"}),
-        "k": Variable(("point", "axis"), path.k, {"units": "rad m-1"}),
-        "corner": Variable("point", corner.astype(str), {"units": "1"}),
-        "axis": Variable("axis", list("xyz"), {"units": "1"}),
-        "edge": Variable("edge", ["low", "high"], {"units": "1"}),
+        name: _variable(shape, found[source]) for name, (source, shape) in _COORDINATES[kind].items() if source in found
     }
-    if (decaying := found.complex_bands) is not None:
-        variables["attenuation"] = Variable(("complex_frequency", "root"), decaying.attenuation, {"units": "1"})
-        variables["phase"] = Variable(("complex_frequency", "root"), decaying.phase, {"units": "rad"})
-        coordinates["complex_frequency"] = Variable("complex_frequency", decaying.frequency, {"units": "Hz"})
-    if found.bands.share is not None:
-        variables["surface_share"] = Variable(("point", "band"), found.bands.share, {"units": "1"})
-    if (plane := found.surface) is not None:
-        shape = ("plane_k2", "plane_k1", "plane_band")
-        variables["plane_frequency"] = Variable(shape, plane.frequency, {"units": "Hz", "plane": plane.plane})
-        coordinates["plane_k1"] = Variable("plane_k1", plane.k, {"units": "rad m-1"})
-        coordinates["plane_k2"] = Variable("plane_k2", plane.k, {"units": "rad m-1"})
-        variables["slowness"] = Variable(("angle", "plane_wave"), plane.slowness, {"units": "s m-1"})
-        coordinates["angle"] = Variable("angle", plane.angle, {"units": "rad", "plane": plane.plane})
-    return Dataset(variables, coordinates, found.summary())
+    if kind == "bands":
+        coordinates["axis"] = Variable("axis", list("xyz"), {"units": "1"})
+        coordinates["edge"] = Variable("edge", ["low", "high"], {"units": "1"})
+        corner = np.full(len(found["distance"][0]), "", dtype=object)
+        for row, name in zip(found["corner"][0], found["corner_name"][0], strict=True):
+            corner[row] = name
+        coordinates["corner"] = Variable("point", corner.astype(str), {"units": "1"})
+        if "plane/name" in found:
+            for name in _OF_PLANE:
+                (variables if name in variables else coordinates)[name].attrs["plane"] = str(found["plane/name"][0])
+    return Dataset(variables, coordinates, plain(dict(values)))
 
 
-def modes(state: State, found: Modes) -> Dataset:
-    """Return modes of a finite packing.
+def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
+    """Return the bands, modes or transmission in a directory; of several kinds a dictionary by kind.
 
-    Returns
-    -------
-    Dataset
-        ``frequency`` Hz, ``participation_ratio`` (mode), ``shape`` (freedom, mode), ``density_of_states`` 1/Hz
-        (density_frequency). Coordinates ``id`` and ``direction`` of each freedom.
+    Raises
+    ------
+    OutputFormatError
+        A file is damaged.
     """
-    grain, direction = state.network.freedoms
-    return Dataset(
-        {
-            "frequency": Variable("mode", found.frequency, {"units": "Hz"}),
-            "participation_ratio": Variable("mode", found.participation, {"units": "1"}),
-            "shape": Variable(("freedom", "mode"), found.shape, {"units": "kg-1/2"}),
-            "density_of_states": Variable("density_frequency", found.density, {"units": "Hz-1"}),
-        },
-        {
-            "id": Variable("freedom", state.network.ids[grain], {"units": "1"}),
-            "direction": Variable("freedom", [FREEDOMS[one] for one in direction], {"units": "1"}),
-            "density_frequency": Variable("density_frequency", found.density_frequency, {"units": "Hz"}),
-        },
-        {"name": state.name},
-    )
+    found = {
+        kind: dataset(kind, tables, values)
+        for kind in SPECTRA_KINDS
+        if (directory / f"{kind}.json").is_file()
+        for values, tables in [read_spectra(directory, kind)]
+    }
+    return next(iter(found.values())) if len(found) == 1 else found
 
 
-def transmission(state: State, found: Transmission) -> Dataset:
-    """Return the transmission between grains.
+def _short(name: str) -> str:
+    return "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]
 
-    Returns
-    -------
-    Dataset
-        ``amplitude_ratio``, ``phase`` rad (frequency, sensor).
-    """
-    return Dataset(
-        {
-            "amplitude_ratio": Variable(("frequency", "sensor"), found.amplitude, {"units": "1"}),
-            "phase": Variable(("frequency", "sensor"), found.phase, {"units": "rad"}),
-        },
-        {
-            "frequency": Variable("frequency", found.frequency, {"units": "Hz"}),
-            "sensor": Variable("sensor", list(found.sensors), {"units": "1"}),
-        },
-        {"name": state.name, "drive": found.drive, "axis": found.axis, "end": found.end},
-    )
+
+def _variable(shape: tuple[str, ...], content: tuple[Any, str]) -> Variable:
+    values, unit = content
+    return Variable(shape, list(values) if isinstance(values, tuple) else values, {"units": unit})

@@ -21,14 +21,15 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.means import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
+from granwave.analysis.spectra.files import recorded
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
-    FIGURES_DIRECTORY,
     POINTS,
     RECORD_FILE,
     SCAN_INDEX,
+    SPECTRA_KINDS,
     SUITE_INDEX,
     SUMMARY_FILE,
     is_scan,
@@ -36,9 +37,8 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
 
-Kind = Literal["run", "continuum"]
+Kind = Literal["run", "continuum", "spectra"]
 
-_SPECTRA = ("bands", "modes", "transmission")  # commands whose values are in a file of that name
 _REFUSED = (BALANCE_REFUSED, "refused")  # end_reason of runs, and of finite elements, whose balance did not close
 
 
@@ -51,7 +51,8 @@ class Run:
     label
         Label in the report; it says so where the run was refused.
     kind
-        Kind of the run, on which the keys of its summary depend.
+        Kind of the run, on which the keys of its summary depend; ``spectra``: bands, modes or transmission, of which
+        the summary says which.
     status
         ``done``, or ``refused`` if the energy balance did not close.
     case
@@ -73,6 +74,11 @@ class Run:
     def is_inference(self) -> bool:
         """True for forces inferred from measured grains, which have no energy balance and no case."""
         return self.summary.get("kind") == "inference"
+
+    @property
+    def has_balance(self) -> bool:
+        """True for what was integrated in time, and so has energies."""
+        return self.kind != "spectra" and not self.is_inference
 
     def number(self, key: str) -> float | None:
         """Return a value of the summary if it is a number, else None."""
@@ -214,7 +220,7 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     items: list[Run | Scan] = []
     for path, label in zip(paths, _labels(paths, base), strict=True):
         try:
-            items.append(_read(path, label))
+            items += _read(path, label)
         except InputError as error:
             errors += error.errors
     if errors:
@@ -238,24 +244,21 @@ def _labels(paths: Sequence[Path], base: Path) -> list[str]:
     return [name if names.count(name) == 1 else relative(path, base) for name, path in zip(names, paths, strict=True)]
 
 
-def _read(path: Path, label: str) -> Run | Scan:
+def _read(path: Path, label: str) -> list[Run | Scan]:
+    """Read a directory; several for bands, modes and transmission in one."""
     if not path.exists():
         raise InputError(f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan")
     if not path.is_dir():
         raise InputError(f"{path}: is a file, expected the directory of a run or of a scan{around(path)}")
     if is_scan(path):
-        return _read_scan(path, label)
+        return [_read_scan(path, label)]
     try:
         found = sorted(entry.name for entry in path.iterdir())
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not any(name in found for name in OF_A_RUN):
-        for name in _SPECTRA:
-            if f"{name}.json" in found:
-                raise InputError(
-                    f"{path}: is the result of granwave {name}, expected a run or a scan; its values are in "
-                    f"{name}.json and {name}.csv, its pictures in {FIGURES_DIRECTORY}"
-                )
+        if kinds := [name for name in SPECTRA_KINDS if f"{name}.json" in found]:
+            return [_read_spectrum(path, label if len(kinds) == 1 else f"{label} ({name})", name) for name in kinds]
         expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
         raise InputError(no_results(path, found, "neither a run nor a scan", expected))
     if SUMMARY_FILE not in found:
@@ -266,7 +269,18 @@ def _read(path: Path, label: str) -> Run | Scan:
                 f"go on with  {resumed(path)}"
             )
         raise InputError(f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}")
-    return _read_run(path, label, _summary(path))
+    return [_read_run(path, label, _summary(path))]
+
+
+def _read_spectrum(path: Path, label: str, kind: str) -> Run:
+    """Read bands, modes or a transmission; the case and the versions are those of spectra.h5."""
+    tables, versions = recorded(path)
+    values = read_json(path / f"{kind}.json")
+    if values is None:
+        raise InputError(
+            f"{path / f'{kind}.json'}: cannot be read; make it anew with  granwave {kind} CASE -o {path} --force"
+        )
+    return Run(label, "spectra", path, "done", {**values, "kind": kind, "versions": versions}, _by_key(tables), {})
 
 
 def _summary(path: Path) -> dict[str, Any]:
@@ -327,7 +341,10 @@ def _record(path: Path) -> dict[str, Any]:
 
 
 def _case(path: Path) -> dict[str, Any]:
-    tables = read_tables(path / CASE_FILE) or tables_as_run(path) or {}
+    return _by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
+
+
+def _by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
     return dict(_flat({name: value for name, value in tables.items() if name not in ("name", "resolved")}))
 
 

@@ -15,6 +15,7 @@ from granwave.analysis.reports.sections.comparison import comparison_section
 from granwave.analysis.reports.sections.figures import figures_section
 from granwave.analysis.reports.sections.results import SLUG as RESULTS
 from granwave.analysis.reports.sections.results import failures_section, results_section, status_cell
+from granwave.analysis.reports.sections.setting import first_line, setting_of, symbols_note
 from granwave.analysis.reports.sections.settings import settings_blocks
 from granwave.analysis.reports.sections.sources import sources_section
 from granwave.analysis.reports.sections.studies import leads, main_picture, studies_of, studies_section, verdicts
@@ -22,7 +23,7 @@ from granwave.analysis.reports.sections.zone import zone_notes
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-_KIND = {"run": "granular run", "continuum": "continuum run"}
+_KIND = {"run": "granular run", "continuum": "continuum run", "spectra": "small waves"}
 _IN_TITLE = 3  # names in the title
 
 
@@ -63,7 +64,8 @@ def _lead(inputs: Inputs) -> str:
         points = [point for scan in inputs.scans for point in scan.points]
         done = sum(point.run is not None for point in points)
         parts.append(f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {len(points)} points done")
-    return " and ".join(parts) + ". SI units."
+    what = first_line(inputs)
+    return " and ".join(parts) + (f": {what}." if what else ".")
 
 
 def _answer(inputs: Inputs, failures: str, studies: Sequence[Study], picture: Figure | None) -> Section:
@@ -71,7 +73,7 @@ def _answer(inputs: Inputs, failures: str, studies: Sequence[Study], picture: Fi
     notes = _notes(inputs, failures)
     bad, others = ([note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False))
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
-    return Section("In short", "short", (*bad, *leads(studies), *answer, *others))
+    return Section("In short", "short", (*bad, *leads(studies), *answer, *symbols_note(inputs), *others))
 
 
 def _notes(inputs: Inputs, failures: str) -> list[Note]:
@@ -83,7 +85,7 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
         if missing:
             text = f"Scan {scan.label}: {missing} of {len(scan.points)} points are missing."
             notes.append(Note(text, "note", failures))
-    results = [run for run in inputs.results() if not run.is_inference]
+    results = [run for run in inputs.results() if run.has_balance]
     refused = [run.label for run in results if run.status == "refused"]
     if refused:
         notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", BALANCE))
@@ -127,7 +129,7 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
         name = item.summary.get("name")
         case = show(name) if name is not None else ""
         return (
-            Cell(item.label, item.label), Cell(_KIND[item.kind]), Cell(case), Cell(_setting(item)),
+            Cell(item.label, item.label), Cell(_kind(item)), Cell(case), Cell(setting_of(item.case)),
             status_cell(item.status), where,
         )  # fmt: skip
     done, failed = sum(point.run is not None for point in item.points), item.count("failed")
@@ -143,21 +145,8 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
     )
 
 
-def _setting(run: Run) -> str:
-    """Describe a run in one line: packing or block, material, law, velocity."""
-    case = run.case
-    parts = []
-    if "packing.kind" in case:
-        size = case.get("packing.size")
-        shape = " x ".join(map(str, size)) if isinstance(size, list) else str(size)
-        parts.append(f"{case['packing.kind']} {shape}, D = {show(case.get('packing.diameter'))} m")
-    if "punch.diameter" in case:
-        parts.append(f"punch of {show(case['punch.diameter'])} m")
-    parts += [str(case[key]) for key in ("material.name", "contact.law") if key in case]
-    velocity = case.get("load.velocity", case.get("punch.velocity"))
-    if velocity is not None:
-        parts.append(f"{show(velocity)} m/s")
-    return ", ".join(parts)
+def _kind(run: Run) -> str:
+    return {"inference": "inferred forces"}.get(str(run.summary.get("kind")), _KIND[run.kind])
 
 
 def _versions(runs: Sequence[Run]) -> tuple[Block, ...]:

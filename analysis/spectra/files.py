@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,12 +12,14 @@ import h5py
 import numpy as np
 
 import granwave
+from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.spectra.band_structure import BandStructure
 from granwave.analysis.spectra.modes import Modes
 from granwave.analysis.spectra.network import FREEDOMS, Network
 from granwave.analysis.spectra.states import State
 from granwave.analysis.spectra.transmission import Transmission
+from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
 Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
@@ -36,6 +39,53 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
                 file.create_dataset(f"{group}/{name}", data=array).attrs["unit"] = unit
 
 
+def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], dict[str, Table]]:
+    """Read the values and the groups that one command left in a directory.
+
+    Parameters
+    ----------
+    kind
+        Name of the command, of `SPECTRA_KINDS`.
+
+    Raises
+    ------
+    OutputFormatError
+        A file is missing or damaged.
+    """
+    path = directory / SPECTRA_FILE
+    tables: dict[str, dict[str, tuple[Any, str]]] = {}
+    try:
+        values = json.loads((directory / f"{kind}.json").read_text(encoding="utf-8"))
+        with h5py.File(path, "r") as file:
+
+            def add(name: str, item: Any) -> None:
+                if isinstance(item, h5py.Dataset):
+                    group, _, own = name.rpartition("/")
+                    tables.setdefault(f"{kind}/{group}".rstrip("/"), {})[own] = _content(item)
+
+            file[kind].visititems(add)
+    except (OSError, ValueError, KeyError) as error:
+        raise OutputFormatError(
+            f"{directory}: {kind}.json or {path.name} is missing or damaged ({error}); make them anew with  "
+            f"granwave {kind} CASE -o {directory} --force"
+        ) from None
+    return values, tables
+
+
+def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the tables of the case, and versions of the programs, of spectra.h5; empty where it cannot be read."""
+    try:
+        with h5py.File(directory / SPECTRA_FILE, "r") as file:
+            return tomllib.loads(str(file.attrs["case"])), json.loads(str(file.attrs["versions"]))
+    except (OSError, KeyError, ValueError):
+        return {}, {}
+
+
+def _content(item: h5py.Dataset) -> tuple[Any, str]:
+    values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
+    return values, str(item.attrs["unit"])
+
+
 def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dict[str, tuple[Any, str]]]:
     """Groups of an earlier file of the same case that are not written now."""
     new = {name.partition("/")[0] for name in tables}
@@ -48,8 +98,7 @@ def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dic
             def add(name: str, item: Any) -> None:
                 if isinstance(item, h5py.Dataset) and name.partition("/")[0] not in new:
                     group, _, own = name.rpartition("/")
-                    values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
-                    found.setdefault(group, {})[own] = (values, str(item.attrs["unit"]))
+                    found.setdefault(group, {})[own] = _content(item)
 
             file.visititems(add)
     except (OSError, KeyError):

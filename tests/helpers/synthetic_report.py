@@ -101,5 +101,6 @@ def table(report: Report, slug: str, caption: str) -> list[dict]:
 
 
 def notes(report: Report, slug: str) -> list[Note]:
-    """Notes of a section, without the answer."""
-    return [block for block in blocks(report, slug) if isinstance(block, Note) and block.tone != "lead"]
+    """Notes of a section, without the answer and the definitions of symbols."""
+    left_out = ("lead", "") if slug == "short" else ("lead",)
+    return [block for block in blocks(report, slug) if isinstance(block, Note) and block.tone not in left_out]

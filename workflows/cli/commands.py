@@ -71,7 +71,7 @@ def run(options: argparse.Namespace, arguments: Arguments) -> int:
         if beyond:
             print(
                 f"granwave: warning: {beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
-                "figures draw them hollow",
+                "figures draw a ring around them",
                 file=sys.stderr,
             )
         if outcome.state == record.INTERRUPTED:

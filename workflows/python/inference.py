@@ -3,57 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from granwave.analysis.notebook.inferred import InferredForces
 from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import inference
 from granwave.workflows.python.inputs import home
 from granwave.workflows.python.words import words_of_python
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-
-class InferredForces(Mapping[str, Any]):
-    """Inferred contact forces: a mapping of the values of their ``summary.json``, with tables.
-
-    Attributes
-    ----------
-    forces
-        Rows of forces.csv, one for each candidate contact.
-    grains
-        Rows of grains.csv, the residuals of each grain.
-    measurement
-        The measurement that was made of a run; None for a table.
-    """
-
-    def __init__(self, found: inference.Inferred) -> None:
-        import pandas
-
-        self._summary = found.summary
-        self.forces: DataFrame = pandas.DataFrame(dict(found.forces))
-        self.grains: DataFrame = pandas.DataFrame(dict(found.grains))
-        self.measurement: DataFrame | None = None
-        if found.measurement is not None:
-            self.measurement = pandas.DataFrame(dict(found.measurement))
-
-    def __getitem__(self, name: str) -> Any:
-        return self._summary[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._summary)
-
-    def __len__(self) -> int:
-        return len(self._summary)
-
-    def __repr__(self) -> str:
-        return f"InferredForces({self['name']!r}, {len(self.forces)} contacts)"
 
 
 def infer(
@@ -135,7 +97,7 @@ def infer(
             found = inference.infer_table(source, file, None if repetitions is None else int(repetitions))
         if place is not None:
             found.save(place, figures=figures)
-    return InferredForces(found)
+    return InferredForces(found.summary, found.forces, found.grains, found.measurement)
 
 
 def _number(name: str, value: Any, *, above: bool = False, whole: bool = False) -> float:

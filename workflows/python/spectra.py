@@ -65,7 +65,7 @@ def bands(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.bands`.
+        See `granwave.analysis.notebook.spectra.dataset`.
 
     Raises
     ------
@@ -73,6 +73,7 @@ def bands(
         The case is wrong, does not repeat, bears no load or is not rigid.
     """
     from granwave.analysis.notebook import spectra
+    from granwave.analysis.spectra.files import tables_of_bands
     from granwave.workflows.spectra import commands
 
     if not isinstance(path, str):
@@ -90,7 +91,7 @@ def bands(
             slab=slab,
             force=force,
         )
-    return spectra.bands(found)
+    return spectra.dataset("bands", tables_of_bands(found), found.summary())
 
 
 def modes(
@@ -117,7 +118,7 @@ def modes(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.modes`.
+        See `granwave.analysis.notebook.spectra.dataset`.
 
     Raises
     ------
@@ -125,6 +126,7 @@ def modes(
         As of `bands`.
     """
     from granwave.analysis.notebook import spectra
+    from granwave.analysis.spectra.files import tables_of_modes
     from granwave.workflows.spectra import commands
 
     with words_of_python():
@@ -136,7 +138,7 @@ def modes(
             allow_floppy=allow_floppy,
             force=force,
         )
-    return spectra.modes(found.state, found.modes)
+    return spectra.dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
 
 
 def transmission(
@@ -172,7 +174,7 @@ def transmission(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.transmission`.
+        See `granwave.analysis.notebook.spectra.dataset`.
 
     Raises
     ------
@@ -180,6 +182,7 @@ def transmission(
         As of `bands`; or a grain is not there or cannot move.
     """
     from granwave.analysis.notebook import spectra
+    from granwave.analysis.spectra.files import tables_of_transmission
     from granwave.workflows.spectra import commands
 
     with words_of_python():
@@ -194,7 +197,9 @@ def transmission(
             directions=directions,
             force=force,
         )
-    return spectra.transmission(state, found)
+    return spectra.dataset(
+        "transmission", tables_of_transmission(state, found), commands.transmission_summary(state, found)
+    )
 
 
 def _source(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> Case | Path:

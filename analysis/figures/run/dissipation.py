@@ -22,7 +22,7 @@ _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipat
 
 
 def dissipation_ranked(result: Result) -> Drawing | None:
-    """Draw the dissipation of the spheres in descending order (thesis Fig. 5.8), hollow beyond the law's range.
+    """Draw the dissipation of the spheres in descending order (thesis Fig. 5.8), with rings beyond the law's range.
 
     With friction, also that by yielding and by friction, each in its own descending order.
     """
@@ -42,7 +42,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
     if beyond.any():
         axes.plot(
-            rank[beyond], values[beyond], "o", color=BLUE, markersize=4, markerfacecolor="white",
+            rank[beyond], values[beyond], "o", color=BLUE, markersize=4, markeredgecolor="black", markeredgewidth=0.8,
             label=r"contact beyond 0.2 $R^*$",
         )  # fmt: skip
     columns = {"rank": rank, "id": result["spheres/id"][rows], "dissipated_J": dissipated[rows]}

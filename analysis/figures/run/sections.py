@@ -1,7 +1,7 @@
 """Sections through the packing: spheres drawn as discs, coloured by a quantity.
 
 Peak forces as in thesis Fig. 5.3, dissipation as in Fig. 5.9, and the wave at chosen times. Spheres with a
-contact loaded beyond the range of the law are drawn hollow.
+contact loaded beyond the range of the law have a ring around them.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
+_RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
 _DISC = 0.96  # drawn over actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section, over the radius: of a shorter one the end is seen
 
@@ -223,7 +224,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         axes.set_title(colouring.title, pad=2)
         if beyond.any():
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
-            axes.text(0.98, 0.985, f"hollow: overlap beyond {LAW_LIMIT:g} R*", **note)
+            axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
             axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
     if len(panels) > 1:
@@ -286,7 +287,7 @@ def draw_discs(
     values: NDArray[np.float64],
     colouring: Colouring,
     radius: NDArray[np.float64],
-    hollow: NDArray[np.bool_] | None = None,
+    ringed: NDArray[np.bool_] | None = None,
     sticks: NDArray[np.float64] | None = None,
 ) -> None:
     """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as rectangles."""
@@ -295,10 +296,9 @@ def draw_discs(
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
     faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
     edges = np.where((values > 0)[:, None], colours, to_rgba("#c4c4c4"))
-    if hollow is not None:
-        faces[hollow] = to_rgba("white")
-        edges[hollow] = colours[hollow]
-    widths = np.where(hollow, 1.0, 0.2) if hollow is not None else np.full(len(size), 0.2)
+    if ringed is not None:
+        edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
+    widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
     if sticks is not None and (long := sticks.any(axis=1)).any():
         corners = _corners(np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2)
         axes.add_collection(

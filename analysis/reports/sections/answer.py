@@ -12,13 +12,14 @@ import numpy as np
 from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
 from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.reports.sections.figures import overlay, picture_in
-from granwave.analysis.reports.sections.results import compact_table, value_rows
+from granwave.analysis.reports.sections.figures import of_other_kinds, overlay, picture_in
+from granwave.analysis.reports.sections.outcome import in_words, share
+from granwave.analysis.reports.sections.results import compact_table, other_kinds, value_rows
+from granwave.analysis.reports.sections.setting import target_of
 from granwave.analysis.scans.keys import Key
-from granwave.analysis.scans.means import WORTH, Means
+from granwave.analysis.scans.means import Means
 from granwave.lammps_inputs.packing.grain_words import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
@@ -27,8 +28,9 @@ _MOST_NAMED = 4  # runs whose values a sentence lists
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _MAIN_FIGURES = (
-    "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front", "peak_force_principal", "along_chain",
-    "plastic_strain", "von_mises", "force_network", "peak_force_depth", "energies",
+    "bands", "density_of_states", "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front",
+    "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "force_network", "peak_force_depth",
+    "energies",
 )  # fmt: skip
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a row from which pictures of its grains are lines
@@ -54,14 +56,17 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
         parts = tuple(block for answer in others for block in answer)
         blocks.append(Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True))
     if len(inputs.runs) == 1:
-        blocks += _of_run(inputs.runs[0], inputs)
-    elif inputs.runs:
-        blocks += [Note(text, "lead") for text in [_of_runs_in_words(inputs.runs)] if text]
-        table = compact_table(inputs.runs)
-        drawn = overlay(inputs)
+        return [*blocks, *_of_run(inputs.runs[0], inputs)]
+    if runs := [run for run in inputs.runs if run.has_balance]:
+        blocks += [Note(text, "lead") for text in [_of_runs_in_words(runs)] if text]
+        table = compact_table(runs)
+        drawn = overlay(runs)
         galleries = [block for block in drawn if isinstance(block, Gallery)]
         blocks += [Beside(galleries[0], table) if galleries else table]
         blocks += [block for block in drawn if not isinstance(block, Gallery)]
+    for alike in other_kinds(inputs.runs):
+        said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
+        blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
     return blocks
 
 
@@ -82,6 +87,9 @@ def _names(item: Run | Scan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
     thin = isinstance(item, Run) and _is_thin(item)
     names = [name for name in _MAIN_FIGURES if not (thin and name in _OF_THICK_PACKINGS)]
+    if isinstance(item, Run):
+        others = of_other_kinds(item)
+        names = [name for name in ("target",) * bool(target_of(item.case)) + tuple(names) if name not in others]
     if isinstance(item, Scan):
         means = item.means
         if not any(means.varies(key) for _, key in means.quantities()[:1]):
@@ -175,7 +183,7 @@ def _caption(means: Means) -> str:
 
 
 def _of_run(run: Run, inputs: Inputs) -> list[Block]:
-    said = in_grains(_of_run_in_words(run), grains_called_in([run.summary]))
+    said = in_grains(in_words(run), grains_called_in([run.summary]))
     blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)
@@ -192,62 +200,7 @@ def _of_runs_in_words(runs: Sequence[Run]) -> str:
         if len(found) < len(runs):
             continue
         if len(found) <= _MOST_NAMED:
-            listed = ", ".join(f"{_share(value or 0.0)} ({label})" for value, label in values)
+            listed = ", ".join(f"{share(value or 0.0)} ({label})" for value, label in values)
             return f"{what}: {listed}."
-        return f"{what}: from {_share(found[0][0])} ({found[0][1]}) to {_share(found[-1][0])} ({found[-1][1]})."
+        return f"{what}: from {share(found[0][0])} ({found[0][1]}) to {share(found[-1][0])} ({found[-1][1]})."
     return ""
-
-
-def _share(value: float) -> str:
-    """Return a share in per cent, with three digits."""
-    return f"{plain(f'{100 * value:.3g}')} %"
-
-
-def _inference_in_words(run: Run) -> str:
-    """Return how many contacts bear how large forces, and how well these explain what was measured."""
-    loaded, contacts = run.number("n_loaded_contacts"), run.number("n_contacts")
-    largest, residual = run.number("largest_force_N"), run.number("residual_fraction")
-    parts = []
-    if loaded is not None and contacts is not None and largest is not None:
-        parts.append(f"{loaded:.0f} of {contacts:.0f} contacts bear a force, at most {largest:.4g} N.")
-    if residual is not None:
-        parts.append(f"What these forces leave unexplained is {100 * residual:.2g} % of the data.")
-    return " ".join(parts)
-
-
-def _energy_in_words(given: float, lost: float, absorbed: float) -> str:
-    """Return what became of the energy put in, J; shares of it that were lost, and absorbed of these."""
-    of_it = f"of the {plain(f'{given:.3g}')} J put in"
-    dissipated = f"{100 * (lost - absorbed):.3g} %" if lost - absorbed > WORTH else "Nothing"
-    if absorbed <= WORTH:
-        return f"{dissipated} {of_it} was dissipated."
-    rest = f", and {dissipated} was dissipated" if lost - absorbed > WORTH else ""
-    return f"{100 * absorbed:.3g} % {of_it} was taken by absorbing spheres{rest}."
-
-
-def _of_run_in_words(run: Run) -> str:
-    if run.is_inference:
-        return _inference_in_words(run)
-    parts = []
-    given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
-    if given is not None and lost is not None:
-        parts.append(_energy_in_words(given, lost, run.number("absorbed_fraction") or 0.0))
-    passed, driven = run.number("transmission"), run.number("driven_velocity_m_s")
-    if passed is not None and driven is not None:
-        parts.append(f"{passed:.3g} of the driven end's velocity, {plain(f'{driven:.3g}')} m/s, came through.")
-    force = run.number("peak_force_N") or run.number("max_force_N")
-    if force is not None:
-        parts.append(f"The largest contact force was {force:.4g} N.")
-    depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
-    if depth is not None and radius is not None:
-        parts.append(
-            f"90 % of the energy of yielding stays within {1e3 * depth:.3g} mm below the impact and "
-            f"{1e3 * radius:.3g} mm beside it."
-        )
-    plate = run.number("plate_velocity_m_s")
-    if plate is not None:
-        parts.append(f"The plate {'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.3g} m/s.")
-    wall = run.number("wall_peak_force_N")
-    if wall:
-        parts.append(f"The bottom bore {wall:.4g} N at most.")
-    return " ".join(parts)

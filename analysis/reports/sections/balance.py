@@ -35,7 +35,7 @@ def verdict(run: Run) -> tuple[str, Tone]:
 
 def balance_section(inputs: Inputs) -> Section:
     """Make the section of the report."""
-    runs = [run for run in inputs.results() if not run.is_inference]
+    runs = [run for run in inputs.results() if run.has_balance]
     if not runs:
         nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
         return Section("Energy balance", SLUG, nothing)

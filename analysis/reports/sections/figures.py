@@ -46,10 +46,48 @@ _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
-_CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {  # those of scans last
+_CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {
+    "bands": "Band diagram: frequency against wave vector",
+    "group_velocity": "Group velocity against frequency",
+    "slowness": "Slowness of long waves over the directions of a plane",
+    "equal_frequency": "Lines of equal frequency over a plane of wave vectors",
+    "mode_shapes": "Displacements of the modes at the last corner of the first stretch",
+    "density_of_states": "Density of states",
+    "participation": "Participation ratio against frequency",
+    "force_network": "Inferred contact forces",
+    "residuals": "What the forces of each grain leave unexplained",
+    "force_errors": "Standard errors of the forces against the forces",
+    "modulus": "Misfit against Young's modulus",
+    "noise": "Error of the forces against the noise of the measurement",
+    # those of scans last
     "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
     "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
     "dissipated_fraction_map": "Dissipated fraction by both of what varies",
+}
+_LOOK = {  # the rest of a caption: what to look for
+    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of long waves. On the "
+    "right, where it is known, the attenuation from plane to plane.",
+    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, it stays.",
+    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in all directions.",
+    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not spread.",
+    "mode_shapes": "Bars are the grains of one cell: those without a bar stand still.",
+    "density_of_states": "Empty stretches are gaps.",
+    "participation": "Near 1 all grains move alike; low values are modes of few grains.",
+    "force_network": "Lines are as wide as the force is large.",
+    "residuals": "A grain far above the others was measured badly, or misses a contact.",
+    "force_errors": "Forces below twice their error may be none.",
+    "modulus": "A narrow minimum: strains and accelerations tell the modulus well.",
+    "noise": "It tells how exactly strains and accelerations must be measured.",
+    "plastic_strain": "The coloured region is the plastic zone; strains are largest below the edge of the punch.",
+    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed elastic.",
+    "plastic_zone_volume": "A peak and a level end: the zone at one instant shrinks as the wave passes.",
+    "punch": "Where the velocity is level, the punch has left the block.",
+    "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
+} | {name: figure.look for name, figure in FIGURES.items()}
+_BY_KIND = {  # figures of results that may share a directory
+    "bands": ("bands", "group_velocity", "slowness", "equal_frequency", "mode_shapes"),
+    "modes": ("density_of_states", "participation"),
+    "transmission": ("transmission",),
 }
 _QUANTITIES = {  # captions of figures of scans that differ from their names
     "plastic_zone_depth": "Depth of the outermost yield",
@@ -77,7 +115,7 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
         what = "scan" if isinstance(item, Scan) else "run"
         labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
         left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
-        left_out |= set(above) if isinstance(item, Scan) else set()
+        left_out |= set(above) if isinstance(item, Scan) else of_other_kinds(item)
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
         parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item))
         parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
@@ -87,15 +125,22 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
             blocks += parts if n_items == 1 else [Group(title, parts, folded=folded)]
         if isinstance(item, Scan):
             blocks += _points(item, inputs, number)
-    return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),))
+    return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown))
 
 
-def overlay(inputs: Inputs) -> list[Block]:
-    """Draw the dissipated share against time for all runs given directly; empty for fewer than two."""
-    if len(inputs.runs) < 2:
+def of_other_kinds(run: Run) -> set[str]:
+    """Return the names of figures of bands, modes or transmission that belong to other results in a run's directory."""
+    if run.kind != "spectra":
+        return set()
+    return {name for kind, names in _BY_KIND.items() if kind != run.summary["kind"] for name in names}
+
+
+def overlay(runs: Sequence[Run]) -> list[Block]:
+    """Draw the dissipated share against time for runs; empty for fewer than two."""
+    if len(runs) < 2:
         return []
     curves, missing = [], []
-    for run in inputs.runs:
+    for run in runs:
         curve = _dissipation(run)
         if curve is None:
             missing.append(run.label)
@@ -241,11 +286,13 @@ def _picture(
     """Return a reduced picture, with its data; raise as `shrunk`."""
     png, size, inches = shrunk(path, width)
     caption = in_grains(_caption(path.stem, labels), called)
+    look = in_grains(_LOOK.get(path.stem, ""), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
     alt = f"{caption}: {what}"
-    return Figure(_slug(f"{name}-{path.stem}"), caption if alone else alt, alt, png, size, link, inches)
+    text = caption if alone else alt
+    return Figure(_slug(f"{name}-{path.stem}"), f"{text}. {look}" if look else text, alt, png, size, link, inches)
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:

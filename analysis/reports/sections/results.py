@@ -21,11 +21,13 @@ from granwave.analysis.document.cells import (
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.grains import grains_called_in
+from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
+from granwave.analysis.reports.sections.setting import target_of
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
@@ -45,25 +47,65 @@ _OF_ONE_KIND = (
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
 _FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
+#: Rows of other kinds of results: key, label, unit, and how many of it make one of summary.json.
 _OF_INFERENCE = (
-    ("n_grains", "Grains", ""),
-    ("n_contacts", "Contacts", ""),
-    ("n_loaded_contacts", "Contacts that bear a force", ""),
-    ("n_sliding_contacts", "Contacts that slide", ""),
-    ("largest_force_N", "Largest normal force", "N"),
-    ("mean_normal_force_N", "Mean normal force", "N"),
-    ("residual_fraction", "Residuals over the data", ""),
-    ("chi2_per_equation", "Chi squared for each free equation", ""),
-    ("standard_error_fraction", "Standard error over the forces", ""),
-    ("youngs_modulus_Pa", "Young's modulus", "Pa"),
-    ("n_equations", "Equations", ""),
-    ("n_unknowns", "Unknowns", ""),
+    ("n_grains", "Grains", "", 1.0),
+    ("n_contacts", "Candidate contacts", "", 1.0),
+    ("n_significant_contacts", "Contacts with a force above two standard errors", "", 1.0),
+    ("n_loaded_contacts", "Contacts with any force", "", 1.0),
+    ("n_sliding_contacts", "Contacts that slide", "", 1.0),
+    ("largest_force_N", "Largest contact force", "N", 1.0),
+    ("mean_normal_force_N", "Mean normal force", "N", 1.0),
+    ("noise", "Noise of strains and accelerations", "%", 100.0),
+    ("true_force_error", "Error of the forces, of the true ones", "%", 100.0),
+    ("standard_error_fraction", "Standard error of the forces", "%", 100.0),
+    ("acceleration_error", "Error of the accelerations", "%", 100.0),
+    ("residual_fraction", "Unexplained, of the data", "%", 100.0),
+    ("chi2_per_equation", "Chi squared for each free equation", "", 1.0),
+    ("youngs_modulus_Pa", "Young's modulus", "GPa", 1e-9),
+    ("youngs_modulus_error_Pa", "Standard error of Young's modulus", "GPa", 1e-9),
+    ("n_equations", "Equations", "", 1.0),
+    ("n_unknowns", "Unknowns", "", 1.0),
 )
+_OF_SPECTRA = (
+    ("highest_frequency_Hz", "Highest frequency", "kHz", 1e-3),
+    ("lowest_frequency_Hz", "Lowest frequency", "kHz", 1e-3),
+    ("widest_gap_Hz", "Widest gap", "kHz", 1e-3),
+    ("widest_gap_relative", "Its width, of its middle", "%", 100.0),
+    ("attenuation_in_widest_gap", "Largest attenuation there, from plane to plane (ln)", "", 1.0),
+    ("attenuation_spacing_m", "Distance of these planes", "mm", 1e3),
+    ("speeds_m_s", "Speeds of long waves", "m/s", 1.0),
+    ("largest_amplitude_ratio", "Largest amplitude of each sensor, over the drive's", "", 1.0),
+    ("least_participation_ratio", "Smallest participation ratio", "", 1.0),
+    ("static_force_N", "Mean static force", "N", 1.0),
+    ("contact_stiffness_N_per_m", "Mean contact stiffness", "N/m", 1.0),
+    ("unit_frequency_Hz", "Unit of frequency, root of stiffness over mass", "kHz", 1e-3),
+    ("n_grains_in_cell", "Grains of the cell", "", 1.0),
+    ("n_grains", "Grains", "", 1.0),
+    ("n_left_out", "Grains left out, that bear no load", "", 1.0),
+    ("n_contacts_in_cell", "Contacts of the cell", "", 1.0),
+    ("n_contacts", "Contacts that bear a force", "", 1.0),
+    ("n_bands", "Bands", "", 1.0),
+    ("n_modes", "Modes", "", 1.0),
+    ("n_floppy", "Floppy modes", "", 1.0),
+)
+_NOTHING = ("zone_cut", "wave_return_share", "plastic_zone_radius_m", "zone_radius_90_m")  # left out where zero
+_TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
+_PER_CENT, _ROUNDING = 100.0, 1e-9  # shares below are errors of rounding
+_READABLE = {"m": ("mm", 1e3), "m³": ("cm³", 1e6), "s": ("µs", 1e6)}  # units of the first section
+_OF_BOTTOM = (
+    "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
+    "energy_target_J", "peak_reduction", "unprotected_peak_force_N",
+)  # fmt: skip
+_OF_A_TARGET = (
+    "wall_peak_force_N", "unprotected_peak_force_N", "peak_reduction", "wall_impulse_Ns", "ground_peak_force_N",
+    "unprotected_ground_peak_force_N", "target_peak_displacement_m",
+)  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
 #: Values that compare with the load on the bare target, which tell nothing where it oscillates.
 _OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
-_NOT_COMPARED = ("name", "versions")
+_NOT_COMPARED = ("name", "kind", "versions")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
 _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are marked where the zone reaches a bound
 
@@ -71,12 +113,12 @@ _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are mar
 def results_section(inputs: Inputs) -> Section:
     """Make the section of all values: of runs side by side, and of the points of scans, folded away."""
     blocks: list[Block] = []
-    if len(inputs.runs) > 1:
-        blocks.append(
-            _runs_table(inputs.runs, differing(inputs.runs), _worth_showing([run.summary for run in inputs.runs]))
-        )
-    if inputs.runs and len(inputs.runs) <= MOST_SIDE_BY_SIDE:
-        blocks.append(_side_by_side(inputs.runs))
+    runs = [run for run in inputs.runs if run.has_balance]
+    if len(runs) > 1:
+        blocks.append(_runs_table(runs, differing(runs), _worth_showing([run.summary for run in runs])))
+    for alike in (runs, *other_kinds(inputs.runs)):
+        if alike and len(alike) <= MOST_SIDE_BY_SIDE:
+            blocks.append(_side_by_side(alike))
     for scan in inputs.scans:
         parts = _scan_blocks(scan, inputs)
         folded = len(scan.points) > MOST_OPEN
@@ -85,8 +127,22 @@ def results_section(inputs: Inputs) -> Section:
     return Section("All values", SLUG, tuple(blocks))
 
 
+def other_kinds(runs: Sequence[Run]) -> list[list[Run]]:
+    """Return the inferences, and the small waves of each kind, of some runs."""
+    found: dict[str, list[Run]] = {}
+    for run in runs:
+        if not run.has_balance:
+            found.setdefault(str(run.summary.get("kind")), []).append(run)
+    return list(found.values())
+
+
 def compact_table(runs: Sequence[Run]) -> Table:
-    """Make a table of runs with some keys that differ, and the first values, of those that all runs have."""
+    """Make a table of runs with some keys that differ, and the first values, of those that all runs have.
+
+    Inferences, or small waves of one kind, have their values below each other.
+    """
+    if not runs[0].has_balance:
+        return _other_kind(runs, _TITLES[str(runs[0].summary.get("kind"))])
     keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
@@ -95,7 +151,7 @@ def compact_table(runs: Sequence[Run]) -> Table:
     shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
     if len({run.kind for run in runs}) > 1:
         shown = [key for key in shown if key not in _OF_ONE_KIND]
-    table = _runs_table(runs, keys, shown[: MOST_OF_A_RUN - len(keys)])
+    table = _runs_table(runs, keys, shown[: MOST_OF_A_RUN - len(keys)], readable=True)
     if any(run.status != "done" for run in runs):
         return table
     kept = [n for n, column in enumerate(table.columns) if column.heading != _STATUS]
@@ -106,27 +162,58 @@ def compact_table(runs: Sequence[Run]) -> Table:
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
     called = grains_called_in([run.summary])
-    if run.is_inference:
-        cells = [(label, value_cell(run.summary.get(key)), unit) for key, label, unit in _OF_INFERENCE]
-        rows = [(Cell(label, label), cell, Cell(unit)) for label, cell, unit in cells if cell.text != BLANK]
-        return _values_of(run, rows)
+    if not run.has_balance:
+        return _other_kind([run], f"Run {run.label}")
     first = [key for key in _FIRST if run.number(key) is not None]
+    first += _OF_A_TARGET if target_of(run.case) and "transmission" not in first else ()
+    first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
+    first = [key for key in first if run.number(key) is not None]
     left_out = {*_OF_COST, *first}
     left_out |= set() if _yields(run) else set(_OF_YIELDING)
     left_out |= set(_OF_STRUCK) if "plate_velocity_m_s" in first else set()
     left_out |= {*_OF_STRUCK, *_OF_TARGETS} if "transmission" in first else set()
+    left_out |= set() if run.number("wall_peak_force_N") else set(_OF_BOTTOM)
+    if run.number("ground_peak_force_N") == run.number("wall_peak_force_N"):  # a bottom at rest
+        left_out |= {"ground_peak_force_N", "energy_target_J"}
+    left_out |= {key for key in _NOTHING if not run.summary.get(key)}
     shown = [*first, *(key for key in _worth_showing([run.summary]) if key not in left_out)][:MOST_ROWS]
     rows = []
     for key in shown:
-        label = label_of(key, called)
-        cell = _result_cell(key, run.summary)
-        rows.append((Cell(label, label, meaning=meaning_in(key, called)), cell, Cell(unit_of_value(key))))
-    return _values_of(run, rows)
-
-
-def _values_of(run: Run, rows: Sequence[tuple[Cell, ...]]) -> Table:
+        label, (unit, scale) = label_of(key, called), _readable(key)
+        cell = _result_cell(key, run.summary, scale)
+        rows.append((Cell(label, label, meaning=meaning_in(key, called)), cell, Cell(unit)))
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+
+
+def _readable(key: str) -> tuple[str, float]:
+    """Return the unit of a value in the first section, as sentences and figures have it, and its number in SI's."""
+    unit = unit_of_value(key)
+    return _READABLE.get(unit, (unit, 1.0))
+
+
+def _other_kind(runs: Sequence[Run], caption: str) -> Table:
+    """Make a table of inferences or small waves: a row for each value, a column for each run."""
+    entries = _OF_INFERENCE if runs[0].is_inference else _OF_SPECTRA
+    rows = []
+    for key, label, unit, scale in entries:
+        cells = [_span_cell(run.summary.get(key), scale) for run in runs]
+        rows.append((Cell(label, label), *cells, Cell(unit)))
+    heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]
+    columns = (Column("Quantity", key=True), *(Column(head, numeric=True) for head in heads), Column("Unit"))
+    kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
+    return Table(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
+
+
+def _span_cell(value: Any, scale: float) -> Cell:
+    """Return the cell of a number, or of the range of several."""
+    values = [one for one in (value if isinstance(value, list) else [value]) if is_number(one)]
+    if not values:
+        return value_cell(None)
+    if scale == _PER_CENT and 0 < max(values) < _ROUNDING:
+        return Cell(f"< {plain(f'{scale * _ROUNDING:.0e}')}", max(values))
+    low, high = (value_cell(one * scale if scale != 1 else one) for one in (min(values), max(values)))
+    return low if low.text == high.text else Cell(f"{low.text} to {high.text}", low.value)
 
 
 def _yields(run: Run) -> bool:
@@ -149,7 +236,7 @@ def differing(runs: Sequence[Run]) -> list[str]:
     return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
 
 
-def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str]) -> Table:
+def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False) -> Table:
     values = [[run.case.get(key) for key in keys] for run in runs]
     return _table(
         "Runs",
@@ -161,6 +248,7 @@ def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str]) 
         [run.summary for run in runs],
         [run.case for run in runs],
         shown,
+        readable=readable,
     )
 
 
@@ -232,8 +320,17 @@ def _table(
     summaries: Sequence[Mapping[str, Any]],
     cases: Sequence[Mapping[str, Any]],
     shown: Sequence[str],
+    *,
+    readable: bool = False,
 ) -> Table:
-    """Make a table with the columns ``first``, varied keys, status, and the values ``shown``."""
+    """Make a table with the columns ``first``, varied keys, status, and the values ``shown``.
+
+    Parameters
+    ----------
+    readable
+        Lengths and times are in the units of sentences and figures, else in those of summary.json.
+    """
+    units = {key: _readable(key) if readable else (unit_of_value(key), 1.0) for key in shown}
     settings = [[row[n] for row in values] for n in range(len(keys))]
     numeric = [all(is_number(value) or value is None for value in column) for column in settings]
     called = grains_called_in(summaries)
@@ -241,14 +338,14 @@ def _table(
         *first,
         *(case_column(key, unit_in_cases(key, cases), numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
         Column(_STATUS),
-        *(value_column(key, called) for key in shown),
+        *(dataclasses.replace(value_column(key, called), unit=units[key][0]) for key in shown),
     )
     rows = tuple(
         (
             *head,
             *row,
             status_cell(status),
-            *(_result_cell(key, summary) for key in shown),
+            *(_result_cell(key, summary, units[key][1]) for key in shown),
         )
         for head, row, status, summary in zip(heads, _by_row(settings, len(values)), statuses, summaries, strict=True)
     )
@@ -264,10 +361,11 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     return [key for key in there if key not in left_out]
 
 
-def _result_cell(key: str, summary: Mapping[str, Any]) -> Cell:
+def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Cell:
     if not summary:
         return Cell("")
     value = summary.get(key)
+    value = scale * value if scale != 1 and is_number(value) else value
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     return _summary_cell(value, tone="note" if noted else "")

@@ -138,6 +138,16 @@ class Impacts:
         """Granular runs on the packing of the reference, of whatever material, diameter and loading area."""
         return tuple(run for run in self.granular if self.reference and run.shape == self.reference[0].shape)
 
+    @property
+    def other_packings(self) -> tuple[Granular, ...]:
+        """Granular runs on packings that no figure or table of the reference shows."""
+        if not self.reference:
+            return self.granular
+        first = self.reference[0].case
+        alike = (first.packing.kind, first.boundary)
+        others = [run for run in self.granular if run not in self.like_reference]
+        return tuple(run for run in others if (run.case.packing.kind, run.case.boundary) != alike)
+
     @cached_property
     def continuum_reference(self) -> tuple[Continuum, ...]:
         """The largest group of continuum runs that differ in the energy of the punch alone; by energy."""
@@ -155,16 +165,23 @@ def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
     for run in runs:
         if isinstance(run, ContinuumRun):
             continuum.append(run.seen_as(Continuum))
-        elif (
-            run.case.load.kind == "impact"
-            and run.case.packing.kind != "chain"
-            and run.assembly.plain
-            and not run.case.has_friction
-            and run.case.contact.law == "elastoplastic"
-            and run.summary.get("energy_input_J")
-        ):
+        elif not not_ideal(run):
             granular.append(run.seen_as(Granular))
     return Impacts(tuple(granular), tuple(continuum))
+
+
+def not_ideal(run: FinishedRun) -> str:
+    """Return why a run of grains is not compared; empty if it is."""
+    case = run.case
+    reasons = {
+        "a chain": case.packing.kind == "chain",
+        "the load is no impact": case.load.kind != "impact",
+        "the grains are not all alike": not run.assembly.plain,
+        "friction": case.has_friction,
+        f"the law is {case.contact.law}": case.contact.law != "elastoplastic",
+        "no energy was put in": not run.summary.get("energy_input_J"),
+    }
+    return ", ".join(reason for reason, applies in reasons.items() if applies)
 
 
 def grouped(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> dict[Hashable, list[Impact]]:

@@ -41,8 +41,9 @@ def text(impacts: Impacts) -> str:
         )
     summaries = [run.summary for run in impacts.granular] + [run.summary for run in impacts.continuum]
     seconds = sum(float(summary.get("wall_time_s") or 0) for summary in summaries)
-    who = f"All {len(summaries)} runs" if len(summaries) > 1 else "The run"
-    parts.append(f"{who} took {show(round(seconds))} s of computing.")
+    if seconds >= 1:
+        who = f"All {len(summaries)} runs" if len(summaries) > 1 else "The run"
+        parts.append(f"{who} took {show(round(seconds))} s of computing.")
     return " ".join(parts)
 
 

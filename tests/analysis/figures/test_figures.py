@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from granwave.analysis import MissingOutputError, Result, analyse, write_result
-from granwave.analysis.figures.run import histories, packing3d, sphere_renderer
+from granwave.analysis.figures.run import histories, packing3d, sections, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.target.bare_target import bare_target_peak
 from granwave.lammps_inputs import struck_spheres
@@ -222,3 +224,25 @@ def test_cylinders_hide_spheres_and_each_other():
     assert np.argmax(picture.pixels[height // 2, width // 2, :3]) == 2  # the lying one
     beside = picture.pixels[height // 2, :, :3].sum(axis=0)  # along y
     assert np.argmax(beside) == 1  # the end of the upright one
+
+
+def test_spheres_beyond_the_law_keep_their_colour():
+    """They have a black ring around it."""
+    place = np.array([0.0, 0.01])
+    cut = SimpleNamespace(across=place, down=place)
+    colouring = sections.Colouring(np.array([1.0, 5.0]), "", "", "viridis", 1.0, 10.0)
+    shown = {}
+    for beyond in (False, True):
+        axes = Figure().subplots()
+        sections.draw_discs(axes, cut, colouring.values, colouring, np.full(2, 0.005), np.array([False, beyond]))
+        (shown[beyond],) = axes.collections
+    assert np.array_equal(shown[True].get_facecolors(), shown[False].get_facecolors())
+    assert np.array_equal(shown[True].get_edgecolors()[1], [0, 0, 0, 1])
+    assert shown[True].get_linewidths()[1] > 2 * shown[True].get_linewidths()[0]
+
+
+def test_captions_say_what_to_look_for():
+    """In two lines of a report."""
+    for name, figure in FIGURES.items():
+        assert figure.look.endswith("."), name
+        assert 20 < len(figure.look) <= 130, name

@@ -10,10 +10,12 @@ import pytest
 from scipy import sparse
 
 from granwave.analysis.inference.contacts import Wall, find_contacts
+from granwave.analysis.inference.drawings import network
 from granwave.analysis.inference.equations import make_equations
 from granwave.analysis.inference.grains import Grains, stiffness
 from granwave.analysis.inference.infer import Settings, infer
 from granwave.analysis.inference.solve import solve, solve_conic
+from granwave.analysis.inference.tables import instant_summary
 
 RADIUS, MASS = 0.01, 0.3
 EXACT = Settings(0.3, repetitions=0)
@@ -173,3 +175,17 @@ def test_five_hundred_unknowns_take_half_a_second():
     found = infer(grains, walls, dataclasses.replace(EXACT, noise=noise))
     assert found.n_unknowns >= 490
     assert time.process_time() - started < 0.5
+
+
+def test_forces_above_two_standard_errors_are_counted():
+    """Noise gives most candidates some force. In the figure depth goes down, as everywhere."""
+    grains, walls, _ = cube(np.random.default_rng(5))
+    exact = infer(grains, walls, EXACT)
+    assert instant_summary(exact, 0.0)["n_significant_contacts"] is None
+    share = np.where(np.arange(len(exact.force)) < 7, 0.4, 0.6)
+    noisy = dataclasses.replace(exact, spread=exact.force * share[:, None])
+    values = instant_summary(noisy, 0.0)
+    assert (values["n_significant_contacts"], values["n_loaded_contacts"]) == (7, len(exact.force))
+    axes = network(exact).figure.axes[0]
+    vertical = "Depth" in axes.get_ylabel()
+    assert axes.yaxis_inverted() == vertical == (axes.get_ylabel() != "$y$ (mm)")

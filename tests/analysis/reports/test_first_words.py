@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import granwave as gw
+from granwave.analysis.document.cells import BLANK
+from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import Run, read_inputs
-from granwave.analysis.reports.sections.answer import _of_run_in_words
-from granwave.analysis.reports.sections.results import value_rows
-from granwave.lammps_inputs.errors import InputError
+from granwave.analysis.reports.sections.outcome import in_words
+from granwave.analysis.reports.sections.results import compact_table, value_rows
+from granwave.analysis.reports.sections.setting import setting_of, symbols_note
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.load_case import load_case
+from tests.helpers.synthetic_report import build, write_run
+
+MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
 
 def run_with(case=None, **summary):
@@ -25,16 +37,16 @@ def test_a_driven_row():
         energy_input_J=2e-7, dissipated_fraction=0.95, absorbed_fraction=0.9, transmission=0.5,
         driven_velocity_m_s=4e-4, peak_reduction=20.0, impactor_velocity_m_s=1e-4,
     )  # fmt: skip
-    words = _of_run_in_words(run)
+    words = in_words(run)
     assert words.startswith("90 % of the 2e-7 J put in was taken by absorbing spheres, and 5 % was dissipated.")
-    assert "0.5 of the driven end's velocity, 0.0004 m/s, came through." in words
+    assert "50 % of the driven end's velocity, 0.0004 m/s, came through." in words
     assert labels(run)[0] == "Transmission"
     assert not {"Peak reduction", "Struck sphere at the end"} & set(labels(run))
 
 
 def test_a_plate():
     run = run_with(energy_input_J=9.0, dissipated_fraction=0.3, plate_velocity_m_s=-3.5, impactor_velocity_m_s=-3.0)
-    assert "The plate rebounds with 3.5 m/s." in _of_run_in_words(run)
+    assert "The plate rebounds with 3.5 m/s." in in_words(run)
     assert labels(run)[0] == "Plate at the end" and "Struck sphere at the end" not in labels(run)
 
 
@@ -49,18 +61,117 @@ def test_inferred_forces():
         kind="inference",
         n_grains=48,
         n_contacts=104,
-        n_loaded_contacts=9,
+        n_loaded_contacts=89,
+        n_significant_contacts=9,
+        noise=[0.02, 0.1],
+        true_force_error=[0.012, 0.057],
         largest_force_N=179.8,
         residual_fraction=0.05,
     )
-    assert _of_run_in_words(run) == (
-        "9 of 104 contacts bear a force, at most 179.8 N. What these forces leave unexplained is 5 % of the data."
+    assert in_words(run) == (
+        "9 of 104 contacts bear a force above two standard errors, at most 179.8 N. These forces are off by 1.2 to 5.7 % "
+        "of the true ones, for noise of 2 to 10 %. What these forces leave unexplained is 5 % of the data."
     )
-    assert labels(run)[:3] == ["Grains", "Contacts", "Contacts that bear a force"]
+    assert labels(run)[:3] == ["Grains", "Candidate contacts", "Contacts with a force above two standard errors"]
+    others = [dataclasses.replace(run, label="two", summary={**run.summary, "n_significant_contacts": None})]
+    table = compact_table([run, *others])
+    assert [column.heading for column in table.columns] == ["Quantity", "one", "two", "Unit"]
+    rows = {row[0].text: [cell.text for cell in row[1:]] for row in table.rows}
+    assert rows["Error of the forces, of the true ones"] == ["1.2 to 5.7", "1.2 to 5.7", "%"]
+    assert rows["Contacts with a force above two standard errors"] == ["9", BLANK, ""]
+    assert "Young's modulus" not in rows
 
 
-def test_bands_are_no_run(tmp_path):
-    for name in ("bands.json", "bands.csv"):
-        (tmp_path / name).write_text("{}")
-    with pytest.raises(InputError, match=r"is the result of granwave bands, expected a run or a scan; .*bands\.csv"):
-        read_inputs([tmp_path], tmp_path)
+def test_a_target_comes_first():
+    """What it bore, how much less than without the packing, and the same of the ground."""
+    bottom = {"plate": {"mass": 0.5}, "material": {"name": "steel"}}
+    run = run_with(
+        {"boundary.bottom": bottom, "packing.kind": "fcc"}, energy_input_J=0.05, dissipated_fraction=0.8, peak_force_N=696.8,
+        wall_peak_force_N=1192.0, unprotected_peak_force_N=2097.0, peak_reduction=1.759, ground_peak_force_N=239.4,
+        unprotected_ground_peak_force_N=219.9, target_peak_displacement_m=1.2e-5,
+    )  # fmt: skip
+    assert in_words(run).startswith(
+        "The target bore 1192 N at most, 43.2 % less than the 2097 N without the packing; the ground bore 239.4 N, "
+        "8.87 % more than the 219.9 N without it. 80 % of the 0.05 J"
+    )
+    assert labels(run)[:3] == ["Peak force on the bottom", "Peak force without the packing", "Peak reduction"]
+    values = {row[0].text: (row[1].text, row[2].text) for row in value_rows(run).rows}
+    assert values["Largest displacement of the target"] == ("0.012", "mm")
+    on_a_wall = run_with({"boundary.bottom": "wall"}, wall_peak_force_N=10.0)
+    assert in_words(on_a_wall) == "The bottom bore 10 N at most."
+
+
+@pytest.mark.parametrize(
+    ("peaks", "said"),
+    [
+        ([100.0, 60.0, 45.0, 20.0, 9.0, 1e-9], "falls from 100 N in contact 1 to half of it in contact 3 and a tenth of it "
+                                               "in contact 5."),
+        ([100.0, 90.0, 80.0], "falls from 100 N in contact 1 to 80 N in contact 3."),
+        ([100.0, 101.0, 99.0], "is about the same at both ends: 100 N in contact 1, 99 N in contact 3."),
+    ],
+)  # fmt: skip
+def test_a_chain_says_speed_and_decay(monkeypatch, peaks, said):
+    monkeypatch.setattr("granwave.analysis.reports.sections.outcome._peaks", lambda _: np.array(peaks))
+    run = run_with({"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0)
+    assert in_words(run).startswith(f"The wave ran at 428.3 m/s. Its peak force {said} Nothing of the 2 J")
+    assert labels(run)[0] == "Wave speed"
+
+
+@pytest.fixture(scope="module")
+def small_waves(tmp_path_factory):
+    """Bands and modes of a row under 20 N, in one directory."""
+    place = tmp_path_factory.mktemp("waves") / "row"
+    gw.bands("precompressed-chain", packing__size=6, directory=place)
+    gw.modes("precompressed-chain", packing__size=6, directory=place)
+    return place
+
+
+def test_bands_have_a_report(small_waves):
+    """Speed and edge of the band are those of the dispersion relation; the diagram stands at the top."""
+    report = build([small_waves], small_waves.parent)
+    summary = json.loads((small_waves / "bands.json").read_text())
+    edge = math.sqrt(4 * summary["contact_stiffness_N_per_m"] / MASS) / (2 * math.pi)
+    said = [block.text for block in report.sections[0].blocks if isinstance(block, Note) and block.tone == "lead"]
+    assert f"Nothing passes above {1e-3 * edge:.4g} kHz. Long waves run at" in said[0]
+    assert said[1].startswith("row (modes): 6 modes from")
+    assert "row (bands) (chain of 6, brass, 9.52 mm, under 20 N, elastic, ideal)" in report.lead
+    figures = next(section for section in report.sections if section.slug == "figures")
+    names = [[one.name for part in group.blocks for one in part.figures] for group in figures.blocks]
+    assert ["bands" in name for name in names[0]].count(True) and not any("density" in name for name in names[0])
+    assert len(names[1]) == 2
+    assert not any(section.slug == "balance" for section in report.sections)
+
+
+def test_symbols_are_defined_with_their_values(tmp_path):
+    """F_y and alpha_y of two spheres of the run, with the energy put in; of elastic ones the largest force."""
+    run = write_run(tmp_path / "run", energy_input_J=0.05, peak_force_N=700.0)
+    (note,) = symbols_note(read_inputs([run], tmp_path))
+    law = sphere_contact(load_case(run / "case.toml"))
+    assert f"F_y = {law.yield_force:.4g} N and alpha_y = {1e6 * law.yield_overlap:.4g} µm" in note.text
+    assert "e_in = 0.05 J" in note.text
+    elastic = write_run(tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0)
+    (note,) = symbols_note(read_inputs([elastic], tmp_path))
+    assert note.text.startswith("F_max = 700 N is the largest contact force")
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal"),
+        ({"contact.friction": 0.2}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, friction 0.2"),
+        ({"packing.diameter_scatter": 5e-6}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, diameters scattered by 5 µm"),
+        ({"contact.law": "hertz", "precompression.kind": "uniaxial", "precompression.pressure": 1e6},
+         "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, under 1 MPa, elastic, ideal"),
+        ({"load.kind": "force", "load.shape": "half-sine", "load.amplitude": 2e4, "load.duration": 1e-5,
+          "packing.kind": "chain", "packing.size": 20}, "chain of 20, brass, 10 mm, half-sine force of 20 kN for 10 µs, ideal"),
+        ({"boundary.bottom": {"plate": {"mass": 0.5}, "material": {"name": "steel"}}},
+         "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
+    ],
+)  # fmt: skip
+def test_what_was_run(changes, line):
+    case = {
+        "packing.kind": "fcc", "packing.size": [24, 24, 12], "packing.diameter": 0.01, "packing.diameter_scatter": 0.0,
+        "material.name": "brass", "contact.law": "elastoplastic", "contact.friction": 0.0, "load.kind": "impact",
+        "load.velocity": 5.0,
+    }  # fmt: skip
+    assert setting_of({**case, **changes}) == line

@@ -8,6 +8,7 @@ import pytest
 
 from granwave.analysis.document.cells import named, percent, show
 from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
+from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
@@ -38,7 +39,11 @@ def test_sections_and_order_of_the_inputs(runs, tmp_path):
         "second",
         "first",
     ]
-    assert report.lead == "2 runs and 1 scan with 6 of 8 points done. SI units."
+    assert report.lead == (
+        "2 runs and 1 scan with 6 of 8 points done: first (fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal); second (fcc "
+        "24 x 24 x 12, brass, 10 mm, 10 m/s, ideal); scan (fcc 24 x 24 x 12, 10 mm, ideal; load.velocity, material "
+        "varied)."
+    )
 
 
 def test_scan_table_has_the_varied_keys_first_and_every_status(runs, tmp_path):
@@ -83,7 +88,7 @@ def test_damaged_summary_of_a_point_is_told(runs, tmp_path):
 def test_scan_without_a_finished_point(tmp_path):
     scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2]), missing=[1, 2])
     report = build([scan], tmp_path)
-    assert report.lead == "1 scan with 0 of 2 points done. SI units."
+    assert report.lead == "1 scan with 0 of 2 points done: load.velocity varied."
     for suffix in ("html", "pdf", "md"):
         write_report([scan], tmp_path / f"r.{suffix}")
 
@@ -246,11 +251,12 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
 def test_figures_in_a_fixed_order_made_small(runs, tmp_path):
     report = build(runs, tmp_path)
     gallery = next(block for block in blocks(report, "figures") if isinstance(block, Gallery))
-    assert [figure.caption for figure in gallery.figures] == [
+    assert [figure.alt for figure in gallery.figures] == [
         "Peak contact force, principal plane: run first",
         "Energies and the error of their balance: run first",
         "Zebra: run first",
     ]
+    assert gallery.figures[0].caption == f"{gallery.figures[0].alt}. {FIGURES['peak_force_principal'].look}"
     figure = gallery.figures[-1]
     assert figure.size == (900, 45)
     assert (figure.data.text, figure.data.href) == ("figures/zebra.csv", "first/figures/zebra.csv")

@@ -14,6 +14,8 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.sections.results import results_section
 from granwave.analysis.reports.sections.settings import settings_blocks
 from granwave.analysis.reports.sections.studies import studies_section
+from granwave.analysis.reports.writers.html_page import parts
+from granwave.analysis.reports.writers.template_files import text_of
 from granwave.analysis.studies.study import Row, Study
 from tests.helpers.synthetic_report import build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -39,6 +41,20 @@ def test_columns_without_a_value_are_left_out():
     assert [column.heading for column in tidied_table(of).columns] == ["Run", "B"]
     nothing = made(["Run", "A:"], [])
     assert tidied_table(nothing) == nothing
+
+
+def test_quantities_without_a_value_are_left_out():
+    of = made(["Quantity", "one:", "two:"], [["a", 1.0, None], ["b", None, None]], by_row=True)
+    assert texts(of) == [["a", "1", BLANK]]
+
+
+def test_tables_on_paper_are_as_wide_as_the_page():
+    rules = text_of("print.css")
+    assert re.search(r"table, \.beside table \{ width: 100%;", rules)
+    wide = Table("t", (Column("Run", key=True), *(Column(f"c{n}", numeric=True) for n in range(30))), ())
+    found = parts(wide)
+    assert max(len(part.columns) for part in found) <= 12
+    assert [c.heading for part in found for c in part.columns if not c.key] == [f"c{n}" for n in range(30)]
 
 
 def test_rounding_is_no_number():

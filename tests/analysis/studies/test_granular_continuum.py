@@ -85,6 +85,20 @@ def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path
     assert "(refused)" not in str(section.blocks[:-1])
 
 
+def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> None:
+    """With the reason: friction, another packing."""
+    whole = list(read_inputs([suite], suite).whole())
+    runs = [read_run(run.label, run.directory, run.summary) for run in whole]
+    first = next(run for run in whole if run.kind == "run")
+    for name, old, new in (("rough", "friction = 0.0", "friction = 0.2"), ("other", 'kind = "fcc"', 'kind = "hcp"')):
+        shutil.copytree(first.directory, tmp_path / name)
+        case = tmp_path / name / "case.toml"
+        assert old in case.read_text()
+        case.write_text(case.read_text().replace(old, new))
+        runs.append(read_run(name, tmp_path / name, first.summary))
+    assert comparison._left_out(runs) == {"friction": ["rough"], "another packing than the reference's": ["other"]}
+
+
 def test_both_kinds_are_collected(impacts: Impacts) -> None:
     assert (len(impacts.granular), len(impacts.continuum)) == (9, 5)
     assert [run.case.load.velocity for run in impacts.reference] == [1, 2, 4, 8, 16, 32]

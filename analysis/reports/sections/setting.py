@@ -1,0 +1,237 @@
+"""First line of a report: what was run, ``fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal``; symbols of its figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from granwave.analysis.document.cells import show
+from granwave.analysis.document.model import Note
+from granwave.analysis.formatting.grains import grains_called_in
+from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.run_directory import CASE_FILE
+from granwave.lammps_inputs.toml_files import read_tables
+
+_MOST_NAMED = 4  # inputs that the first line describes one by one
+_MOST_SYMBOLS = 12  # runs whose constants the symbols are taken from
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the usual one needs no word
+_NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text and unit
+    "contact.friction": ("friction {}", ""),
+    "packing.diameter_scatter": ("diameters scattered by {}", "m"),
+    "packing.vacancies": ("vacancies {}", ""),
+    "contact.loss": ("losses in contacts", ""),
+    "contact.initial_overlap": ("initial dents", ""),
+}
+
+
+def first_line(inputs: Inputs) -> str:
+    """Return what was run: of few inputs each, of many what they share; empty if nothing is known."""
+    if len(inputs.items) == 1:
+        return _of_item(inputs.items[0])
+    if len(inputs.items) <= _MOST_NAMED:
+        told = [(item.label, _of_item(item)) for item in inputs.items]
+        return "; ".join(f"{label} ({text})" if text else label for label, text in told)
+    return setting_of(_shared(list(inputs.results())))
+
+
+def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
+    """Describe a case, by dotted keys, in a line; what it does not tell is left out.
+
+    Parameters
+    ----------
+    called
+        What its grains are called.
+    """
+    parts = [part(case) for part in (_body, _material, _size, _load, _static, _bottom, _contacts)]
+    return in_grains(", ".join(text for text in parts if text), called)
+
+
+def symbols_note(inputs: Inputs) -> list[Note]:
+    """Define the symbols in which figures and tables of these runs give forces, energies and velocities."""
+    runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
+    packings = [run for run in runs if run.kind == "run"]
+    laws = [law for law in _by_constants(packings, _law_of) if law is not None]
+    plastic = [law for law in laws if math.isfinite(law.yield_force)]
+    said = []
+    if plastic:
+        force, overlap = _range([law.yield_force for law in plastic], "N"), [1e6 * law.yield_overlap for law in plastic]
+        energy = _range([law.yield_force * law.yield_overlap for law in plastic], "J")
+        called = grains_called_in([run.summary for run in packings])
+        said.append(
+            f"F_y = {force} and alpha_y = {_range(overlap, 'µm')} are the force and the overlap at which a contact of "
+            f"two {called} first yields; F_y alpha_y = {energy} is the unit of energies."
+        )
+    elif packings and (largest := [run.number("peak_force_N") or 0.0 for run in packings]) and max(largest) > 0:
+        said.append(f"F_max = {_range(largest, 'N')} is the largest contact force of the run.")
+    if packings and (given := [run.number("energy_input_J") or 0.0 for run in packings]) and min(given) > 0:
+        lost = "e_dis what is dissipated of it; " if any(run.number("dissipated_fraction") for run in packings) else ""
+        said.append(f"e_in = {_range(given, 'J')} is the energy put in, {lost}".rstrip("; ,") + ".")
+    if velocities := [value for run in packings if (value := run.number("velocity_normalised")) is not None]:
+        said.append(
+            f"v\u0304_0 = {_range(velocities, '')}, the normalised velocity, is (2/sqrt 3) (2/(1.6 pi))^2 E*^2 "
+            "sqrt(rho) sigma_y^-2.5 v, with E* of two grains, density rho and yield strength sigma_y."
+        )
+    blocks = [run for run in runs if run.kind == "continuum" and "punch.diameter" in run.case]
+    if units := [unit for unit in _by_constants(blocks, _unit_of_block) if unit]:
+        said.append(
+            f"Energies of the punch are in sigma_y^2 D^3/E = {_range(units, 'J')}, with its diameter D and the block's "
+            "yield strength and modulus."
+        )
+    return [Note(" ".join(said))] if said else []
+
+
+def quantity_in(value: float, unit: str) -> str:
+    """Write a value with four digits and a prefix of its unit: ``605 nm``, ``1.2 kN``."""
+    if not unit or not value:
+        return f"{plain(f'{value:.4g}')} {unit}".rstrip()
+    scale, prefix = next((one for one in _PREFIXES if abs(value) >= 0.9995 * one[0]), _PREFIXES[-1])
+    return f"{plain(f'{value / scale:.4g}')} {prefix}{unit}"
+
+
+def _of_item(item: Run | Scan) -> str:
+    if isinstance(item, Run):
+        if item.is_inference:
+            return _of_inference(item)
+        loaded = item.kind != "spectra"  # else the load plays no part
+        case = {key: value for key, value in item.case.items() if loaded or not key.startswith(("load.", "striker"))}
+        return setting_of(case, grains_called_in([item.summary]))
+    runs = [point.run for point in item.points if point.run]
+    text = setting_of(_shared(runs), grains_called_in([run.summary for run in runs]))
+    varied = f"{', '.join(item.source.varied)} varied" if item.source.varied else ""
+    return "; ".join(filter(None, (text, varied)))
+
+
+def _of_inference(run: Run) -> str:
+    grains, source = run.summary.get("n_grains"), run.summary.get("measurement")
+    count = grains[0] if isinstance(grains, list) and grains else grains
+    friction = run.number("friction")
+    parts = [f"forces of {count} grains of {source}", str(run.summary.get("state", ""))]
+    if friction is not None:
+        parts.append(f"friction {show(friction)}" if friction else "no friction")
+    return ", ".join(part for part in parts if part)
+
+
+def _shared(runs: Sequence[Run]) -> dict[str, Any]:
+    if not runs:
+        return {}
+    return {key: value for key, value in runs[0].case.items() if all(run.case.get(key) == value for run in runs)}
+
+
+def _body(case: Mapping[str, Any]) -> str:
+    if "punch.diameter" in case:
+        mass = f" and {show(case['punch.mass'])} kg" if "punch.mass" in case else ""
+        return f"punch of {quantity_in(case['punch.diameter'], 'm')}{mass} on a block"
+    if "sphere.radius" in case:
+        return f"two spheres in contact, R = {quantity_in(case['sphere.radius'], 'm')}"
+    kind, size = case.get("packing.kind"), case.get("packing.size")
+    if kind is None:
+        return ""
+    if kind == "file":
+        return "packing of a file"
+    shape = " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
+    return f"chain of {shape}" if kind == "chain" and shape else f"{kind} {shape}".rstrip()
+
+
+def _material(case: Mapping[str, Any]) -> str:
+    return str(case.get("material.name") or case.get("material") or "")
+
+
+def _size(case: Mapping[str, Any]) -> str:
+    diameter = case.get("packing.diameter")
+    return quantity_in(diameter, "m") if isinstance(diameter, float | int) else ""
+
+
+def _load(case: Mapping[str, Any]) -> str:
+    kind = case.get("load.kind")
+    velocity = case.get("load.velocity", case.get("punch.velocity"))
+    if kind in ("force", "displacement") and "load.amplitude" in case:
+        size = quantity_in(case["load.amplitude"], "N" if kind == "force" else "m")
+        parts = [str(case.get("load.shape", "")), kind, f"of {size}"]
+        parts += [f"for {quantity_in(case['load.duration'], 's')}"] if case.get("load.duration") else []
+        parts += [f"at {quantity_in(case['load.frequency'], 'Hz')}"] if case.get("load.frequency") else []
+        return " ".join(filter(None, parts))
+    if kind == "plate":
+        return f"plate of {show(case.get('load.mass'))} kg at {show(velocity)} m/s" if velocity else "plate"
+    if kind == "striker":
+        strikers = case.get("striker")
+        speeds = [math.hypot(*one.get("velocity", ())) for one in strikers] if isinstance(strikers, list) else []
+        return f"struck at {show(max(speeds))} m/s" if speeds else "struck"
+    spheres = case.get("load.spheres")
+    several = f" on {spheres} spheres" if isinstance(spheres, int) and spheres > 1 else ""
+    return f"{show(velocity)} m/s{several}" if velocity is not None else ""
+
+
+def _static(case: Mapping[str, Any]) -> str:
+    kind = case.get("precompression.kind")
+    if kind is None:
+        return ""
+    for key, unit in (("pressure", "Pa"), ("force", "N")):
+        if isinstance(size := case.get(f"precompression.{key}"), float | int):
+            return f"under {quantity_in(size, unit)}"
+    return {"gravity": "under gravity", "walls": "pressed by walls"}.get(kind, "precompressed")
+
+
+def _bottom(case: Mapping[str, Any]) -> str:
+    support, bottom = target_of(case), case.get("boundary.bottom")
+    if not support or not isinstance(bottom, dict):
+        return ""
+    name = f"{bottom.get('material', {}).get('name', '')} {support.replace('_', '-')}".lstrip()
+    mass = f" of {show(bottom[support].get('mass'))} kg" if support == "plate" else ""
+    return f"on a {name}{mass}"
+
+
+def target_of(case: Mapping[str, Any]) -> str:
+    """Return what the bottom rests on: plate, half_space, bar or damper; empty for a wall or none."""
+    bottom = case.get("boundary.bottom")
+    found = bottom if isinstance(bottom, dict) else {}
+    return next((one for one in ("plate", "half_space", "bar", "damper") if isinstance(found.get(one), dict)), "")
+
+
+def _contacts(case: Mapping[str, Any]) -> str:
+    """Return the law, unless it is the usual one, and what is not ideal; nothing where it is not known."""
+    law = case.get("contact.law")
+    parts = [] if law is None else [_LAWS.get(law, str(law))]
+    there = [
+        text.format(quantity_in(value, unit) if unit and isinstance(value, float) else show(value))
+        for key, (text, unit) in _NOT_IDEAL.items()
+        if (value := case.get(key))
+    ]
+    known = all(key in case for key in ("contact.friction", "packing.diameter_scatter"))
+    return ", ".join(filter(None, [*parts, *(there or ["ideal"] * known)]))
+
+
+def _by_constants(runs: Sequence[Run], make: Callable[[Run], Any]) -> Iterator[Any]:
+    """Yield what is made of each run, once for equal materials, contacts and sizes."""
+    seen: list[dict[str, Any]] = []
+    for run in runs:
+        of_law = ("material", "contact", "packing.diameter", "packing.shape", "packing.length", "punch.diameter")
+        constants = {key: value for key, value in run.case.items() if key.startswith(of_law)}
+        if constants not in seen:
+            seen.append(constants)
+            yield make(run)
+
+
+def _law_of(run: Run) -> Any:
+    tables = read_tables(run.directory / CASE_FILE)
+    try:
+        case = None if tables is None else case_from_dict(tables, run.directory / CASE_FILE)
+        return sphere_contact(case) if case is not None and case.contact.yields else None
+    except (GranwaveError, TypeError, AttributeError):
+        return None
+
+
+def _unit_of_block(run: Run) -> float:
+    strength, modulus = run.case.get("material.yield_strength"), run.case.get("material.youngs_modulus")
+    return strength**2 * run.case["punch.diameter"] ** 3 / modulus if strength and modulus else 0.0
+
+
+def _range(values: Sequence[float], unit: str) -> str:
+    texts = [f"{plain(f'{value:.4g}')}" for value in (min(values), max(values))]
+    return f"{' to '.join(dict.fromkeys(texts))} {unit}".rstrip()
