@@ -85,8 +85,8 @@ def rows(group: Widths) -> Iterator[Row]:
     slope = _slope(group, group.walls)
     if slope is not None:
         remark = (
-            f"Not a test: the source does not print how wide its crystals are. {n} a row was inferred from these layers, "
-            "which it then explains."
+            f"Not a test: the source does not print how wide its crystals are. {n} a row was inferred from these "
+            "layers, which it then explains."
         )
         yield Row(f"Layers of region 1, {group.crystal}", "layers", source, slope * width / pitch,
                   f"{_SOURCE}, Fig. 4 to 7", remark, digits=2)  # fmt: skip
