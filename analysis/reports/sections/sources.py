@@ -30,7 +30,8 @@ _TABLES = (
     (False, "Source against ours",
      "Single values that the sources give for a case of this report. The rounding is half a unit of the last digit "
      "that a source gives, unless the remark says otherwise. A formula takes the case alone, and no run."),
-    (True, "Verification of the code", "Values of our second solver, or of a formula by hand: they test the code, not a source."),
+    (True, "Verification of the code",
+     "Values of our second solver, or of a formula by hand: they test the code, not a source."),
 )  # fmt: skip
 
 
