@@ -48,7 +48,7 @@ CHOSEN = (
     ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", ("Peak force",)),
     ("Bilinear chain, long load: ", "chains", "bilinear-long-load", ("F2, force",)),
     (
-        "Speed in steel with 3 and with 24 brass beads",
+        "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
         "chains",
         "composite-loss",
         ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
@@ -62,7 +62,7 @@ CHOSEN = (
     ),
     ("Row with gaps: ", "switch", "gap-switch", ("Displacement of sphere 10 in a long row, at rest again",)),
     (
-        "Edges of the band gap of a chain of two materials",
+        "Chain of two materials, 20 N: edges of its band gap, sqrt(2 k/M) and sqrt(2 k/m)",
         "bands",
         "bands",
         ("Top of the acoustic band, sqrt(2 k/M)", "Bottom of the optical band, sqrt(2 k/m)"),
@@ -144,7 +144,8 @@ def readme_table(stored: Mapping[str, Any]) -> str:
             ours = ", ".join(significant(row.ours, row.digits) for row in rows)
             unit = f" {rows[0].unit}" if rows[0].unit else ""
             what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
-            remark = " ".join(dict.fromkeys(row.remark for row in rows if row.remark)).replace("|", "\\|")
+            sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
+            remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
             lines.append(f"| {name} | {what} | {values}{unit} | {ours}{unit} | {remark} |")
     return "\n".join(lines) + "\n"
 

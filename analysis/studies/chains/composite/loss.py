@@ -76,8 +76,8 @@ def _rows(series: Series, kind: str, chains: Sequence[Composite]) -> Iterator[Ro
         if known is not None:
             slower = chain.speed * (_SLOWER / _STRIKER) ** 0.2
             remark = (
-                f"Measured. The restitution is our choice. A striker of {_SLOWER:g} m/s in place of the printed "
-                f"{_STRIKER:g} would give {slower:.0f} m/s, by the fifth root of its speed."
+                f"Measured. The restitution is our choice. A striker of {_SLOWER:g} m/s, not the printed {_STRIKER:g}, "
+                f"would make it {slower:.0f} m/s, by the fifth root of its speed."
             )
         yield Row(f"V, N2 = {chain.n}, {kind}", "m/s", known, chain.speed, _PLACE + "section 4", remark)
     if len(chains) > 1:
