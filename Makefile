@@ -2,7 +2,7 @@
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
 # make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
-# make results  all suites (half an hour), and of them the tables of results: docs/explanation/results.md and README
+# make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
 # make docs-links  links of the site to other sites; says so and passes where there is no network
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
 # make release-check  what a release must hold: versions, changelog, citation, both packages, an installation without a compiler, the site
@@ -76,7 +76,8 @@ release-check: setup wheel docs
 gallery: setup
 	$(BIN)/python docs/_ext/studies.py
 
-# goes on with what build/results holds; a part of it:  .venv/bin/python docs/_ext/results.py chains
+# stale suites alone; goes on with what build/results holds. A part:  .venv/bin/python docs/_ext/results.py chains
+# of runs that are there, without running any:  .venv/bin/python docs/_ext/results.py --no-run
 results: setup
 	$(BIN)/python docs/_ext/results.py
 

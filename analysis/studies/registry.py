@@ -57,6 +57,7 @@ STUDIES: dict[str, str] = {
     "settled-packing": "precompression.settled",
     "preconditioned": "precompression.preconditioned",
     "repeated-hits": "precompression.hits",
+    "dents": "precompression.dents",
     "protected-height": "protection.heights",
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",

@@ -142,6 +142,6 @@ def _rows_of_loading(run: Contact) -> Iterator[Row]:
         over = 100 * run.over_law[chosen]
         for word, ours in (("least", over.min()), ("most", over.max())):
             limit = math.copysign(_CLAIMED, ours)
-            source = limit if abs(ours) == np.abs(over).max() and run.like and run.ratio == 1 else None
+            source = limit if abs(ours) == np.abs(over).max() and run.like else None
             what = f"Finite elements over the law from {span}: {word}, {run.name}"
             yield Row(what, "%", source, float(ours), where, remark if source else "", 0.0, digits=2)

@@ -1,34 +1,46 @@
-"""Results against the sources: runs all suites, and makes the page, the JSON file and the README's table of them.
+"""Results against the sources: runs suites, and makes the page, the JSON file and the README's table of them.
 
-    python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run]
+    python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
 
-Runs are kept in DIR (``build/results``), and a second call goes on with what is there. Suites that are not named, or
-whose runs are missing, stay as they are stored, with the date of their own run.
+Suites that are not named are run if their rows are stale: made by another version, or of scans, cases or studies that
+have changed since. Runs are kept in DIR (``build/results``), and a second call goes on with what is there. With
+``--no-run`` all runs that are there are collected, and none is made; with ``--check`` stale rows are named, and nothing
+is written.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
 import dataclasses
+import hashlib
+import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import results_table
 
+import granwave
 from granwave.analysis.reports.inputs import Inputs, read_inputs
 from granwave.analysis.reports.sections.comparison import comparison_of
-from granwave.analysis.reports.sections.sources import source_rows
+from granwave.analysis.reports.sections.sources import source_rows, source_values
 from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.study import Row, Study
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.run_directory import SUITE_INDEX, SUMMARY_FILE, is_scan
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE
+from granwave.lammps_inputs.toml_files import read_toml
+from granwave.workflows import library
+from granwave.workflows.scanning.scan_file import load_scan
+from granwave.workflows.scanning.suite import is_suite, load_suite
 
 RUNS = results_table.ROOT / "build" / "results"
+_STUDIES = results_table.ROOT / "analysis" / "studies"
+_NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
 
 
@@ -46,12 +58,15 @@ class Suite:
         Built-in suite or scan, or cases.
     studies
         Studies of all runs, in addition to those that scans name.
+    comparison
+        True if impacts on packings and blocks are compared with each other.
     """
 
     title: str
     command: str
     names: tuple[str, ...]
     studies: tuple[str, ...] = ()
+    comparison: bool = False
 
 
 SUITES = {
@@ -62,8 +77,9 @@ SUITES = {
     "chains": Suite("Chains", "scan", ("chains",)),
     "square": Suite("Square packings", "scan", ("square",)),
     "square-defects": Suite("Square packings that are not ideal", "scan", ("square-defects",)),
-    "prestress": Suite("Precompressed, settled and preconditioned packings", "scan", ("prestress",)),
-    "protection": Suite("Protected targets", "scan", ("protection",)),
+    "prestress": Suite("Precompressed, settled and preconditioned packings", "scan", ("prestress",), comparison=True),
+    "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
+    "dents": Suite("What a lasting dent changes", "scan", ("dents",)),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
     "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
@@ -72,7 +88,7 @@ SUITES = {
     "switch": Suite("A row that switches", "scan", ("switch",)),
     "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "bands": Suite("Waves in frequency", "scan", ("bands",)),
-    "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",)),
+    "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",), comparison=True),
 }
 
 
@@ -106,22 +122,101 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
         "title": suite.title,
         "command": f"granwave {suite.command} {' '.join(suite.names)}",
         "date": datetime.fromtimestamp(newest, UTC).date().isoformat(),
-        "complete": _complete(inputs, folders),
+        "complete": _complete(suite, inputs) and versions["granwave"] == [granwave.__version__],
         "versions": {name: found for name, found in versions.items() if found},
+        "digests": digests(suite),
         "studies": {study.name: results_table.as_stored(study) for study in studies(inputs, suite)},
     }
 
 
-def _complete(inputs: Inputs, folders: Sequence[Path]) -> bool:
-    """Return True if every point of every scan is done."""
-    suites = [(folder, read_json(folder / SUITE_INDEX) or {}) for folder in folders]
-    begun = all(is_scan(folder / name) for folder, index in suites for name in index.get("scans", ()))
-    return begun and all(point.run for scan in inputs.scans for point in scan.points)
+def _complete(suite: Suite, inputs: Inputs) -> bool:
+    """Return True if every point that the scans have at present is done, and every single run."""
+    if suite.command != library.SCAN:
+        return all(run.status == "done" for run in inputs.runs)
+    done = {point.result.id for scan in inputs.scans for point in scan.points if point.run}
+    scans = []
+    for name in suite.names:
+        scans += load_suite(name, here=False).scans if is_suite(name) else [load_scan(name, here=False)]
+    return all(point.id in done for scan in scans for point in scan.points)
+
+
+def digests(suite: Suite) -> dict[str, str]:
+    """Digests of what a suite's runs are made of, scans and cases, and of the studies that make rows of them."""
+    tables = list(_tables(suite))
+    names = studies_named(suite)
+    paths = {_STUDIES.joinpath(*path.split(".")) for name, path in (STUDIES | COMPARISON).items() if name in names}
+    files = {
+        file
+        for path in paths
+        for file in ([path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py"))
+    }
+    code = [_code(file) for file in sorted(files)]
+    return {"runs": _digest(tables), "studies": _digest([code, source_values()["values"]])}
+
+
+def studies_named(suite: Suite) -> set[str]:
+    """Return the names of all studies of a suite."""
+    names = {*suite.studies, *(COMPARISON if suite.comparison else ())}
+    for table in _tables(suite):
+        named = table.get("study", ())
+        names |= {named} if isinstance(named, str) else set(named)
+    return names
+
+
+def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
+    """Iterate over the content of the scan and case files of a suite."""
+    kind = library.SCANS if suite.command == library.SCAN else library.CASES
+    files = [library.find(name, kind) for name in suite.names]
+    for file in files:
+        table = read_toml(file)
+        yield table
+        files += [library.find(name, library.SCANS, file.parent) for name in table.get("scans", ())]
+        cases = [*table.get("cases", ()), *([table["case"]] if "case" in table else [])]
+        files += [found for name in cases if (found := library.find(name, library.CASES, file.parent)) not in files]
+
+
+def _code(file: Path) -> str:
+    """Return the lines of a module without comments, docstrings and indentation."""
+    text = file.read_text(encoding="utf-8")
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
+    docstrings = [node.body[0] for node in ast.walk(ast.parse(text)) if isinstance(node, documented)
+                  and ast.get_docstring(node, clean=False) is not None]  # fmt: skip
+    left_out = {line for one in docstrings for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)}
+    lines = [line.strip() for number, line in enumerate(text.splitlines(), start=1) if number not in left_out]
+    return "\n".join(line for line in lines if line and not line.startswith("#"))
+
+
+def _digest(content: Any) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:12]
+
+
+def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> dict[str, str]:
+    """Return why stored rows are no longer those of the code, and what to run, by suite; without those that are."""
+    found = {}
+    for name in names:
+        suite, now = stored["suites"].get(name), digests(SUITES[name])
+        if suite is None:
+            why = "no rows are stored"
+        elif suite["versions"].get("granwave") != [granwave.__version__]:
+            why = f"run by granwave {'/'.join(suite['versions']['granwave'])}, and this is {granwave.__version__}"
+        elif not suite["complete"]:
+            why = "not all of its runs are done"
+        elif suite["digests"]["runs"] != now["runs"]:
+            why = "its scans or cases have changed since"
+        elif suite["digests"] != now:
+            found[name] = (
+                f"its studies have changed since; run {_NO_RUN} {name} if its runs are there, else make results"
+            )
+            continue
+        else:
+            continue
+        found[name] = f"{why}; run make results"
+    return found
 
 
 def studies(inputs: Inputs, suite: Suite) -> list[Study]:
     """Studies of runs, values of the sources for their cases among them."""
-    found = [*studies_of(inputs, suite.studies), *comparison_of(inputs)]
+    found = [*studies_of(inputs, suite.studies), *(comparison_of(inputs) if suite.comparison else ())]
     if rows := _once(source_rows(inputs)):
         title, text = "Single values", "Values for single cases; the remark says which."
         found.insert(0, Study(f"{suite.names[0]}-values", title, text, rows))
@@ -139,12 +234,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=f"of {', '.join(SUITES)}; all if none is named")
     parser.add_argument("--runs", type=Path, default=RUNS, help="directory of the runs (default: build/results)")
     parser.add_argument("--no-run", action="store_true", help="collect what is there, and run nothing")
+    parser.add_argument(
+        "--check", action="store_true", help="name what is stale, and do nothing; exit status 1 if any is"
+    )
     options = parser.parse_args(arguments)
     if unknown := [name for name in options.suites if name not in SUITES]:
         parser.error(f"found {', '.join(unknown)}, expected some of {', '.join(SUITES)}")
+    old = stale(results_table.read_stored(), options.suites or tuple(SUITES))
+    for name, why in old.items():
+        print(f"{name}: {why}", flush=True)
+    if options.check:
+        return 1 if old else 0
     options.runs.mkdir(parents=True, exist_ok=True)
     stored, failed = results_table.read_stored(), []
-    for name in options.suites or SUITES:
+    for name in options.suites or (SUITES if options.no_run else old):
         if not options.no_run and not run(SUITES[name], options.runs.resolve()):
             failed.append(name)
         if found := collect(SUITES[name], options.runs.resolve()):

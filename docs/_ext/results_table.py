@@ -7,7 +7,6 @@ made from the stored results alone.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -34,24 +33,41 @@ _LEAD = (
     "Leonard, Fraternali, Daraio, Exp. Mech.; lateral constraints is J. Appl. Mech. 2020, doi 10.1115/1.4047004. "
     "Rows are of four kinds. A source is printed in the literature. Theory follows "
     "from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
-    "or what similarity forces on any correct code. The rest is granwave alone. Where ours is missing, only source and "
-    "theory speak."
+    "or what similarity forces on any correct code; our second solver and our second program share no code with "
+    "granwave. The rest is granwave alone. Where ours is missing, only source and theory speak. Of a bound no "
+    "difference is given."
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
 _REFERENCE = "fcc-impact-values"
-#: The ten results of the README: what is before the quantity, suite, study, start of the quantity (the first such row).
+#: The ten results of the README: what is before the quantity, suite, study, starts of the quantities (the first such
+#: rows). Several rows share a line, and the words before are then all that names it.
 CHOSEN = (
-    ("Reference impact: ", "fcc-impact", _REFERENCE, "Dissipated fraction"),
-    ("Reference impact: ", "fcc-impact", _REFERENCE, "Peak contact force"),
-    ("", "sphere-contacts", "sphere-contact", "Finite elements over the law from 1 to 10 alpha_y: most, brass, like"),
-    ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", "Peak force"),
-    ("Elasto-plastic chain: ", "chains", "elastoplastic-pulse", "Power of the leading speed with distance"),
-    ("Square packing: ", "square", "square-in-plane", "Energy in central chains"),
-    ("Chain: ", "square", "sensor-chain", "Largest reflection of a sphere of 0.921"),
-    ("Row with gaps: ", "switch", "gap-switch", "Displacement of sphere 10 in a long row, at rest again"),
-    ("Plane crystal of soft cylinders: ", "lateral", "lateral-width-hcp", "Layers of region 1, HCP"),
-    ("FCC packing: ", "prestress", "precompressed-packing-speed", "Speed of small waves, fcc, uniaxial"),
+    ("Reference impact: ", "fcc-impact", _REFERENCE, ("Dissipated fraction",)),
+    ("Reference impact: ", "fcc-impact", _REFERENCE, ("Peak contact force",)),
+    ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", ("Peak force",)),
+    ("Bilinear chain, long load: ", "chains", "bilinear-long-load", ("F2, force",)),
+    (
+        "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
+        "chains",
+        "composite-loss",
+        ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
+    ),
+    ("Square packing: ", "square", "square-in-plane", ("Energy in central chains",)),
+    (
+        "Square packing, out-of-plane: energy in central chains, strikers, struck spheres",
+        "square",
+        "square-out-of-plane",
+        ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
+    ),
+    ("Row with gaps: ", "switch", "gap-switch", ("Displacement of sphere 10 in a long row, at rest again",)),
+    (
+        "Chain of two materials, 20 N: edges of its band gap, sqrt(2 k/M) and sqrt(2 k/m)",
+        "bands",
+        "bands",
+        ("Top of the acoustic band, sqrt(2 k/M)", "Bottom of the optical band, sqrt(2 k/m)"),
+    ),
+    ("FCC packing: ", "prestress", "precompressed-packing-speed", ("Speed of small waves, fcc, uniaxial",)),
 )
 
 
@@ -77,7 +93,7 @@ def as_stored(study: Study) -> dict[str, Any]:
         "title": study.title,
         "text": study.text,
         "verdict": list(study.verdict),
-        "rows": [record_of(row) | {"digits": row.digits} for row in study.rows],
+        "rows": [record_of(row) | {"digits": row.digits, "bound": row.bound} for row in study.rows],
         "tables": [_table(one) if isinstance(one, Table) else one.text for one in study.tables],
     }
 
@@ -94,6 +110,7 @@ def row_of(record: Mapping[str, Any]) -> Row:
         record["theory"],
         record["kind"] == "verification",
         record["digits"],
+        record.get("bound", False),
     )
 
 
@@ -107,24 +124,29 @@ def page_of(stored: Mapping[str, Any]) -> str:
     return text
 
 
-def chosen_rows(stored: Mapping[str, Any]) -> Iterator[Row | None]:
-    """Rows of the README; None for one that the stored results lack."""
-    for before, suite, study, start in CHOSEN:
+def chosen_rows(stored: Mapping[str, Any]) -> Iterator[tuple[str, list[Row]]]:
+    """Name and rows of each line of the README; no rows if the stored results lack one of them."""
+    for before, suite, study, starts in CHOSEN:
         records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
-        found = next((row_of(one) for one in records if one["quantity"].startswith(start)), None)
-        yield found and dataclasses.replace(found, quantity=before + found.quantity)
+        found = [next((row_of(one) for one in records if one["quantity"].startswith(start)), None) for start in starts]
+        rows = [row for row in found if row is not None and row.ours is not None]
+        name = before + rows[0].quantity if len(starts) == 1 and rows else before
+        yield name, rows if len(rows) == len(starts) else []
 
 
 def readme_table(stored: Mapping[str, Any]) -> str:
     """Return the README's table."""
-    lines = ["| quantity | what it is compared with | value | granwave |", "|---|---|---|---|"]
-    for row in chosen_rows(stored):
-        if row is not None and row.ours is not None:
-            against = row.theory if row.source is None else row.source
-            value = "-" if against is None else significant(against, 5)
-            unit = f" {row.unit}" if row.unit else ""
-            what = f"{_KINDS[row.kind]}: {row.where}"
-            lines.append(f"| {row.quantity} | {what} | {value}{unit} | {significant(row.ours, row.digits)}{unit} |")
+    lines = ["| quantity | what it is compared with | value | granwave | remark |", "|---|---|---|---|---|"]
+    for name, rows in chosen_rows(stored):
+        if rows:
+            against = [row.theory if row.source is None else row.source for row in rows]
+            values = ", ".join("-" if one is None else significant(one, 5) for one in against)
+            ours = ", ".join(significant(row.ours, row.digits) for row in rows)
+            unit = f" {rows[0].unit}" if rows[0].unit else ""
+            what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
+            sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
+            remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
+            lines.append(f"| {name} | {what} | {values}{unit} | {ours}{unit} | {remark} |")
     return "\n".join(lines) + "\n"
 
 

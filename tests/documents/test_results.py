@@ -11,6 +11,7 @@ from types import ModuleType
 import h5py
 import pytest
 
+from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, make_studies
 from granwave.workflows import load_case, run_case
@@ -21,9 +22,8 @@ SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of ot
 QUICK = (("homogeneous-chain", "homogeneous-chain", "chains"), ("sensor-chain", "sensor-chain", "square"))
 
 
-def program() -> ModuleType:
-    """Module that stores results and makes the page of them."""
-    name = "results_table"
+def program(name: str) -> ModuleType:
+    """Module that stores results and makes the page of them, or runs suites."""
     specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
     assert specification and specification.loader
     module = importlib.util.module_from_spec(specification)
@@ -32,7 +32,8 @@ def program() -> ModuleType:
     return module
 
 
-TABLE = program()
+TABLE = program("results_table")
+RESULTS = program("results")
 STORED = TABLE.read_stored()
 
 
@@ -73,8 +74,62 @@ def test_the_page_and_the_readme_are_made_of_the_stored_rows():
 
 
 def test_the_readme_has_ten_rows():
-    rows = list(TABLE.chosen_rows(STORED))
-    assert len(rows) == 10 and all(row is not None and row.ours is not None for row in rows)
+    lines = list(TABLE.chosen_rows(STORED))
+    assert len(lines) == 10 and all(rows for _, rows in lines)
+    assert not any(row.bound for _, rows in lines for row in rows)
+
+
+def test_the_stored_rows_are_those_of_the_code():
+    """A table that is stale names its suite, why, and what to run."""
+    found = RESULTS.stale(STORED)
+    assert not found, "\n" + "\n".join(f"{name}: {why}" for name, why in found.items())
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda one: one.update(versions={"granwave": ["0.0.1"]}), "run by granwave 0.0.1"),
+        (lambda one: one.update(complete=False), "not all of its runs are done; run make results"),
+        (lambda one: one["digests"].update(runs="0"), "its scans or cases have changed since; run make results"),
+        (lambda one: one["digests"].update(studies="0"), "results.py --no-run dents"),
+    ],
+)
+def test_what_makes_a_table_stale(change, says):
+    version = RESULTS.granwave.__version__
+    fresh = {"versions": {"granwave": [version]}, "complete": True, "digests": RESULTS.digests(RESULTS.SUITES["dents"])}
+    assert RESULTS.stale({"suites": {"dents": fresh}}, ["dents"]) == {}
+    change(fresh)
+    assert says in RESULTS.stale({"suites": {"dents": fresh}}, ["dents"])["dents"]
+    assert RESULTS.stale({"suites": {}}, ["dents"]) == {"dents": "no rows are stored; run make results"}
+
+
+def test_a_digest_sees_code_and_no_words(tmp_path):
+    texts = '"""Doc."""\nx = 1  \n', '"""Other\nwords."""\n# a remark\nx = 1\n', '"""Doc."""\nx = 2\n'
+    files = [tmp_path / f"{n}.py" for n in range(3)]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text)
+    first, same, other = map(RESULTS._code, files)
+    assert first == same != other
+
+
+def test_every_study_of_a_source_has_its_rows_stored():
+    """Studies of rectification and of jumps take hours or have no source; all others belong to a suite."""
+    named = {name for suite in RESULTS.SUITES.values() for name in RESULTS.studies_named(suite)}
+    assert set(STUDIES) - named == {"rectification", "repeated-hits"}
+    assert {"composite-loss", "loss"} <= set(STORED["suites"]["chains"]["studies"])
+    assert set(COMPARISON) <= named
+
+
+def test_every_row_compares_something():
+    """A row has a value of ours, or one of theory beside its source's; a bound has no difference."""
+    rows = [
+        TABLE.row_of(one)
+        for suite in STORED["suites"].values()
+        for study in suite["studies"].values()
+        for one in study["rows"]
+    ]
+    assert all(row.ours is not None or row.theory is not None for row in rows)
+    assert all(row.deviation is None for row in rows if row.bound)
 
 
 def test_every_suite_says_when_and_with_what_it_was_run():

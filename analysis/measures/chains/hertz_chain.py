@@ -17,7 +17,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)
-DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by an independent solver (tests/chain_twin.py)
+DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by our second solver (tests/chain_twin.py)
 #: The same two as F_peak/I^(6/5) in the chain's own units.
 IMPULSE_LIMIT, DISCRETE_LIMIT = (one * (3 / 128) ** 0.6 for one in (IMPULSE_COEFFICIENT, DISCRETE_COEFFICIENT))
 _REACH = 5  # diameters ahead and behind of the travelling wave

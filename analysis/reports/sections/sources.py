@@ -30,7 +30,8 @@ _TABLES = (
     (False, "Source against ours",
      "Single values that the sources give for a case of this report. The rounding is half a unit of the last digit "
      "that a source gives, unless the remark says otherwise. A formula takes the case alone, and no run."),
-    (True, "Verification of the code", "Values of a second solver: they test the code, not a source."),
+    (True, "Verification of the code",
+     "Values of our second solver, or of a formula by hand: they test the code, not a source."),
 )  # fmt: skip
 
 
@@ -76,7 +77,7 @@ def sources_section(inputs: Inputs) -> Section:
     for verification, caption, text in _TABLES:
         rows = tuple(_cells(one) for one in found if one.row.verification is verification)
         if rows:
-            columns = _columns("Second solver" if verification else "Source gives")
+            columns = _columns("Must be" if verification else "Source gives")
             blocks += [Note(text), Table(caption, columns, rows, sortable=True, captioned=verification, by_row=True)]
     errata = [entry for entry in values["errata"] if any(applies(entry, run.case, values) for run in runs)]
     if errata:

@@ -199,7 +199,9 @@ def _cells(row: Row) -> tuple[Cell, ...]:
     name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
     return (
         Cell(name, name),
-        value_cell(row.source),
+        Cell(f"{significant(row.source, 5)} (bound)", row.source)
+        if row.bound and row.source is not None
+        else value_cell(row.source),
         value_cell(row.ours) if row.ours is None else Cell(significant(row.ours, row.digits), row.ours),
         Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
         value_cell(row.theory),

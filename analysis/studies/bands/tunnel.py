@@ -61,13 +61,13 @@ def rows(runs: Sequence[FinishedRun]) -> Iterator[Row]:
     yield Row("Cut-off of the row", "Hz", None, float(top), "2 sqrt(K/m)", "", cut_off / (2 * math.pi), True)
     yield Row(
         "Cut-off of the row", "Hz", _PRINTED, float(top), _WHERE,
-        "The source's 5.6e4 is in rad/s, and is what a run of 5 ms shows at sphere 75: see the next row.",
+        "Why they differ is not certain. One reading: 5.6e4 rad/s, what a run of 5 ms shows at sphere 75 (next row).",
     )  # fmt: skip
     slowest = (_SPHERE - 1) / _TIME / plain.row_frequency  # group velocity in spheres/s over sqrt(K/m)
     heard = 2 * plain.row_frequency * math.sqrt(1 - slowest**2)
     yield Row(
         "Highest frequency whose waves reach sphere 75 within 5 ms", "rad/s", None, heard, _WHERE,
-        "Group velocity sqrt(K/m) sqrt(1 - (w/2)^2 m/K) spheres a second: the source's 5.6, in 10^4 rad/s.",
+        "Group velocity sqrt(K/m) sqrt(1 - (w/2)^2 m/K) spheres a second. Near the digits of the source's 5.6 kHz.",
     )  # fmt: skip
     for approach in _APPROACHES:
         edges = brass_tunnel(approach).edges

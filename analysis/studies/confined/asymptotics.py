@@ -28,7 +28,7 @@ TEXT = (
     "(0.09, 0.22, 0.36) are in the ratio of "
     "the precompressions, but about a quarter of delta_hat: their scale cannot be found, so slopes are compared."
 )
-_WHERE = "independent program"
+_WHERE = "our second program"
 _SHOWN = (0.2, 0.4)  # delta_hat of figure 6.9
 _PROGRAM = {  # by delta_hat: C1, C3, C5 and c; axial and radial velocities of the tail
     0.2: ((2.0988, 0.1587, -0.0037), 1.0217, (1.91, 0.154)),
@@ -108,12 +108,12 @@ def rows(theory: Theory) -> Iterator[Row]:
             for k, ours in enumerate(series.coefficients):
                 what, value = f"C{2 * k + 1} of the series, {at}", coefficients[k] if program and coefficients else None
                 yield Row(what, "", None, ours, _WHERE, "", value, value is not None, 3)
-            remark = f"An independent program: {speed}." if program else ""
+            remark = f"Our second program: {speed}." if program else ""
             yield Row(f"c of the series, {at}", "", None, series.speed, "lattice", remark, wave.speed, True)
             z = np.linspace(-3, 3, 241)
             apart = float(np.abs(series(z) - wave.displacement(z)).max())
             yield Row(f"Largest difference of the series from the lattice's profile, {at}", "", None, apart,
-                      "thesis figure 6.9", "An independent program: within 0.004." if program else "",
+                      "thesis figure 6.9", "Our second program: within 0.004." if program else "",
                       digits=2)  # fmt: skip
         found = theory.tail(delta_hat)
         for way, ours, value in zip(("Axial", "Radial"), (found.axial_tail, found.radial_tail), tails, strict=True):
@@ -132,7 +132,7 @@ def rows(theory: Theory) -> Iterator[Row]:
             "Slope of ln(decay of the force) with delta_hat", "", None, slope, "thesis figure 6.11",
             "Theory: decay of the energy by (6.18), with the source's wall and without the rings. The source calls "
             "the slopes equal; "
-            "its own model has -3.16 in an independent program.", expected, digits=3,
+            "its own model has -3.16 in our second program.", expected, digits=3,
         )  # fmt: skip
 
 
@@ -141,7 +141,7 @@ def _scales(theory: Theory, *, program: bool) -> Iterator[Row]:
     for run in theory.runs:
         a = round(run.a, 7)
         known = _AMPLITUDE.get(a) if program else None
-        remark = f"The source's model in an independent program: {known:g}." if known else ""
+        remark = f"The source's model in our second program: {known:g}." if known else ""
         moved = _amplitude(run) / float(run.row.bead[0])
         what = f"Displacement of a bead by the wave over D, times 1e3, {run.label_of_row}"
         yield Row(what, "", None, 1e3 * moved, _WHERE, remark, digits=3)

@@ -78,7 +78,7 @@ def speed_rows(runs: Sequence[ConfinedRun]) -> Iterator[Row]:
         for run in known[:1] + known[1:][-1:]:
             remark = "The axis is 0.04 to 0.085."
             if not run.a and n in SLOWEST:
-                remark += f" The source's model in an independent program: {SLOWEST[n]:g}."
+                remark += f" The source's model in our second program: {SLOWEST[n]:g}."
             unit = float(run.row.thesis_time[0] / run.row.bead[0])
             what = f"Speed in the source's unit, {run.label_of_row}"
             yield Row(what, "", None, unit * run.speed, "thesis figure 6.4", remark, digits=3)

@@ -1,4 +1,4 @@
-"""Numbers of the thesis model and of an independent program for the confined rows of chapter 6.
+"""Numbers of the thesis model and of our second program for the confined rows of chapter 6.
 
 The program (velocity Verlet for the equations of symmetric motion, no code shared with granwave) counts contacts from
 0: its contact 20 is our 21st. It stopped at some 6 ms: of slow waves its value for contact 200 is that of the contact

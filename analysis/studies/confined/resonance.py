@@ -109,7 +109,7 @@ def _program(run: ConfinedRun) -> str:
         return ""
     ratio = round(ratio_of(run), 6)
     if ratio in _RESONANCES:
-        return f"A resonance of the source's model in an independent program: {_RESONANCES[ratio]:g}."
+        return f"A resonance of the source's model in our second program: {_RESONANCES[ratio]:g}."
     return "An anti-resonance of the source's model." if ratio in _ANTI_RESONANCES else ""
 
 

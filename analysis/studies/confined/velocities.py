@@ -27,7 +27,7 @@ TEXT = (
 )
 BEADS = (100, 150)
 _WHERE = "thesis figure 6.5"
-_PROGRAM = {  # by a, bead: largest velocity, and when, of the source's model in an independent program
+_PROGRAM = {  # by a, bead: largest velocity, and when, of the source's model in our second program
     (0.0, 100): (4.00e-5, 1546.0),
     (0.0, 150): (2.85e-5, 2485.0),
     (1.9e-3, 100): (4.08e-5, 1285.0),
@@ -81,7 +81,7 @@ def rows(pair: Pair) -> Iterator[Row]:
         known = _PROGRAM.get((round(run.a, 6), bead)) if from_thesis(run) else None
         values = ((f"Largest velocity times 1e5, {what}", 1e5 * largest), (f"Time of it, {what}", when))
         for (quantity, ours), factor, value in zip(values, (1e5, 1.0), known or (math.nan, math.nan), strict=True):
-            remark = f"The source's model in an independent program: {factor * value:.5g}." if known else ""
+            remark = f"The source's model in our second program: {factor * value:.5g}." if known else ""
             yield Row(quantity, "", None, ours, _WHERE, remark)
         behind = (time > when + _TAIL[0]) & (time < when + _TAIL[1])
         if behind.any():

@@ -138,7 +138,7 @@ def _wave(run: ConfinedRun, force: Array, time: Array) -> Iterator[Row]:
 
 
 def tables(waves: Waves) -> Iterator[Table]:
-    """Ours beside an independent program and the model of the source."""
+    """Ours beside our second program and the model of the source."""
     lines = []
     for run in waves.runs:
         both = reference_of(run.n, run.a) if from_thesis(run) and run.velocity == 1 else None
@@ -155,7 +155,7 @@ def tables(waves: Waves) -> Iterator[Table]:
         heads = [f"{who} at {one}" for who in ("ours", "program", "thesis model") for one in at]
         heads += [f"{what}, {who}" for what in ("speed (m/s)", "decay") for who in ("ours", "program", "thesis model")]
         caption = (
-            "Peak forces times 1e4, speed and decay beside an independent program, for the same rows and for the "
+            "Peak forces times 1e4, speed and decay beside our second program, for the same rows and for the "
             "source's model. "
             "Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
             "where the "

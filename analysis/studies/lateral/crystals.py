@@ -27,12 +27,12 @@ TEXT = (
     "A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between rigid "
     "walls, struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate, nor density, "
     "friction, loss, the mass of the plate, nor how many grains there are: 70 MPa, 1130 kg/m3, 0.3, 12 us, 20 kg/m, "
-    "88 and 105 grains are chosen. What it does print is compared; values of an independent trial program for the "
+    "88 and 105 grains are chosen. What it does print is compared; values of our second program for the "
     "same crystals test the code."
 )
 _SOURCE = "lateral constraints"
-_CHECK = "independent program"
-_EACH: dict[str, tuple[float | None, float | None]] = {  # values of the independent program: BCC, HCP
+_CHECK = "our second program"
+_EACH: dict[str, tuple[float | None, float | None]] = {  # values of our second program: BCC, HCP
     "front": (120.0, 204.0),
     "first": (8.8, 3.0),
     "second": (4.7, 10.7),
@@ -72,7 +72,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Crystals]:
 
 
 def rows(group: Crystals) -> Iterator[Row]:
-    """Rows of what the source prints, then the independent program's values, then what only the runs tell."""
+    """Rows of what the source prints, then our second program's values, then what only the runs tell."""
     yield from _printed(group)
     for name, run in group.walls.items():
         yield from _verified(run, 0 if name == "BCC" else 1)

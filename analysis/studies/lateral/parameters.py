@@ -24,7 +24,7 @@ TEXT = (
     "alone are compared: without friction the centred-square crystal has no shear stiffness, and what follows is "
     "chaotic."
 )
-_SOURCE, _CHECK = "lateral constraints", "independent program"
+_SOURCE, _CHECK = "lateral constraints", "our second program"
 _SPEED = 125.0  # m/s, printed
 _BASE = {"modulus": 70e6, "friction": 0.3, "loss": 12e-6, "plate": 20.0, "diameter": 0.0127}
 _COUNT = {"BCC": (6, 16), "HCP": (8, 14)}
@@ -37,7 +37,7 @@ _TRIAL: dict[str, dict[float, tuple[float | None, float | None]]] = {  # BCC, HC
     "modulus": {150e6: (175.0, 299.0), 480e6: (315.0, 546.0), 1573e6: (587.0, 1043.0)},
 }
 _FEW = "Two regions of eight or seven grains, whose border jumps from grain to grain: near another minimum of the fit."
-_GIVES = {"BCC": 76e6, "HCP": 25e6}  # modulus that gives 125 m/s, by the independent program
+_GIVES = {"BCC": 76e6, "HCP": 25e6}  # modulus that gives 125 m/s, by our second program
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ def _changes(run: LateralRun) -> dict[str, float]:
 
 
 def rows(group: Changed) -> Iterator[Row]:
-    """The printed speed at printed moduli, and the independent program's values."""
+    """The printed speed at printed moduli, and our second program's values."""
     for name in NAMES.values():
         yield from _of_modulus(group, name)
     yield from _struck(group)

@@ -48,7 +48,7 @@ def rows(group: list[LateralRun]) -> Iterator[Row]:
         for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
             found = float(law.collide(mass, speed, loss_time=run.loss_time, steps=4000)["restitution"])
             yield Row(f"Restitution of two grains at {speed:g} m/s, loss time 12 us", "", None, found,
-                      "independent program", "The source: a spring and dashpot has the same restitution at all speeds.",
+                      "our second program", "The source: a spring and dashpot has the same restitution at all speeds.",
                       expected, True, 4)  # fmt: skip
 
 

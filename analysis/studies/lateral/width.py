@@ -26,9 +26,9 @@ TEXT = (
     "close-packed lines and meet on the middle line at W/2 (45 degrees) and sqrt(3)/2 W (30 degrees): above, "
     "nothing of the sides has arrived, and free sides part at the same depth."
 )
-_SOURCE, _CHECK = "lateral constraints", "independent program"
+_SOURCE, _CHECK = "lateral constraints", "our second program"
 _LEAST = 2  # widths
-# Depth where crystals part with walls and without, D, by the independent program.
+# Depth where crystals part with walls and without, D, by our second program.
 _TRIAL: dict[str, dict[int, tuple[float | None, float | None]]] = {
     "BCC": {4: (2.8, 2.8), 6: (2.8, 4.2), 8: (5.7, 5.7), 10: (5.7, 7.1), 12: (7.1, 8.5), 16: (9.9, 11.3)},
     "HCP": {4: (1.7, 1.7), 6: (3.5, 3.5), 8: (6.9, 5.2), 10: (8.7, 8.7), 12: (10.4, 10.4), 16: (None, 13.9)},
@@ -78,13 +78,16 @@ def title(group: Widths) -> str:
 
 
 def rows(group: Widths) -> Iterator[Row]:
-    """The source's depths, the decay above, the geometric law, and the independent program's depths."""
+    """The source's depths, the decay above, the geometric law, and our second program's depths."""
     pitch = 1 / np.sqrt(2) if group.crystal == "BCC" else np.sqrt(3) / 2
     n, source = (7, 7.0) if group.crystal == "BCC" else (8, 8.5)
     width = (n - 1) * np.sqrt(2) + 1 if group.crystal == "BCC" else float(n)
     slope = _slope(group, group.walls)
     if slope is not None:
-        remark = f"In a crystal of {n} a row, by the depths of all widths; how wide its crystals are is not printed."
+        remark = (
+            f"Not a test: the source does not print how wide its crystals are. {n} a row was inferred from these "
+            "layers, which it then explains."
+        )
         yield Row(f"Layers of region 1, {group.crystal}", "layers", source, slope * width / pitch,
                   f"{_SOURCE}, Fig. 4 to 7", remark, digits=2)  # fmt: skip
         law = group.wide.meeting / group.wide.width

@@ -1,4 +1,4 @@
-"""Check values of the filter of thesis 7.1, of an independent solver of symmetric motion, and errata of the source."""
+"""Check values of the filter of thesis 7.1, of our second solver of symmetric motion, and errata of the source."""
 
 from __future__ import annotations
 

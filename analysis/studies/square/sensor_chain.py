@@ -76,9 +76,9 @@ def rows(found: Reflections) -> Iterator[Row]:
             yield Row("Mass of a solid sphere", "g", _MASSES[1], solid, _WHERE, remark)
             yield Row("Mass of a sphere with a sensor", "g", _MASSES[0], sensor, _WHERE, "In the ratio of the weighed.")
             yield Row("Their ratio", "%", 92.0, 100 * ratio, _WHERE)
-        source, remark = (_LIMIT, "The source says less than this.") if of_source else (None, "")
+        source, remark = (_LIMIT, "The source: less than 1.2 %.") if of_source else (None, "")
         quantity = f"Largest reflection of a sphere of {ratio:.3g} of the others' mass"
-        yield Row(quantity, "% of the wave", source, one.share, _WHERE, remark)
+        yield Row(quantity, "% of the wave", source, one.share, _WHERE, remark, bound=of_source)
 
 
 def pictures(found: Reflections) -> Iterator[Picture]:

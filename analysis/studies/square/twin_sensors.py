@@ -29,8 +29,8 @@ TEXT = (
     "other and all contacts are closed, without tilt they stay at the sites of the lattice, with gaps. Each setting "
     "has runs with seeds of their own; given are standard deviations from run to run of the time between the two peaks "
     "of acceleration, and of their ratio. The source had 15 impacts for each; it tells the tolerance of the "
-    "diameters, 0.01 mm to either side, but no misalignment. The delay for each per cent of the amplitude hardly "
-    "depends on how large an imperfection is, and tells its kind."
+    "diameters, 0.01 mm to either side, but no misalignment and no gap: the settings are ours. The delay for each per "
+    "cent of the amplitude hardly depends on how large an imperfection is, and tells its kind."
 )
 _WHERE = "square packing, Wave Propagation Path"
 _IMPACTS = 15  # of the source, at each place of sensors
@@ -147,15 +147,16 @@ def setting(case: Case) -> str:
 
 
 def rows(samples: Sequence[Sample]) -> Iterator[Row]:
-    """Scatter of delay and excess in each setting; the means, which symmetry makes zero."""
+    """Scatter of delay and excess in each setting, none of which is the source's; the means, zero by symmetry."""
     for one in samples:
         if one.scattered:
             where = f"{one.twins.label} ({one.twins.chains}): {one.setting}"
-            delay, excess = one.delay.deviation, one.excess.deviation
-            yield Row(f"Scatter of the delay, {where}", "µs", one.twins.delay[1], delay, _WHERE, _remark(one))
-            yield Row(
-                f"Scatter of the peak acceleration, {where}", "%", one.twins.excess[1], excess, _WHERE, _remark(one)
-            )
+            for what, unit, source, ours in (
+                ("delay", "µs", one.twins.delay[1], one.delay.deviation),
+                ("peak acceleration", "%", one.twins.excess[1], one.excess.deviation),
+            ):
+                remark = f"The source: {source:g} {unit}, by what is not known. {_remark(one)}".strip()
+                yield Row(f"Scatter of the {what}, {where}", unit, None, ours, _WHERE, remark)
     for twins in TWINS:
         if any(one.twins is twins and one.scattered for one in samples):
             where = f"{twins.label} ({twins.chains})"

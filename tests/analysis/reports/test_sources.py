@@ -27,7 +27,7 @@ def test_source_table_is_computed_right(tmp_path):
     }
     assert set(rows) == {"Dissipated fraction", "Peak contact force (F_y)", "Yielded contacts"}
     row = rows["Dissipated fraction"]
-    assert (row["Second solver"].value, row["Ours"].value, row["Within its rounding"].text) == (0.87, 0.8735, "yes")
+    assert (row["Must be"].value, row["Ours"].value, row["Within its rounding"].text) == (0.87, 0.8735, "yes")
     assert row["Difference"].value == pytest.approx(100 * 0.0035 / 0.87)
     assert row["Difference"].text == "+0.4 %"
     assert rows["Peak contact force (F_y)"]["Ours"].value == pytest.approx(696.8 / unit)
@@ -45,7 +45,7 @@ def test_normalised_velocities_of_the_thesis(tmp_path, velocity, theirs):
 
 def test_first_yield_of_the_source_s_spheres(tmp_path):
     run = write_run(tmp_path / "run", figures=False, packing__diameter=0.00952)
-    rows = table(build([run], tmp_path, "restitution"), "sources", "Source against ours")
+    rows = table(build([run], tmp_path, "restitution"), "sources", "Verification of the code")
     assert [row["Within its rounding"].text for row in rows] == ["yes", "yes"]
 
 

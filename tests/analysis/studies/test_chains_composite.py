@@ -278,9 +278,9 @@ def test_of_equal_chains_one_counts(chains: list[ChainRun], study: Study) -> Non
     assert again.text == study.text and [row.ours for row in again.rows] == [row.ours for row in study.rows]
 
 
-def test_errors_that_the_source_alone_gives(study: Study) -> None:
+def test_the_speed_of_the_striker_is_not_that_of_its_slope(study: Study) -> None:
     rows = rows_of(study)
-    assert (rows["Error of lambda at N2 = 3"].source, rows["Error of lambda at N2 = 3"].ours) == (0.53, None)
+    assert not [row for row in study.rows if row.ours is None and row.theory is None], "it compares nothing"
     speed = rows["Speed of the striker"]
     assert speed.ours is None and speed.theory == pytest.approx(np.sqrt(2 * 9.81 * np.sin(np.pi / 60) * 0.01))
 

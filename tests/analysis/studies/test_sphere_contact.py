@@ -47,6 +47,10 @@ def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
     assert (least.source, least.ours) == (-6, pytest.approx(-5))
     deep = found["Finite elements at 0.19 R*, brass, radii 2 to 1, over those of like radii"]
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
+    unlike = next(
+        row for name, row in found.items() if "10 alpha_y to" in name and "least" in name and "2 to 1" in name
+    )
+    assert unlike.kind == "source" and unlike.source == -6, "the source has one law for all radii"
     assert found["Smallest unloading exponent, brass, radii 2 to 1"].source == 1.3
 
 

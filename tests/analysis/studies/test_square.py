@@ -154,6 +154,7 @@ def test_a_lighter_sphere_in_a_chain_reflects_little(tmp_path: Path) -> None:
         92.1, abs=0.05
     )
     assert row.source == 1.2 and 0.5 < row.ours < 1.2
+    assert row.bound and row.deviation is None, "the source: less than 1.2 %"
 
 
 def square(**tables: Any) -> Case:

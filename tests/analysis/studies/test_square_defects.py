@@ -53,7 +53,8 @@ def test_twin_sensors(tmp_path: Path) -> None:
     where = "(central chains, in-plane)"
     delay = rows[f"Scatter of the delay, 1A and 1B {where}: striker off centre within 1 mm"]
     peak = rows[f"Scatter of the peak acceleration, 1A and 1B {where}: striker off centre within 1 mm"]
-    assert delay.source == 68 and peak.source == 10 and delay.ours is not None and peak.ours is not None
+    assert delay.kind == peak.kind == "alone", "how much strikes miss is ours, not the source's"
+    assert "68" in delay.remark and "10" in peak.remark
     assert 0.5 < delay.ours < 5 and 3 < peak.ours < 10
     mean = rows[f"Mean delay, 1A and 1B {where}"]
     assert (mean.source, mean.ours, mean.theory) == (-21, None, 0) and "1.2 standard errors" in mean.remark

@@ -66,10 +66,20 @@ def rows(found: list[Series]) -> Iterator[Row]:
             yield from _rows(series, f"{series.light}, restitution {value:g}", chains)
 
 
+_STRIKER, _SLOWER = 0.626, 0.41  # m/s, as printed, and what gives the measured speeds
+
+
 def _rows(series: Series, kind: str, chains: Sequence[Composite]) -> Iterator[Row]:
     first, last, source = chains[0], chains[-1], series.source
     for chain in (first, last)[: len(chains)]:
-        yield Row(f"V, N2 = {chain.n}, {kind}", "m/s", source.speeds.get(chain.n), chain.speed, _PLACE + "section 4")
+        known, remark = source.speeds.get(chain.n), ""
+        if known is not None:
+            slower = chain.speed * (_SLOWER / _STRIKER) ** 0.2
+            remark = (
+                f"Measured. The restitution is our choice. A striker of {_SLOWER:g} m/s, not the printed {_STRIKER:g}, "
+                f"would make it {slower:.0f} m/s, by the fifth root of its speed."
+            )
+        yield Row(f"V, N2 = {chain.n}, {kind}", "m/s", known, chain.speed, _PLACE + "section 4", remark)
     if len(chains) > 1:
         known = first.n in source.speeds and last.n in source.speeds
         printed = 100 * (source.speeds[last.n] / source.speeds[first.n] - 1) if known else None

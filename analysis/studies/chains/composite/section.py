@@ -55,23 +55,17 @@ class Source:
         When the pulse from the chain's end comes back, ms.
     stresses
         In the section's first and last contact, MPa.
-    speed_errors
-        Of V of its finite elements against its own measurements, by what is compared, per cent.
-    ratio_error
-        The same of lambda at the shortest section.
     """
 
     speeds: Mapping[int, float] = dataclasses.field(default_factory=dict)
     from_end: float | None = None
     stresses: tuple[float | None, float | None] = (None, None)
-    speed_errors: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    ratio_error: float | None = None
 
 
 #: Values of the source by the section's material.
 SOURCES = {
-    "brass-composite": Source({3: 469.0, 24: 424.0}, 1.25, (1200.0, 1110.0), {}, 0.53),
-    "ptfe": Source({}, 1.85, (35.0, 20.0), {"at N2 = 1": 17.1, "beyond N2 = 3, less than": 2.3}, 1.3),
+    "brass-composite": Source({3: 469.0, 24: 424.0}, 1.25, (1200.0, 1110.0)),
+    "ptfe": Source({}, 1.85, (35.0, 20.0)),
 }
 _LARGEST_SPEED_ERROR = 4.2  # per cent, of the source's finite elements against its measurements, brass
 _STRIKER_SPEED = 0.626  # m/s
@@ -155,7 +149,7 @@ def rows(group: Group) -> Iterator[Row]:
     for kind, chains in group.kinds.items():
         yield from _rows_of_speed(kind, chains, group.source.speeds)
         yield from _rows_of_ratio(kind, chains)
-    yield from _rows_of_errors(group.source)
+    yield from _rows_of_striker(group.source)
     yield from rows_of_reflections(group.watched, group.source.from_end)
     for kind, chains in group.kinds.items():
         watched = min(chains, key=lambda chain: abs(chain.n - _WATCHED))
@@ -238,19 +232,10 @@ def _rows_of_ratio(kind: str, chains: Sequence[Composite]) -> Iterator[Row]:
         yield Row(f"N2 within which lambda nears its end by 1/e, {kind}", "", None, fit.length, _FITTED, formula)
 
 
-def _rows_of_errors(source: Source) -> Iterator[Row]:
-    """Errors of the source's finite elements against measurements that it does not print, and its striker's speed."""
-    where = _PLACE + "section 4"
-    for what, error in source.speed_errors.items():
-        remark = "Finite elements against measurement, neither of them printed."
-        remark += " The chains have 3 to 24 light beads: N2 = 1 is none of them." if what.endswith("1") else ""
-        yield Row(f"Error of V {what}", "%", error, None, where, remark)
-    if source.ratio_error is not None:
-        yield Row("Error of lambda at N2 = 3", "%", source.ratio_error, None, where,
-                  "Finite elements against measurement, neither of them printed. Beyond N2 = 6 it grows, for which the "
-                  "source blames friction in the holder: that of the beads' weight takes far too little (study of the "
-                  "holder).")  # fmt: skip
+def _rows_of_striker(source: Source) -> Iterator[Row]:
+    """The striker's speed in the source, which cannot be that of its slope."""
+    if source.from_end is not None:
         slid = math.sqrt(2 * _GRAVITY * math.sin(_SLOPE) * _ROLLED)
-        yield Row("Speed of the striker", "m/s", _STRIKER_SPEED, None, where,
+        yield Row("Speed of the striker", "m/s", _STRIKER_SPEED, None, _PLACE + "section 4",
                   "The source's is that of a free fall of 20 mm. Released with its centre 20 mm before that of the "
                   "first bead it slides 10 mm down a slope of 3 degrees.", slid)  # fmt: skip

@@ -57,22 +57,22 @@ def rows(waves: Sequence[SolitaryWave]) -> Iterator[Row]:
                                  (1.2, 1 / 6), _powers(waves), strict=False):  # fmt: skip
         yield Row(f"Power of the {name}", "", None, fit.exponent, _WHERE, f"{fit.interval} {_SIMILAR}", theory, True)
     coefficients, speeds = columns(waves, "coefficient", "nesterenko")
-    of_discrete = "Theory: the discrete chain, by an independent solver."
+    of_discrete = "Theory: the discrete chain, by our second solver."
     what = "Peak force over (m^3 E*^2 R* v^6)^(1/5)"
     yield Row(what, "", IMPULSE_COEFFICIENT, None, "thesis (4.5)", of_discrete, DISCRETE_COEFFICIENT)
-    yield Row(f"{what}, of the runs", "", None, float(coefficients.mean()), "independent solver",
+    yield Row(f"{what}, of the runs", "", None, float(coefficients.mean()), "our second solver",
               f"{_spread(coefficients)}{_SIMILAR}", DISCRETE_COEFFICIENT, True)  # fmt: skip
     what = "Speed over Nesterenko's at the same peak force"
     yield Row(
         what, "", 1.0, None, "composite (4)", f"Nesterenko's is of the continuum. {of_discrete}", discrete_speed()
     )
-    yield Row(f"{what}, of the runs", "", None, float(speeds.mean()), "independent solver",
+    yield Row(f"{what}, of the runs", "", None, float(speeds.mean()), "our second solver",
               f"{_spread(speeds)}{_SIMILAR}", discrete_speed(), True)  # fmt: skip
     wave = waves[len(waves) // 2]
     found, what = width(wave.x, wave.velocity), "Full width at half maximum of the bead velocity, diameters"
     yield Row(what, "", None, found, "Nesterenko's cos^4", "The discrete wave is narrower than that of the continuum.",
               HALF_OF_COS4)  # fmt: skip
-    yield Row(f"{what}, discrete chain", "", None, found, "independent solver", _SIMILAR, DISCRETE_WIDTH, True)
+    yield Row(f"{what}, discrete chain", "", None, found, "our second solver", _SIMILAR, DISCRETE_WIDTH, True)
     yield Row(f"Width of the wave at {_FOOT:g} of its largest velocity, diameters", "", 5.0,
               width(wave.x, wave.velocity, _FOOT), "thesis 4.1",
               f"cos^4 ends after {LENGTH:.2f} diameters; the discrete wave ends nowhere, and its width "

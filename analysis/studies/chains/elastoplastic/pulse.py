@@ -185,14 +185,15 @@ def _rows_of_dissipation(pulses: Pulses) -> Iterator[Row]:
         for force, of_law in zip(forces, model.dissipation_at(law, forces), strict=True)
     )
     range_matters = "Depends on the range of the fit"
+    converted = "Printed as normalised; taken as {} of brass contacts of R = 4.76 mm, where the law has them."
     units = (
         ("d0", "J", f"{range_matters}. With the printed constants a contact dissipates {compared}."),
         ("d1", "J/N", f"{range_matters}, and even changes sign."),
-        ("d2", "J/N^2", ""),
+        ("d2", "J/N^2", "Fitted to the law."),
     )
     for (what, unit, remark), printed, fitted in zip(units, model.QUADRATIC, model.quadratic_of(law), strict=True):
         name = f"{what} of 2.28, fitted to the law up to {model.FITTED_TO:g} N"
-        yield Row(name, unit, printed, None, where, remark, float(fitted))
+        yield Row(name, unit, printed, None, where, f"{converted.format(unit)} {remark}", float(fitted))
 
 
 def _rows_of_elastic(pulses: Pulses) -> Iterator[Row]:
