@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Contact history by sphere: one record per contact of a sphere. The contact is live if the pair is within reach, otherwise
-   its history has been discarded and the record is kept for the energies only. No LAMMPS types.
+   its history has been discarded. What the energies need of forgotten contacts is in sums by sphere, or their records are kept.
+   No LAMMPS types.
 
    Records of one sphere are contiguous in a pool, so that moving a sphere within the processor moves two numbers. A record
    consists of the quantities common to all contacts and a block of doubles that is copied as a whole: history variables of
@@ -24,6 +25,12 @@ struct Dent {
   double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;
 };
 
+/* Replace a time by another one if that is earlier; -1 = never. */
+inline void earliest(double &time, double other)
+{
+  if (other >= 0.0 && (time < 0.0 || other < time)) time = other;
+}
+
 struct ContactRecord {
   static constexpr int SIZE = 8;    // number of doubles in messages and restart files
 
@@ -33,6 +40,20 @@ struct ContactRecord {
   std::int32_t live;
   Dent dent;
 };
+
+/* Sums over the forgotten contacts of a sphere; all members are doubles, for communication. */
+struct ForgottenContacts {
+  double dissipated = 0.0, frictional_loss = 0.0, viscous_loss = 0.0;    // by whole contacts
+  double own_dissipated = 0.0;                                           // this sphere's part
+  double yielded = 0.0, beyond_half = 0.0, beyond_law = 0.0;             // numbers of contacts
+  double peak_force = 0.0, peak_overlap = 0.0;
+  double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;    // time_peak: of the largest force; -1 = never
+
+  static constexpr int SIZE = 12;
+
+  bool none() const { return peak_overlap == 0.0; }
+};
+static_assert(sizeof(ForgottenContacts) == ForgottenContacts::SIZE * sizeof(double));
 
 /* Layout of the block of a record. */
 struct BlockLayout {
@@ -102,6 +123,15 @@ class ContactHistory {
     first_.resize(n, 0);
     count_.resize(n, 0);
     owner_.resize(n, 0);
+    if (!forgotten_.empty()) forgotten_.resize(n);
+  }
+
+  /* Sums over the forgotten contacts of sphere i, and the same to be added to. */
+  ForgottenContacts forgotten(int i) const { return forgotten_.empty() ? ForgottenContacts() : forgotten_[i]; }
+  ForgottenContacts &forgotten_to_change(int i)
+  {
+    if (forgotten_.empty()) forgotten_.resize(count_.size());
+    return forgotten_[i];
   }
 
   /* Set the ID of the sphere that the records belong to, by which a later change of its ID is detected. */
@@ -116,12 +146,17 @@ class ContactHistory {
     return blocks_.data() + (first_[i] + m) * layout_.size();
   }    // block of record m of sphere i
 
-  void forget_sphere(int i) { count_[i] = 0; }
+  void forget_sphere(int i)
+  {
+    count_[i] = 0;
+    if (!forgotten_.empty()) forgotten_[i] = {};
+  }
   void copy(int from, int to)
   {
     first_[to] = first_[from];
     count_[to] = count_[from];
     owner_[to] = owner_[from];
+    if (!forgotten_.empty()) forgotten_[to] = forgotten_[from];
   }
 
   /* Append to the records of sphere i, which are moved to the end of the pool unless they are there already. The block must
@@ -193,11 +228,13 @@ class ContactHistory {
   }
 
   std::size_t size() const { return pool_.size(); }
+  bool has_forgotten() const { return !forgotten_.empty(); }
   double memory_usage() const
   {
     return static_cast<double>(pool_.capacity() * sizeof(ContactRecord) + blocks_.capacity() * sizeof(double) +
                                first_.capacity() * sizeof(std::size_t) +
-                               count_.capacity() * (sizeof(int) + sizeof(std::int64_t)));
+                               count_.capacity() * (sizeof(int) + sizeof(std::int64_t)) +
+                               forgotten_.capacity() * sizeof(ForgottenContacts));
   }
 
  private:
@@ -205,6 +242,7 @@ class ContactHistory {
   std::vector<std::size_t> first_;
   std::vector<int> count_;
   std::vector<std::int64_t> owner_;
+  std::vector<ForgottenContacts> forgotten_;    // by sphere; empty as long as there are none
   std::vector<ContactRecord> pool_;
   std::vector<double> blocks_;    // layout_.size() doubles per record
 };

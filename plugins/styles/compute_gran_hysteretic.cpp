@@ -41,11 +41,6 @@ enum {
   VISCOUS,
   N_ATOM
 };
-
-void earliest(double &time, double other)
-{
-  if (other >= 0.0 && (time < 0.0 || other < time)) time = other;
-}
 }    // namespace
 
 ComputeGranHystereticAtom::ComputeGranHystereticAtom(LAMMPS *lmp, int narg, char **arg) :
@@ -86,15 +81,29 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[VISCOUS] += 0.5 * report.viscous_loss;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
-    earliest(row[FIRST], report.dent.time_first);
-    earliest(row[YIELD], report.dent.time_yield);
+    granwave::earliest(row[FIRST], report.dent.time_first);
+    granwave::earliest(row[YIELD], report.dent.time_yield);
   };
   pair->for_each_dent([&](const Report &report) {
     add(report.i, report.share_i, report);
     if (report.j >= 0 && report.j < nlocal) add(report.j, 1.0 - report.share_i, report);
   });
-  for (int i = 0; i < nlocal; i++)
-    if (!(atom->mask[i] & groupbit)) std::fill_n(array_atom[i], static_cast<int>(N_ATOM), 0.0);
+  for (int i = 0; i < nlocal; i++) {
+    double *row = array_atom[i];
+    const granwave::ForgottenContacts forgotten = pair->forgotten(i);
+    if (forgotten.peak_force > row[PEAK_FORCE]) {
+      row[PEAK_FORCE] = forgotten.peak_force;
+      row[PEAK] = forgotten.time_peak;
+    }
+    row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], forgotten.peak_overlap);
+    row[DISSIPATED] += forgotten.own_dissipated;
+    row[FRICTIONAL] += 0.5 * forgotten.frictional_loss;
+    row[VISCOUS] += 0.5 * forgotten.viscous_loss;
+    row[YIELDED] += forgotten.yielded;
+    granwave::earliest(row[FIRST], forgotten.time_first);
+    granwave::earliest(row[YIELD], forgotten.time_yield);
+    if (!(atom->mask[i] & groupbit)) std::fill_n(row, static_cast<int>(N_ATOM), 0.0);
+  }
 }
 
 double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM * sizeof(double); }

@@ -4,9 +4,12 @@
 #include "atom.h"
 #include "error.h"
 #include "fmt/format.h"
+#include "update.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 using namespace LAMMPS_NS;
 
@@ -40,4 +43,21 @@ void granwave::require_finite_motion(LAMMPS *lmp, int i)
 void granwave::require_finite_motion(LAMMPS *lmp)
 {
   for (int i = 0; i < lmp->atom->nlocal; i++) require_finite_motion(lmp, i);
+}
+
+std::string granwave::causes_of_overlap(LAMMPS *lmp, double speed, double radius, const std::string &placed)
+{
+  constexpr double LARGE = 0.02;    // of the radius: a contact would be loaded in less than 50 steps
+  std::vector<std::string> causes = {"the load is too strong or the impact too fast for these materials", placed,
+                                     "the timestep is far too large"};
+  const int likely = lmp->update->setupflag ? 1 : speed * lmp->update->dt > LARGE * radius ? 2 : 0;
+  std::rotate(causes.begin(), causes.begin() + likely, causes.begin() + likely + 1);    // to the front
+  return fmt::format("{}, or {}, or {}", causes[0], causes[1], causes[2]);
+}
+
+double granwave::speed_of(LAMMPS *lmp, int i)
+{
+  if (i >= lmp->atom->nlocal) return 0.0;
+  const double *const v = lmp->atom->v[i];
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }

@@ -6,6 +6,7 @@
 #include "error.h"
 #include "fix_gran_cylinder.h"
 #include "group.h"
+#include "restart_state.h"
 #include "update.h"
 
 #include "../laws/exact_sum.h"
@@ -18,7 +19,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1;
 constexpr double SPHERE = 0.4;    // moment of inertia over m R^2, as in fix nve/sphere
 constexpr const char *USAGE = "expected rate RATE, or rate RATE x|y|z FROM TO, or impedance Z x|y|z";
 
@@ -126,17 +126,7 @@ double FixGranAbsorb::compute_scalar() { return absorbed; }
 void FixGranAbsorb::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  const double state[] = {double(RESTART_FORMAT), absorbed};
-  const int size = sizeof(state);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state, sizeof(double), 2, fp);
+  granwave::write_state(fp, {absorbed});
 }
 
-void FixGranAbsorb::restart(char *buffer)
-{
-  const auto *const state = reinterpret_cast<const double *>(buffer);
-  if (state[0] != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE,
-               RESTART_FORMAT);
-  absorbed = state[1];
-}
+void FixGranAbsorb::restart(char *buffer) { absorbed = *granwave::read_state(lmp, *this, buffer, 1); }

@@ -6,6 +6,7 @@
 #include "error.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "modify.h"
+#include "restart_state.h"
 
 #include <cmath>
 #include <cstring>
@@ -16,7 +17,7 @@ using granwave::Cylinder;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1, WORDS = 5;    // of each type
+constexpr int WORDS = 5;    // of each type
 constexpr const char *USAGE =
     "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
@@ -137,25 +138,16 @@ double FixGranCylinder::compute_scalar()
 void FixGranCylinder::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  std::vector<double> state = {double(RESTART_FORMAT), double(shapes.size())};
+  std::vector<double> state = {double(shapes.size())};
   for (const Cylinder &one : shapes) state.insert(state.end(), {one.length, one.axis[0], one.axis[1], one.axis[2]});
-  const int size = static_cast<int>(state.size() * sizeof(double));
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state.data(), sizeof(double), state.size(), fp);
+  granwave::write_state(fp, state);
 }
 
 void FixGranCylinder::restart(char *buffer)
 {
-  const auto *value = reinterpret_cast<const double *>(buffer);
-  if (value[0] != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", value[0], STYLE,
-               RESTART_FORMAT);
-  std::vector<Cylinder> stored(static_cast<std::size_t>(value[1]));
-  value += 2;
-  for (Cylinder &one : stored) {
-    one = {value[0], {value[1], value[2], value[3]}};
-    value += 4;
-  }
-  if (!(stored == shapes))
-    error->all(FLERR, "Restart file holds fix {} {} with other cylinders: give it again as it was", STYLE, id);
+  const double *value = granwave::read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
+  bool same = *value++ == static_cast<double>(shapes.size());
+  for (std::size_t type = 0; same && type < shapes.size(); type++, value += 4)
+    same = shapes[type] == Cylinder{value[0], {value[1], value[2], value[3]}};
+  if (!same) error->all(FLERR, "Restart file holds fix {} {} with other cylinders: give it again as it was", STYLE, id);
 }

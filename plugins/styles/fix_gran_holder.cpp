@@ -6,6 +6,7 @@
 #include "error.h"
 #include "group.h"
 #include "modify.h"
+#include "restart_state.h"
 #include "update.h"
 
 #include "../laws/exact_sum.h"
@@ -19,7 +20,6 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1;
 constexpr const char *USAGE = "expected x|y|z FRICTION ACCELERATION";
 
 }    // namespace
@@ -105,17 +105,7 @@ double FixGranHolder::compute_scalar() { return lost; }
 void FixGranHolder::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
-  const double state[] = {double(RESTART_FORMAT), lost};
-  const int size = sizeof(state);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state, sizeof(double), 2, fp);
+  granwave::write_state(fp, {lost});
 }
 
-void FixGranHolder::restart(char *buffer)
-{
-  const auto *const state = reinterpret_cast<const double *>(buffer);
-  if (state[0] != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE,
-               RESTART_FORMAT);
-  lost = state[1];
-}
+void FixGranHolder::restart(char *buffer) { lost = *granwave::read_state(lmp, *this, buffer, 1); }

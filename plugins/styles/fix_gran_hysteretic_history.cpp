@@ -6,15 +6,25 @@
 #include "finite_motion.h"
 #include "memory.h"
 #include "pair_gran_hysteretic.h"
+#include "restart_state.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
 using namespace LAMMPS_NS;
+using granwave::AtomState;
 using granwave::BlockLayout;
 using granwave::ContactRecord;
+using granwave::ForgottenContacts;
+
+namespace {
+
+// the state of a sphere: this head, sums over forgotten contacts if there are any, records with their blocks
+enum { COUNT, OWNER, EXTRA, EXTENDED, SUMS, N_HEAD };
+
+}    // namespace
 
 FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
@@ -43,9 +53,9 @@ void FixGranHystereticHistory::gather()
 {
   granwave::require_finite_motion(lmp);
   if (pair) pair->release_contacts();
-  int most = 0;
-  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  maxexchange = 2 + record_size() * most;
+  // a sphere may be passed on by a processor that it did not come from
+  const int mine = most_numbers();
+  MPI_Allreduce(&mine, &maxexchange, 1, MPI_INT, MPI_MAX, world);
 }
 
 void FixGranHystereticHistory::setup_pre_exchange() { gather(); }
@@ -69,57 +79,100 @@ void FixGranHystereticHistory::set_arrays(int i)
   history.forget_sphere(i);
 }
 
-int FixGranHystereticHistory::record_size() const { return ContactRecord::SIZE + history.layout().size(); }
+/* Size of the state of sphere i, and the largest one of this processor. */
 
-/* A negative count denotes extended blocks. */
+int FixGranHystereticHistory::size(int i, int further) const
+{
+  return N_HEAD + (history.forgotten(i).none() && further == 0 ? 0 : ForgottenContacts::SIZE) +
+         (ContactRecord::SIZE + history.layout().size()) * (history.count(i) + further);
+}
+
+void FixGranHystereticHistory::expect_records(int i, int n) { maxexchange = std::max(maxexchange, size(i, n)); }
+
+int FixGranHystereticHistory::most_numbers() const
+{
+  int most = N_HEAD;
+  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, size(i));
+  return most;
+}
 
 int FixGranHystereticHistory::pack(int i, double *buf) const
 {
-  int m = 0;
-  const int size = history.layout().size();
-  buf[m++] = history.layout().extended ? -history.count(i) : history.count(i);
-  buf[m++] = ubuf(static_cast<int64_t>(history.owner(i))).d;
+  const BlockLayout &layout = history.layout();
+  const ForgottenContacts sums = history.forgotten(i);
+  buf[COUNT] = history.count(i);
+  buf[OWNER] = ubuf(static_cast<int64_t>(history.owner(i))).d;
+  buf[EXTRA] = layout.n_extra;
+  buf[EXTENDED] = layout.extended;
+  buf[SUMS] = !sums.none();
+  double *at = buf + N_HEAD;
+  if (!sums.none()) at = std::copy_n(reinterpret_cast<const double *>(&sums), static_cast<int>(ForgottenContacts::SIZE), at);
   const ContactRecord *record = history.records(i);
   for (int k = 0; k < history.count(i); k++, record++) {
-    buf[m++] = ubuf(static_cast<int64_t>(record->partner)).d;
-    buf[m++] = record->partner_radius;
-    buf[m++] = record->partner_type;
-    buf[m++] = record->live;
-    buf[m++] = record->dent.peak;
-    buf[m++] = record->dent.time_first;
-    buf[m++] = record->dent.time_peak;
-    buf[m++] = record->dent.time_yield;
-    std::copy_n(history.block(i, k), size, buf + m);
-    m += size;
+    *at++ = ubuf(static_cast<int64_t>(record->partner)).d;
+    *at++ = record->partner_radius;
+    *at++ = record->partner_type;
+    *at++ = record->live;
+    *at++ = record->dent.peak;
+    *at++ = record->dent.time_first;
+    *at++ = record->dent.time_peak;
+    *at++ = record->dent.time_yield;
+    at = std::copy_n(history.block(i, k), layout.size(), at);
   }
-  return m;
+  return static_cast<int>(at - buf);
 }
 
-/* Unpack the records of a sphere; `n_extra` is that of the blocks in the buffer. */
+/* Unpack the state of a sphere. */
 
-int FixGranHystereticHistory::unpack(int i, const double *buf, int n_extra)
+int FixGranHystereticHistory::unpack(int i, const double *buf)
 {
-  int m = 0;
+  const BlockLayout packed{static_cast<int>(buf[EXTRA]), buf[EXTENDED] != 0.0};
+  const double *at = buf + N_HEAD;
   history.forget_sphere(i);
-  const int count = static_cast<int>(buf[m++]), n = std::abs(count);
-  const BlockLayout packed{n_extra, count < 0};
+  history.own(i, static_cast<std::int64_t>(ubuf(buf[OWNER]).i));
+  if (buf[SUMS] != 0.0) {
+    std::copy_n(at, static_cast<int>(ForgottenContacts::SIZE), reinterpret_cast<double *>(&history.forgotten_to_change(i)));
+    at += ForgottenContacts::SIZE;
+  }
+  return static_cast<int>(unpack_records(i, static_cast<int>(buf[COUNT]), packed, at) - buf);
+}
+
+/* Append records with blocks of this layout to sphere i. Returns the end of the records. */
+
+const double *FixGranHystereticHistory::unpack_records(int i, int count, const BlockLayout &packed, const double *buf)
+{
   history.extend(packed);
-  history.own(i, static_cast<std::int64_t>(ubuf(buf[m++]).i));
   std::vector<double> block(history.layout().size());
-  for (int k = 0; k < n; k++) {
+  for (int k = 0; k < count; k++) {
     ContactRecord record;
-    record.partner = static_cast<std::int64_t>(ubuf(buf[m]).i);
-    record.partner_radius = buf[m + 1];
-    record.partner_type = static_cast<int>(buf[m + 2]);
-    record.live = static_cast<int>(buf[m + 3]);
-    record.dent = {buf[m + 4], buf[m + 5], buf[m + 6], buf[m + 7]};
-    m += ContactRecord::SIZE;
+    record.partner = static_cast<std::int64_t>(ubuf(buf[0]).i);
+    record.partner_radius = buf[1];
+    record.partner_type = static_cast<int>(buf[2]);
+    record.live = static_cast<int>(buf[3]);
+    record.dent = {buf[4], buf[5], buf[6], buf[7]};
+    buf += ContactRecord::SIZE;
     std::fill(block.begin(), block.end(), 0.0);
-    granwave::ContactHistory::copy_block(packed, buf + m, history.layout(), block.data());
-    m += packed.size();
+    granwave::ContactHistory::copy_block(packed, buf, history.layout(), block.data());
+    buf += packed.size();
     history.append(i, record, block.data());
   }
-  return m;
+  return buf;
+}
+
+/* True if these can be records: what is not would be believed as type, radius or overlap. */
+
+bool FixGranHystereticHistory::is_sound(const double *buf, int count, const BlockLayout &packed) const
+{
+  for (int k = 0; k < count; k++) {
+    const auto partner = static_cast<std::int64_t>(ubuf(buf[0]).i);
+    if (partner < 1 || partner > MAXTAGINT || !(buf[1] >= 0.0) || !granwave::is_whole(buf[2], 1, atom->ntypes) ||
+        !granwave::is_whole(buf[3], 0, 1) || !(buf[4] >= 0.0))
+      return false;
+    const int n = ContactRecord::SIZE + packed.size();
+    if (!std::all_of(buf + 1, buf + n, [](double value) { return std::isfinite(value); })) return false;
+    buf += n;
+  }
+  return true;
 }
 
 int FixGranHystereticHistory::pack_exchange(int i, double *buf)
@@ -131,41 +184,57 @@ int FixGranHystereticHistory::pack_exchange(int i, double *buf)
 int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 {
   if (pair) pair->release_contacts();
-  return unpack(nlocal, buf, history.layout().n_extra);
+  return unpack(nlocal, buf);
 }
 
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
 {
   if (pair) pair->publish_contacts();
-  buf[0] = pack(i, buf + 1) + 1;
-  return static_cast<int>(buf[0]);
+  return granwave::seal_atom_state(buf, pack(i, buf + AtomState::HEAD));
 }
 
-void FixGranHystereticHistory::unpack_restart(int nlocal, int nth)
+void FixGranHystereticHistory::unpack_restart(int i, int nth)
 {
-  double **extra = atom->extra;
-  int m = 0;
-  for (int i = 0; i < nth; i++) m += static_cast<int>(extra[nlocal][m]);
-  const double *const stored = &extra[nlocal][m];
-  const int count = static_cast<int>(stored[1]), n = std::abs(count);
-  int n_extra = 0;    // from the size of a record
-  if (n > 0) n_extra = (static_cast<int>(stored[0]) - 3) / n - ContactRecord::SIZE;
-  if (count < 0) n_extra = (n_extra - BlockLayout::N_EXTENDED) / 2;
-  unpack(nlocal, stored + 1, n_extra);
+  const AtomState state = granwave::atom_state(lmp, *this, i, nth);
+  const double *const values = state.values;
+  if (!state.checked) return unpack_unchecked(i, values, state.n);
+  constexpr int MOST_EXTRA = 1000;
+  const bool has_head =
+      state.n >= N_HEAD && granwave::is_whole(values[COUNT], 0, state.n) && granwave::is_whole(values[EXTRA], 0, MOST_EXTRA);
+  const BlockLayout packed{has_head ? static_cast<int>(values[EXTRA]) : 0, has_head && values[EXTENDED] != 0.0};
+  const int sums = has_head && values[SUMS] != 0.0 ? static_cast<int>(ForgottenContacts::SIZE) : 0;
+  if (!has_head || state.n != N_HEAD + sums + values[COUNT] * (ContactRecord::SIZE + packed.size()) ||
+      !is_sound(values + N_HEAD + sums, static_cast<int>(values[COUNT]), packed))
+    granwave::damaged_atom_state(lmp, *this, i);
+  unpack(i, values);
+}
+
+/* Unpack a state of the formats without a checksum: count, negative for extended blocks, owner, records. */
+
+void FixGranHystereticHistory::unpack_unchecked(int i, const double *values, int n)
+{
+  history.forget_sphere(i);
+  if (n < 2 || !granwave::is_whole(values[0], -n, n)) granwave::damaged_atom_state(lmp, *this, i);
+  const int count = static_cast<int>(std::fabs(values[0]));
+  history.own(i, static_cast<std::int64_t>(ubuf(values[1]).i));
+  if (count == 0) return;
+  BlockLayout packed{(n - 2) / count - ContactRecord::SIZE, values[0] < 0.0};
+  if (packed.extended) packed.n_extra = (packed.n_extra - BlockLayout::N_EXTENDED) / 2;
+  if (packed.n_extra < 0 || 2 + count * (ContactRecord::SIZE + packed.size()) != n || !is_sound(values + 2, count, packed))
+    granwave::damaged_atom_state(lmp, *this, i);
+  unpack_records(i, count, packed, values + 2);
 }
 
 int FixGranHystereticHistory::size_restart(int i)
 {
   if (pair) pair->publish_contacts();
-  return 3 + record_size() * history.count(i);
+  return AtomState::HEAD + size(i);
 }
 
 int FixGranHystereticHistory::maxsize_restart()
 {
   if (pair) pair->publish_contacts();
-  int most = 0;
-  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, history.count(i));
-  return 3 + record_size() * most;
+  return AtomState::HEAD + most_numbers();
 }
 
 double FixGranHystereticHistory::memory_usage() { return history.memory_usage(); }

@@ -36,14 +36,22 @@ class FixGranHystereticHistory : public Fix {
   int maxsize_restart() override;
   double memory_usage() override;
 
+  /* Make room for the records of a sphere that may have so many in addition to its present ones, for commands that migrate spheres
+     between two runs. */
+  void expect_records(int i, int n);
+
   granwave::ContactHistory history;
   PairGranHysteretic *pair = nullptr;    // its flat contact list, if valid, is more recent than the records
 
  private:
   void gather();
-  int record_size() const;
+  int most_numbers() const;
+  int size(int i, int further = 0) const;
   int pack(int, double *) const;
-  int unpack(int, const double *, int n_extra);
+  int unpack(int, const double *);
+  void unpack_unchecked(int i, const double *, int n);
+  const double *unpack_records(int i, int count, const granwave::BlockLayout &, const double *);
+  bool is_sound(const double *records, int count, const granwave::BlockLayout &) const;
 };
 
 }    // namespace LAMMPS_NS

@@ -8,6 +8,7 @@
 #include "fix_gran_timestep.h"
 #include "group.h"
 #include "modify.h"
+#include "restart_state.h"
 #include "simulated_time.h"
 #include "update.h"
 
@@ -26,7 +27,6 @@ using granwave::LoadShape;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1;
 constexpr const char *USAGE =
     "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of harmonic AMPLITUDE "
     "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST "
@@ -327,23 +327,19 @@ double FixGranLoad::compute_vector(int n)
 
 void FixGranLoad::write_restart(FILE *fp)
 {
-  double state[N_TOTALS + 2] = {double(RESTART_FORMAT), double(started), double(moves)};
-  MPI_Reduce(total, state + 3, N_TOTALS - 1, MPI_DOUBLE, MPI_SUM, 0, world);
-  if (comm->me != 0) return;
-  const int size = sizeof(state);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state, sizeof(double), N_TOTALS + 2, fp);
+  std::vector<double> state(N_STATE);
+  state[0] = started;
+  state[1] = moves;
+  MPI_Reduce(total, state.data() + 2, N_TOTALS - 1, MPI_DOUBLE, MPI_SUM, 0, world);
+  if (comm->me == 0) granwave::write_state(fp, state);
 }
 
 void FixGranLoad::restart(char *buffer)
 {
-  const auto *const state = reinterpret_cast<const double *>(buffer);
-  if (state[0] != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", state[0], STYLE,
-               RESTART_FORMAT);
-  if ((state[2] != 0.0) != moves)
+  const double *const state = granwave::read_state(lmp, *this, buffer, N_STATE);
+  if ((state[1] != 0.0) != moves)
     error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id,
                moves ? "force" : "displacement");
-  started = state[1] != 0.0;
-  if (comm->me == 0) std::copy_n(state + 3, N_TOTALS - 1, total);
+  started = state[0] != 0.0;
+  if (comm->me == 0) std::copy_n(state + 2, N_TOTALS - 1, total);
 }

@@ -40,6 +40,7 @@ class FixGranLoad : public Fix {
 
  private:
   enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_TOTALS };
+  static constexpr int N_STATE = 2 + N_TOTALS - 1;    // in restart files: started, moves, totals
 
   void read_table(const char *file);
   void apply_force(double whole);

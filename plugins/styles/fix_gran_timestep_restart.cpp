@@ -5,6 +5,7 @@
 
 #include "comm.h"
 #include "error.h"
+#include "restart_state.h"
 #include "update.h"
 
 #include <cmath>
@@ -13,7 +14,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int RESTART_FORMAT = 1;
+constexpr std::size_t N_STATE = 18;
 
 }    // namespace
 
@@ -21,37 +22,16 @@ void FixGranTimestep::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
   const auto &state = controller.state();
-  const double values[] = {double(RESTART_FORMAT),
-                           tick,
-                           origin,
-                           energy,
-                           bound,
-                           s,
-                           double(n_steps),
-                           double(shortest_taken),
-                           double(longest_taken),
-                           double(state.ticks),
-                           std::round(reported[0] / tick),
-                           double(state.wanted),
-                           double(state.steps),
-                           double(state.since),
-                           state.start,
-                           state.left,
-                           state.swing,
-                           state.swing_before,
-                           reported[1]};
-  const int size = sizeof(values);
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(values, sizeof(values), 1, fp);
+  granwave::write_state(fp, {tick, origin, energy, bound, s, double(n_steps), double(shortest_taken), double(longest_taken),
+                             double(state.ticks), std::round(reported[0] / tick), double(state.wanted), double(state.steps),
+                             double(state.since), state.start, state.left, state.swing, state.swing_before, reported[1]});
 }
 
 void FixGranTimestep::restart(char *buffer)
 {
-  const auto *value = reinterpret_cast<const double *>(buffer);
+  const double *value = granwave::read_state(lmp, *this, buffer, N_STATE);
   const auto next = [&value] { return *value++; };
   const auto whole = [&next] { return static_cast<std::int64_t>(next()); };
-  if (const double format = next(); format != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", format, STYLE, RESTART_FORMAT);
   if (const double given = next(); given != tick)
     error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, given,
                tick);

@@ -10,6 +10,7 @@
 #include "error.h"
 #include "fix_gran_cylinder.h"
 #include "../laws/law_arguments.h"
+#include "moved_mass.h"
 #include "neighbor.h"
 #include "simulated_time.h"
 #include "update.h"
@@ -113,6 +114,7 @@ void FixWallGranHysteretic::init()
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   init_cylinders();
+  rigid = loss ? granwave::rigid_bodies(lmp) : nullptr;
   reset_dt();
 }
 
@@ -236,7 +238,12 @@ void FixWallGranHysteretic::evaluate()
   std::fill_n(wall_force, 3, 0.0);
   pressed = stiffness = {};
   tallied = -1;
+  const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
+  if (rigid && arrived) {
+    moved_mass.resize(atom->nmax);
+    granwave::set_moved_masses(lmp, rigid, moved_mass);
+  }
   if (has_lines) compute_lines(at);
   for (std::size_t n = 0; n < spheres.size(); n++) {
     const int i = spheres[n];
@@ -279,5 +286,6 @@ void FixWallGranHysteretic::evaluate()
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
     }
   }
+  if (arrived) list_spheres();
   if (support) push_support();
 }

@@ -167,6 +167,8 @@ class FixWallGranHysteretic : public Fix {
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
   granwave::ViscousLoss loss;
+  Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies
+  std::vector<double> moved_mass;                // with rigid bodies: of the spheres
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 

@@ -51,10 +51,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   const double radius = atom->radius[i];
   if (!(overlap <= radius)) {
     granwave::require_finite_motion(lmp, i);
-    error->one(FLERR,
-               "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: it was placed into "
-               "it, or the timestep is far too large",
-               atom->tag[i], overlap, id, radius);
+    error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: {}", atom->tag[i],
+               overlap, id, radius,
+               granwave::causes_of_overlap(lmp, granwave::speed_of(lmp, i), radius, "it was placed into it"));
   }
   if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
@@ -135,7 +134,8 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     contact.force += history.force;
     return;
   }
-  const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), atom->rmass[i]);
+  const double mass = rigid ? moved_mass[i] : atom->rmass[i];
+  const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), mass);
   double normal[3], approach = 0.0;    // from the velocities
   inward(i, which, normal);
   for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];

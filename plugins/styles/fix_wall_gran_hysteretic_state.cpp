@@ -9,11 +9,13 @@
 #include "fix_gran_cylinder.h"
 #include "memory.h"
 #include "neighbor.h"
+#include "restart_state.h"
 
 #include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using granwave::AtomState;
 using granwave::INFINITE;
 using granwave::LineContact;
 using granwave::ScaledLaw;
@@ -21,12 +23,11 @@ using granwave::TangentialSpring;
 
 namespace {
 
-// Format of the per-sphere state. Format 1 had 8 output quantities and 5 numbers for each side, and no springs; format 3
-// contains further history variables of the law, and is written only for laws that have any.
+// Formats of the per-sphere state before those with a checksum. Format 1 had 8 output quantities and 5 numbers for each side, and
+// no springs; format 3 contained further history variables of the law.
 enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2, EXTRA_HISTORY = 3 };
 constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact over the radius
 constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
-constexpr int SUPPORT_FORMAT = 1;
 
 template <class Doubles> double *numbers(Doubles *first) { return reinterpret_cast<double *>(first); }
 template <class Doubles> const double *numbers(const Doubles *first) { return reinterpret_cast<const double *>(first); }
@@ -259,37 +260,36 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  buf[0] = n_state() + 2;
-  buf[1] = n_extra() > 0 ? EXTRA_HISTORY : WITH_FRICTION;
-  pack_exchange(i, buf + 2);
-  return n_state() + 2;
+  return granwave::seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
-  const double *stored = atom->extra[i];
-  for (int k = 0; k < nth; k++) stored += static_cast<int>(stored[0]);
-  const int size = static_cast<int>(stored[0]) - 2;
-  const double format = stored[1];
-  stored += 2;
-  if (format != WITHOUT_FRICTION && format != WITH_FRICTION && format != EXTRA_HISTORY)
-    error->one(FLERR, "Restart file holds format {} of fix {}; this version reads formats {} to {}", format, STYLE,
-               int(WITHOUT_FRICTION), int(EXTRA_HISTORY));
-  if (format == EXTRA_HISTORY && size != n_state())
-    error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
+  AtomState state = granwave::atom_state(lmp, *this, i, nth);
+  double format = WITH_FRICTION;
+  if (!state.checked) {
+    format = *state.values++;
+    state.n--;
+    if (!granwave::is_whole(format, WITHOUT_FRICTION, EXTRA_HISTORY)) granwave::damaged_atom_state(lmp, *this, i);
+  }
   const bool old = format == WITHOUT_FRICTION;
   const int reported = old ? OLD_REPORTED : N_KEPT, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
+  const bool whole = state.n == behind || (!old && state.n == behind + 2 * N_SPRING);    // friction may be new, or gone
+  if (n_extra() > 0 && !old ? state.n != n_state() : !whole)
+    error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
+  const double *const stored = state.values;
   FixWallGranHysteretic::set_arrays(i);
   std::copy_n(stored, reported, array_atom[i]);
   for (int which = 0; which < 2; which++)
     std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
-  if (friction > 0.0 && size >= behind + 2 * N_SPRING) std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
-  if (format == EXTRA_HISTORY) std::copy_n(stored + size - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
+  if (friction > 0.0 && state.n >= behind + 2 * N_SPRING)
+    std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
+  if (!old) std::copy_n(stored + state.n - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
   if (loss) report_viscous(i);
 }
 
-int FixWallGranHysteretic::size_restart(int) { return n_state() + 2; }
-int FixWallGranHysteretic::maxsize_restart() { return n_state() + 2; }
+int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }
+int FixWallGranHysteretic::maxsize_restart() { return AtomState::HEAD + n_state(); }
 
 double FixWallGranHysteretic::memory_usage()
 {
@@ -303,22 +303,17 @@ double FixWallGranHysteretic::memory_usage()
 void FixWallGranHysteretic::write_restart(FILE *fp)
 {
   if (comm->me != 0 || !support) return;
-  const std::vector<double> state = support->state();
-  const double head[2] = {double(SUPPORT_FORMAT), double(state.size())};
-  const int size = static_cast<int>(sizeof(head) + state.size() * sizeof(double));
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(head, sizeof(double), 2, fp);
-  fwrite(state.data(), sizeof(double), state.size(), fp);
+  std::vector<double> state = support->state();
+  state.insert(state.begin(), double(state.size()));
+  granwave::write_state(fp, state);
 }
 
 void FixWallGranHysteretic::restart(char *buffer)
 {
-  const auto *const stored = reinterpret_cast<const double *>(buffer);
-  if (stored[0] != SUPPORT_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of the support of fix {}; this version reads format {}", stored[0],
-               STYLE, SUPPORT_FORMAT);
-  if (!support || stored[1] != double(support->state_size()))
-    error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id,
-               support ? "another number of elements in its support" : "a support");
-  support->restore(stored + 2);
+  const char *const other = support ? "another number of elements in its support" : "a support";
+  const std::size_t n = support ? support->state_size() : 0;
+  const double *const state = granwave::read_state(lmp, *this, buffer, 1 + n, other);
+  if (!support || state[0] != static_cast<double>(n))
+    error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id, other);
+  support->restore(state + 1);
 }

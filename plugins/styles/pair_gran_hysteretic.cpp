@@ -12,6 +12,7 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
+#include "moved_mass.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -37,6 +38,7 @@ PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
   finitecutflag = 1;
   writedata = 0;
   centroidstressflag = CENTROID_SAME;
+  comm_forward = 1;    // masses of rigid bodies
 }
 
 PairGranHysteretic::~PairGranHysteretic()
@@ -69,11 +71,13 @@ void PairGranHysteretic::allocate()
 
 void PairGranHysteretic::settings(int narg, char **arg)
 {
-  if (narg != 1)
+  const std::string kept = narg == 3 ? arg[2] : "sum";
+  if ((narg != 1 && narg != 3) || (narg == 3 && std::strcmp(arg[1], "forgotten") != 0) || (kept != "sum" && kept != "list"))
     error->all(FLERR,
-               "Illegal pair_style gran/hysteretic: expected one argument, the gap beyond which a dent is "
-               "forgotten, found {}",
-               narg);
+               "Illegal pair_style gran/hysteretic: expected the gap beyond which a dent is forgotten, and perhaps "
+               "'forgotten sum' or 'forgotten list', found '{}'",
+               utils::join_words(std::vector<std::string>(arg, arg + narg), " "));
+  lists_forgotten = kept == "list";
   gap = utils::numeric(FLERR, arg[0], false, lmp);
   if (!(gap > 0.0) || !std::isfinite(gap))
     error->all(FLERR, "Illegal pair_style gran/hysteretic: the gap must be positive, found {}", arg[0]);
@@ -135,6 +139,8 @@ void PairGranHysteretic::init_style()
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "loss: give all laws before the first run");
   has_loss = any_loss;
+  frozen = has_loss ? granwave::frozen_group(lmp) : 0;
+  rigid = has_loss ? granwave::rigid_bodies(lmp) : nullptr;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
@@ -154,6 +160,8 @@ void PairGranHysteretic::init_style()
     fix_history = dynamic_cast<FixGranHystereticHistory *>(
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->pair = this;
+    if (from_restart && !fix_history->restart_reset)
+      error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Pair style gran/hysteretic: contact of spheres with history-dependent normal forces and with friction.
 
-   pair_style gran/hysteretic gap
+   pair_style gran/hysteretic gap [forgotten sum|list]
    pair_coeff I J law ...            (law_arguments.h)
 
-   The dent of a contact is kept after separation, until the gap between the spheres exceeds `gap`. Pairs within reach are stored
+   The dent of a contact is kept after separation, until the gap between the spheres exceeds `gap`; then it is added to the sums of
+   its two spheres, or with `list` stays on record. Pairs within reach are stored
    in flat arrays that supplement LAMMPS's neighbor list, from one reneighboring to the next; during reneighboring the dents
    are stored with the spheres (FixGranHystereticHistory).
 
@@ -46,7 +47,7 @@ class PairGranHysteretic : public Pair {
 
   /* State of one contact for output, in physical units. */
   struct Report {
-    int i, j;    // local index; j may be a ghost, -1 for a forgotten dent
+    int i, j;    // local index; j may be a ghost, -1 for a forgotten dent on record
     tagint tag_i, tag_j;
     double overlap, force;    // present values; overlap < 0 is a gap
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
@@ -73,6 +74,8 @@ class PairGranHysteretic : public Pair {
   void read_restart(FILE *) override;
   void write_restart_settings(FILE *) override;
   void read_restart_settings(FILE *) override;
+  int pack_forward_comm(int, int *, double *, int, int *) override;
+  void unpack_forward_comm(int, int, double *) override;
   double memory_usage() override;
 
   /* Update the records of the spheres; release_contacts() also invalidates the flat list. */
@@ -80,8 +83,11 @@ class PairGranHysteretic : public Pair {
   void release_contacts();
 
   /* Call a function for every contact of this processor: a pair with a ghost sphere is reported by both owners, a forgotten
-     dent by the owner of each sphere. Requires a current list (after setup or during a run). */
+     dent on record by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
+
+  /* Sums over the forgotten dents of an owned sphere that are not on record. */
+  granwave::ForgottenContacts forgotten(int i) const;
 
   enum {
     DISSIPATED,
@@ -123,6 +129,7 @@ class PairGranHysteretic : public Pair {
     bool valid = false, published = false;
     int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
     int owned = 0;                  // number of owned spheres when the list was built
+    int most_pairs = 0;             // largest number of pairs of any of them
     std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
     std::vector<int> partner;       // local or ghost index
     std::vector<double> peak;       // largest overlap so far
@@ -203,6 +210,7 @@ class PairGranHysteretic : public Pair {
   void set_elastic(Batch &);
   void update_history(Batch &);
   void compute_viscous(Batch &);
+  void set_masses();
   void compute_tangential(Batch &);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
@@ -220,16 +228,20 @@ class PairGranHysteretic : public Pair {
   void unpack_block(int k, double side, const granwave::BlockLayout &, const double *block);
   void reset_history(int k, double peak, bool initial);
   void forget(int row, int k);
+  void sum_up(int i, const granwave::ContactRecord &, const double *block);
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
                               double overlap) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
+  Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
   Report report_pair(std::size_t r, int k);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
+  bool lists_forgotten = false;    // true if forgotten dents stay on record
   int atom_types = 0;
-  int restart_format = 1;    // format of the file being written or read
+  int restart_format = 0;       // of the file being written or read
+  bool from_restart = false;    // true if the settings are from a restart file
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
@@ -241,6 +253,9 @@ class PairGranHysteretic : public Pair {
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
+  int frozen = 0;                    // with a loss: bit of the group of fix freeze
+  class Fix *rigid = nullptr;        // with a loss: fix of rigid bodies
+  std::vector<double> moved_mass;    // with rigid bodies: of spheres and ghosts
   bool has_initial_dents = false;    // true if initial dents are stored
   Contacts contacts;
   Batch batch;                         // of the pairs found last

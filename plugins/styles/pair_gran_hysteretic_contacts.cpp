@@ -108,6 +108,13 @@ void PairGranHysteretic::build_contacts()
   }
   check_displacements();
   restore_history();
+  std::vector<int> pairs_of(c.owned, 0);
+  for (std::size_t r = 0; r < c.row.size(); r++)
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
+      for (const int i : {c.row[r], c.partner[k]})
+        if (i < c.owned) pairs_of[i]++;
+  c.most_pairs = pairs_of.empty() ? 0 : *std::max_element(pairs_of.begin(), pairs_of.end());
+  for (int i = 0; i < c.owned; i++) fix_history->expect_records(i, c.most_pairs);
   if (has_friction || has_loss) c.touched = c.groups.bits([this](int k) { return has_spring(k); });
   c.valid = true;
   c.published = false;
@@ -164,15 +171,14 @@ void PairGranHysteretic::check_displacements()
   }
 }
 
-/* Restore the flat list from the live records of the spheres. A live record whose pair is no longer within reach is marked as
-   forgotten. */
+/* Restore the flat list from the live records of the spheres. A live record whose pair is no longer within reach is forgotten. */
 
 void PairGranHysteretic::restore_history()
 {
   granwave::ContactHistory &history = fix_history->history;
-  if (history.size() == 0) return;
+  if (history.size() == 0 && !history.has_forgotten()) return;
   for (int i = 0; i < atom->nlocal; i++)
-    if (history.count(i) > 0 && history.owner(i) != atom->tag[i])
+    if ((history.count(i) > 0 || !history.forgotten(i).none()) && history.owner(i) != atom->tag[i])
       error->one(FLERR,
                  "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
                  "Use 'delete_atoms ... compress no', and no reset_atoms id",
@@ -200,8 +206,11 @@ void PairGranHysteretic::restore_history()
     }
   for (int i = 0; i < atom->nlocal; i++) {
     ContactRecord *record = history.records(i);
-    for (int m = 0; m < history.count(i); m++, record++)
-      if (record->live == 1) record->live = 0;
+    for (int m = 0; m < history.count(i); m++, record++) {
+      if (record->live == FOUND) continue;
+      if (!lists_forgotten) sum_up(i, *record, history.block(i, m));
+      record->live = lists_forgotten ? 0 : FOUND;    // the others are dropped
+    }
   }
   history.keep_forgotten(atom->nlocal);
 }
@@ -325,7 +334,7 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   std::copy_n(extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
 }
 
-/* Discard the history of a separated pair: its record is stored with both spheres as forgotten, and a new contact may start. */
+/* Discard the history of a separated pair: its sums or its record are stored with both spheres, and a new contact may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {
@@ -337,7 +346,11 @@ void PairGranHysteretic::forget(int row, int k)
     if (i >= atom->nlocal) return;
     history.own(i, atom->tag[i]);
     pack_block(k, side, block.data());
-    history.append(i, {atom->tag[j], atom->radius[j], atom->type[j], 0, dent}, block.data());
+    const ContactRecord record{atom->tag[j], atom->radius[j], atom->type[j], 0, dent};
+    if (lists_forgotten) {
+      history.append(i, record, block.data());
+      fix_history->expect_records(i, c.most_pairs);
+    } else sum_up(i, record, block.data());
   };
   append(c.row[row], c.partner[k], 1.0);
   append(c.partner[k], c.row[row], -1.0);

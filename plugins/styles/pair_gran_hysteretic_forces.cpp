@@ -303,6 +303,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   ev_init(eflag, vflag);
   if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
   if (!contacts.valid) build_contacts();
+  set_masses();
   contacts.published = false;
   now = granwave::simulated_time(*update);
   // springs are not updated in a setup, so that a continued run is identical to an uninterrupted one
@@ -320,9 +321,9 @@ void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
   for (const int sphere : {i, j}) granwave::require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
-  error->one(FLERR,
-             fmt::format("Spheres {} and {} overlap by {:.3g}, more than {}: they were placed into each other, or the "
-                         "timestep is far too large",
-                         atom->tag[i], atom->tag[j], overlap,
-                         face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one"));
+  const double speed = std::max(granwave::speed_of(lmp, i), granwave::speed_of(lmp, j));
+  const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
+  error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
+             face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one",
+             granwave::causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
 }

@@ -4,6 +4,9 @@
 #include "pair_gran_hysteretic.h"
 
 #include "atom.h"
+#include "comm.h"
+#include "moved_mass.h"
+#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
@@ -41,13 +44,35 @@ void PairGranHysteretic::release_contact(int k)
   if (has_friction) release(c.spring[k]);
 }
 
+/* Set the masses that spheres and ghosts move with, where there are rigid bodies. */
+
+void PairGranHysteretic::set_masses()
+{
+  if (!rigid || neighbor->ago != 0) return;
+  moved_mass.resize(atom->nmax);
+  granwave::set_moved_masses(lmp, rigid, moved_mass);
+  comm->forward_comm(this);
+}
+
+int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int, int *)
+{
+  for (int k = 0; k < n; k++) buf[k] = moved_mass[list[k]];
+  return n;
+}
+
+void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
+{
+  std::copy_n(buf, n, moved_mass.begin() + first);
+}
+
 /* Add the viscous forces of touching pairs to the normal forces. Where a run is continued they are those of its last step, so
    that it is identical to an uninterrupted one; there are none in a minimization. */
 
 void PairGranHysteretic::compute_viscous(Batch &batch)
 {
   Contacts &c = contacts;
-  const double *const v = atom->v[0], *const mass = atom->rmass;
+  const double *const v = atom->v[0], *const mass = rigid ? moved_mass.data() : atom->rmass;
+  const int *const mask = atom->mask;
   const bool moves = update->whichflag == 1;
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
@@ -67,10 +92,10 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     if (p.contact.yielded(c.peak[k]))
       stiffness = overlap >= c.peak[k] ? p.contact.tangent_stiffness(overlap, law_history(k))
                                        : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
-    // the body of a flat face is much heavier than the sphere
-    const double effective_mass = p.radius_i == 0.0   ? mass[j]
-                                  : p.radius_j == 0.0 ? mass[i]
-                                                      : mass[i] * mass[j] / (mass[i] + mass[j]);
+    // the body of a flat face is much heavier than the sphere, and a frozen one does not move
+    const double effective_mass = p.radius_i == 0.0 || (mask[i] & frozen)   ? mass[j]
+                                  : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
+                                                                            : mass[i] * mass[j] / (mass[i] + mass[j]);
     const double coefficient = p.loss.coefficient(stiffness, effective_mass);
     double approach = 0.0;    // from the velocities
     for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[3 * i + d] - v[3 * j + d]);

@@ -29,6 +29,18 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
                                  : contact.unloading(reached, contact.turning(history));
 }
 
+namespace {
+
+/* Return 1 if the peak of a contact is beyond half of the range of its law, 2 if beyond all of it, else 0. */
+int beyond_range(const ScaledLaw &contact, double peak)
+{
+  if (!contact.is_hertzian()) return peak > contact.valid_overlap() ? 2 : peak > 0.5 * contact.valid_overlap() ? 1 : 0;
+  if (!contact.yielded(peak) || !contact.law().entry().fitted) return 0;
+  return peak > 0.2 * contact.effective_radius() ? 2 : peak > 0.1 * contact.effective_radius() ? 1 : 0;
+}
+
+}    // namespace
+
 /* Energy lost by the viscous force of a contact with this block; 0 without losses. */
 
 double PairGranHysteretic::viscous_loss(const double *extra) const
@@ -62,19 +74,12 @@ double PairGranHysteretic::tally_totals()
       if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
     }
     largest_force = std::max(largest_force, peak_force);
-    if (!contact.is_hertzian() && h.peak > 0.5 * contact.valid_overlap()) {
-      pvector[BEYOND_HALF] += weight;
-      if (h.peak > contact.valid_overlap()) pvector[BEYOND_LAW] += weight;
-    }
-    if (!contact.yielded(h.peak)) return;
-    if (h.peak > view.initial) {
-      pvector[YIELDED] += weight;
-      pvector[DISSIPATED] += weight * (dissipated - contact.dissipated_energy({view.initial, view.initial_extra}));
-    }
-    if (contact.law().entry().fitted && h.peak > 0.1 * contact.effective_radius()) {
-      pvector[BEYOND_HALF] += weight;
-      if (h.peak > 0.2 * contact.effective_radius()) pvector[BEYOND_LAW] += weight;
-    }
+    const int beyond = beyond_range(contact, h.peak);
+    if (beyond > 0) pvector[BEYOND_HALF] += weight;
+    if (beyond > 1) pvector[BEYOND_LAW] += weight;
+    if (!contact.yielded(h.peak) || h.peak <= view.initial) return;
+    pvector[YIELDED] += weight;
+    pvector[DISSIPATED] += weight * (dissipated - contact.dissipated_energy({view.initial, view.initial_extra}));
   };
 
   PairParameters p{};
@@ -116,6 +121,17 @@ double PairGranHysteretic::tally_totals()
         const LawHistory h{record->dent.peak, view.extra};
         count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
       }
+    }
+  if (history.has_forgotten())
+    for (int i = 0; i < nlocal; i++) {
+      const granwave::ForgottenContacts sums = history.forgotten(i);
+      pvector[DISSIPATED] += 0.5 * sums.dissipated;
+      pvector[FRICTIONAL] += 0.5 * sums.frictional_loss;
+      pvector[VISCOUS] += 0.5 * sums.viscous_loss;
+      pvector[YIELDED] += 0.5 * sums.yielded;
+      pvector[BEYOND_HALF] += 0.5 * sums.beyond_half;
+      pvector[BEYOND_LAW] += 0.5 * sums.beyond_law;
+      largest_force = std::max(largest_force, sums.peak_force);
     }
 
   double all_largest = 0.0;
@@ -218,20 +234,52 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
   for (int i = 0; i < atom->nlocal; i++) {
     const ContactRecord *record = history.records(i);
     for (int m = 0; m < history.count(i); m++, record++) {
-      if (record->live) continue;
-      Report report{};
-      report.i = i;
-      report.j = -1;
-      report.tag_i = atom->tag[i];
-      report.tag_j = static_cast<tagint>(record->partner);
-      report.dent = record->dent;
-      report.overlap = -gap;
-      const ScaledLaw contact = scaled_law(atom->type[i], record->partner_type, atom->radius[i], record->partner_radius);
-      fill_report(report, contact, BlockView(history.layout(), history.block(i, m)), 0.0);
-      visit(report);
+      if (!record->live) visit(report_forgotten(i, *record, history.block(i, m)));
     }
   }
 }
+
+/* Report on a forgotten contact of sphere i. */
+
+PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const ContactRecord &record, const double *block)
+{
+  Report report{};
+  report.i = i;
+  report.j = -1;
+  report.tag_i = atom->tag[i];
+  report.tag_j = static_cast<tagint>(record.partner);
+  report.dent = record.dent;
+  report.overlap = -gap;
+  const ScaledLaw contact = scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
+  fill_report(report, contact, BlockView(fix_history->history.layout(), block), 0.0);
+  return report;
+}
+
+/* Add a forgotten contact of sphere i to the sums of the sphere. */
+
+void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double *block)
+{
+  const Report report = report_forgotten(i, record, block);
+  const int beyond =
+      beyond_range(scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius), record.dent.peak);
+  granwave::ForgottenContacts &sums = fix_history->history.forgotten_to_change(i);
+  sums.dissipated += report.dissipated;
+  sums.own_dissipated += report.share_i * report.dissipated;
+  sums.frictional_loss += report.frictional_loss;
+  sums.viscous_loss += report.viscous_loss;
+  sums.yielded += report.yielded;
+  sums.beyond_half += beyond > 0;
+  sums.beyond_law += beyond > 1;
+  if (report.peak_force > sums.peak_force) {
+    sums.peak_force = report.peak_force;
+    sums.time_peak = record.dent.time_peak;
+  }
+  sums.peak_overlap = std::max(sums.peak_overlap, record.dent.peak);
+  granwave::earliest(sums.time_first, record.dent.time_first);
+  granwave::earliest(sums.time_yield, record.dent.time_yield);
+}
+
+granwave::ForgottenContacts PairGranHysteretic::forgotten(int i) const { return fix_history->history.forgotten(i); }
 
 void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)
 {

@@ -27,7 +27,7 @@ def test_separation_clears_the_spring_and_not_the_dent(lammps):
 
 def test_a_forgotten_contact_leaves_its_loss(lammps):
     lmp = oblique(
-        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", gap=2e-5, extra="compute dents all gran/hysteretic/local"
+        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", gap="2e-5 forgotten list", extra="compute dents all gran/hysteretic/local"
     )
     loss = value(lmp, "c_en[7]")
     lmp.command("run 4000")
@@ -131,18 +131,6 @@ def test_restart_in_the_middle_of_sliding(lammps, tmp_path):
         "timestep 1e-8\nrun 1500 post no"
     )
     same(finish(lmp), finish(again))
-
-
-def test_files_without_friction_are_of_the_old_format(lammps, tmp_path):
-    for words, number in (("", 1), (" pressure_limit 2.5", 2), (" friction 0.1", 3)):
-        lmp = lammps()
-        lmp.commands_string(
-            rubbing([(0, 0, 0), (0, 0, 2 * R)], BRASS + words, velocities=[(1, 0, 1), (0, 0, 0)]) + "run 300"
-        )
-        lmp.command(f"write_restart {tmp_path}/a.restart")
-        data = (tmp_path / "a.restart").read_bytes()
-        at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
-        assert data[at : at + 4] == number.to_bytes(4, "little")
 
 
 def test_two_ranks_give_the_same_bits(lmp, tmp_path):
