@@ -117,6 +117,8 @@ _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of f
 def style(width: float | None = None) -> Iterator[None]:
     """Apply `STYLE` within a ``with`` block, without changing global settings.
 
+    All else is as matplotlib brings it: settings files of the user or the working directory change no figure.
+
     Parameters
     ----------
     width
@@ -124,15 +126,12 @@ def style(width: float | None = None) -> Iterator[None]:
     """
     token = _scale.set(1.0 if width is None else width / (WIDTH * _INCH))
     try:
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context():
+            mpl.rcdefaults()
+            mpl.rcParams.update(STYLE)
             yield
     finally:
         _scale.reset(token)
-
-
-def settings() -> dict[str, Any]:
-    """Return the present settings of matplotlib, for another process; the backend is its own matter."""
-    return {key: value for key, value in mpl.rcParams.copy().items() if not key.startswith("backend")}
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:

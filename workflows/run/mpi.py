@@ -28,6 +28,8 @@ _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
 _IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
 _FIRST_IS_READY = 1  # tag of a message
+PYTHON = (sys.executable, "-P")  # takes no modules from the working directory
+SAFE_PATH = "PYTHONSAFEPATH"  # environment variable that does the same for all Python started below
 STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
 EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
 
@@ -152,7 +154,7 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
                 "or start the ranks yourself: mpiexec -n N granwave run ..."
             )
         launcher = [str(mpiexec)]
-    return [*launcher, "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+    return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
 def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
