@@ -38,6 +38,7 @@ def run(options: argparse.Namespace, arguments: Arguments) -> int:
     """Execute ``granwave run``."""
     starts_ranks = options.np > 1 and not mpi.launched()
     if starts_ranks:
+        mpi.check_cores(options.np)
         logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
     case = library.load_case(options.case, options.overrides)
     directory = results_directory(options.directory or case.name)
