@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-
 from granwave.analysis.figures.run_figures import painter
 from granwave.lammps_inputs.case.figures import Figures
 

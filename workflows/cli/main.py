@@ -72,9 +72,9 @@ def _set_up_output() -> None:
         except OSError:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
     if sys.stdout is None:
-        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
     if sys.stderr is None or sys.stderr is sys.__stderr__:
-        sys.stderr = _StandardError(open(2, "wb", buffering=0, closefd=False), write_through=True)
+        sys.stderr = _StandardError(io.FileIO(2, "wb", closefd=False), write_through=True)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

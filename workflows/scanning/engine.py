@@ -64,7 +64,8 @@ class Engine:
         replace_text(plan, json.dumps(self._plan(batches)))
         self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
         command = [
-            *mpi.PYTHON, "-m", "snakemake", "--workflow-profile", "none", "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
+            *mpi.PYTHON, "-m", "snakemake", "--workflow-profile", "none",
+            "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
             "--config", f"jobs={plan.relative_to(directory)}",
             "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
             "--rerun-triggers", "mtime", "--scheduler", "greedy",
