@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
+from granwave.workflows.cli.colour import RED, YELLOW, coloured
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once, not_enough_memory
@@ -127,11 +128,13 @@ def _set_up_logging() -> None:
 class _Messages(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
-        return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
+        if record.levelno != logging.WARNING:
+            return text
+        return f"{coloured('granwave: warning:', YELLOW, sys.stderr)} {text}"
 
 
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
         for line in lines:
-            print(f"granwave: {printable(line)}", file=sys.stderr)
+            print(f"{coloured('granwave:', RED, sys.stderr)} {printable(line)}", file=sys.stderr)
     return status
