@@ -63,7 +63,7 @@ def test_warnings_tell_what_and_what_to_do():
     assert zone_warning(chain) == ""  # a pulse goes from end to end
     assert mark_of(chain) is Mark.CUT
     assert zone_warning({"n_spheres": 50} | CUT | SIZES) == cut
-    both = zone_warning(CUT | WAVE)
+    both = zone_warning(WAVE | {"zone_cut": CUT["zone_cut"]})
     assert "reaches the bottom" in both and "1.8 %" in both and "\n" not in both
 
 
