@@ -1,10 +1,12 @@
-"""Rows of CSV files with the numbers of their lines; what follows a # outside quotes is a comment."""
+"""Rows of CSV files: read with the numbers of their lines, where a # outside quotes begins a comment; and written."""
 
 from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TextIO
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_text
@@ -13,6 +15,7 @@ _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _SPECIAL = re.compile('[,"#]')
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
 
 
 def csv_rows(text: str) -> list[Row]:
@@ -58,3 +61,18 @@ def read_csv_rows(path: Path) -> list[Row]:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
+    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before it."""
+    csv.writer(file, lineterminator="\n").writerows([_no_formula(cell) for cell in row] for row in rows)
+
+
+def _no_formula(cell: object) -> object:
+    if not isinstance(cell, str) or cell[:1] not in _FORMULA or len(cell) < 2:
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell

@@ -3,6 +3,9 @@
 import os
 import sys
 
+if __name__ == "__main__" and not sys.flags.safe_path:
+    del sys.path[0]  # the working directory, whose files may be named as modules are
+
 
 def run() -> int:
     """Run the command line; return the exit status."""

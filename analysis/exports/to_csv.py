@@ -18,7 +18,6 @@ values are blank. Reading them without loss::
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -30,6 +29,7 @@ from granwave.analysis.exports.staging import Staging
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.scans.table import ScanData
+from granwave.lammps_inputs.csv_rows import write_csv_rows
 
 OUTDATED = (
     r"snapshot_\d{4,}\.csv|walls_(bottom|plate|tube|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
@@ -113,11 +113,11 @@ def _write(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Map
         header += [column_name(part, units.get(name, "1")) for part in parts]
     n_rows = max((len(values) for values in columns.values()), default=0)
     with open(path, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(header)
+        write_csv_rows(file, [header])
         for start in range(0, n_rows, _ROWS):
             rows = slice(start, start + _ROWS)
-            writer.writerows(zip(*(text for values in columns.values() for text in _cells(values, rows)), strict=True))
+            cells = [text for values in columns.values() for text in _cells(values, rows)]
+            write_csv_rows(file, zip(*cells, strict=True))
 
 
 def _cells(values: NDArray | h5py.Dataset, rows: slice) -> Sequence[list[object]]:

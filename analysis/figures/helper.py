@@ -12,12 +12,9 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
-
-import matplotlib as mpl
 
 from granwave.analysis.figures.run_figures import painter
 from granwave.lammps_inputs.case.figures import Figures
@@ -29,7 +26,6 @@ def work(
     shares: Sequence[Sequence[int]],
     directory: Path,
     names: Sequence[str],
-    settings: Mapping[Any, Any],
     options: Figures,
 ) -> None:
     """Draw figures until the queue is empty, and send what they give.
@@ -46,14 +42,11 @@ def work(
         Directory of the run.
     names
         Names of the figures.
-    settings
-        Settings of matplotlib in the process that asked.
     options
         How figures are drawn.
     """
     notes = _Notes()
     logging.getLogger().addHandler(notes)
-    mpl.rcParams.update(settings)
     with painter(directory, options) as draw:
         while taken := os.read(queue, 1):
             for number in shares[taken[0]]:

@@ -23,7 +23,7 @@ from granwave.analysis.figures.run import (
 )
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
-from granwave.analysis.figures.style import Drawing, FigureFolder, contents, settings, style
+from granwave.analysis.figures.style import Drawing, FigureFolder, contents, style
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.figures import Figures
 
@@ -249,7 +249,7 @@ def draw_figures(
     if names is None:
         folder.remove(*(name for name in FIGURES if name not in chosen))
     with painter(directory, options) as draw, _helpers(len(chosen), helpers) as others:
-        request = (Path(directory).absolute(), chosen, settings(), options)
+        request = (Path(directory).absolute(), chosen, options)
         outcomes = others.draw(chosen, draw, request, _shares(chosen))
         for name in chosen:
             if progress is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import logging
 import re
@@ -11,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -24,6 +23,7 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.scales import plain_powers
+from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing
@@ -117,6 +117,8 @@ _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of f
 def style(width: float | None = None) -> Iterator[None]:
     """Apply `STYLE` within a ``with`` block, without changing global settings.
 
+    All else is as matplotlib brings it: settings files of the user or the working directory change no figure.
+
     Parameters
     ----------
     width
@@ -124,15 +126,12 @@ def style(width: float | None = None) -> Iterator[None]:
     """
     token = _scale.set(1.0 if width is None else width / (WIDTH * _INCH))
     try:
-        with mpl.rc_context(STYLE):
+        with mpl.rc_context():
+            mpl.rcdefaults()
+            mpl.rcParams.update(STYLE)
             yield
     finally:
         _scale.reset(token)
-
-
-def settings() -> dict[str, Any]:
-    """Return the present settings of matplotlib, for another process; the backend is its own matter."""
-    return {key: value for key, value in mpl.rcParams.copy().items() if not key.startswith("backend")}
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
@@ -287,9 +286,8 @@ def write_csv(columns: Columns, path: Path, *, exact: bool = False) -> None:
 
 def _csv(columns: Columns, *, exact: bool = False) -> bytes:
     text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip_longest(*(_texts(values, exact) for values in columns.values()), fillvalue=""))
+    cells = zip_longest(*(_texts(values, exact) for values in columns.values()), fillvalue="")
+    write_csv_rows(text, chain([columns], cells))
     return text.getvalue().encode("utf-8")
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
+import errno
+import os
 import re
+import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -158,22 +162,52 @@ def _pixels(figure: Figure, width: int) -> NDArray[np.uint8]:
 def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
     import imageio_ffmpeg  # brings ffmpeg along
 
-    first = next(pictures)
-    size = first.shape[1], first.shape[0]
-    options = ["-preset", "medium", "-crf", "20", "-metadata", "comment=granwave", "-f", "mp4"]
-    writer = imageio_ffmpeg.write_frames(
-        str(path), size, fps=rate, codec="libx264", pix_fmt_out="yuv420p", macro_block_size=2, output_params=options
+    last = next(pictures)
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error"]
+    command += [
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "-s",
+        f"{last.shape[1]}x{last.shape[0]}",
+        "-r",
+        str(rate),
+        "-i",
+        "-",
+    ]
+    command += [
+        "-c:v",
+        "libx264",
+        "-pix_fmt",
+        "yuv420p",
+        "-preset",
+        "medium",
+        "-crf",
+        "20",
+        "-metadata",
+        "comment=granwave",
+    ]
+    # a new session: Ctrl-C reaches this process alone
+    ffmpeg = subprocess.Popen(
+        [*command, "-f", "mp4", str(path)], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
     )
-    writer.send(None)
-    last = first
     try:
-        writer.send(first.tobytes())
-        for last in pictures:
-            writer.send(last.tobytes())
-        for _ in range(round(_LAST * rate)):
-            writer.send(last.tobytes())
+        with contextlib.suppress(BrokenPipeError):  # its exit status tells why it ended
+            assert ffmpeg.stdin is not None
+            with ffmpeg.stdin as stream:
+                stream.write(last.tobytes())
+                for last in pictures:
+                    stream.write(last.tobytes())
+                for _ in range(round(_LAST * rate)):
+                    stream.write(last.tobytes())
+        status = ffmpeg.wait()
     finally:
-        writer.close()
+        ffmpeg.kill()
+        ffmpeg.wait()
+    if status:  # of a system error, its number below 256
+        number = 256 - status if status > 128 else errno.EIO
+        raise OSError(number, os.strerror(number), str(path))
 
 
 def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: Any) -> None:

@@ -6,7 +6,6 @@ table has the means over points that differ only in it, with 95 % confidence int
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import itertools
 import math
@@ -25,6 +24,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
+from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
@@ -356,9 +356,7 @@ def _array(column: Sequence[Any]) -> NDArray:
 def _write_csv(table: Columns, path: Path) -> None:
     columns = [[value if _is_number(value) else _text(value) for value in column] for column in table.values()]
     with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(table)
-        writer.writerows(zip(*columns, strict=True))
+        write_csv_rows(file, [list(table), *zip(*columns, strict=True)])
 
 
 def _write_group(group: h5py.Group, table: Columns, units: Mapping[str, str]) -> None:

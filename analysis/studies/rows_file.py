@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.studies.study import Row, Study
+from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
@@ -42,9 +42,7 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
         clear(directory, [STUDY_ROWS])
         return None
     text = io.StringIO()
-    writer = csv.DictWriter(text, list(records[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
+    write_csv_rows(text, [list(records[0]), *(record.values() for record in records)])
     claim(directory, [STUDY_ROWS])
     replace_text(directory / STUDY_ROWS, text.getvalue())
     return directory / STUDY_ROWS

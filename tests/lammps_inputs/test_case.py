@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
+from granwave.lammps_inputs.case.ids import parse_index
 from granwave.lammps_inputs.case.overrides import parse_override
+from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.helpers.small_case import FILE, changed
@@ -162,3 +164,11 @@ class TestWarnings:
             case_from_dict(changed(output__probes=[{"contact": [1, 2]}, {"contact": [1, 3]}]))
         assert "(1, 3)" in caplog.text
         assert "(1, 2)" not in caplog.text
+
+
+def test_every_third_sphere() -> None:
+    assert parse_index({"first": 8, "last": 17, "step": 3}) == (8, 11, 14, 17)
+    assert parse_index({"first": 1, "last": 1_000_000_000, "step": 500_000_000}) == (1, 500_000_001)
+    for wrong in ({"first": 8, "last": 17, "step": 0}, {"first": 8, "step": 3}, {"first": 8, "last": 17, "every": 3}):
+        with pytest.raises(ValidationError, match="step = 3 for every third"):
+            parse_index(wrong)

@@ -106,7 +106,7 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> Timing:
     )
     launcher = Path(sys.prefix) / "bin" / "mpiexec"
     done = subprocess.run(
-        [str(launcher), "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-c", program],
+        [str(launcher), "-n", str(n_ranks), *mpi.PYTHON, "-m", "mpi4py", "-c", program],
         capture_output=True,
         text=True,
         check=True,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
 from granwave.workflows.bench.timing import STUDY, Report, spread
+from granwave.workflows.run import mpi
 
 MOST_REPEATS = 3  # each takes half a minute
 PARTS = ("start", "steps", "analysis", "figures")
@@ -59,5 +59,5 @@ def _steps(directory: Path) -> int:
 def _timed(*words: str) -> float:
     """Run a command of granwave; return its wall time, s."""
     begin = time.perf_counter()
-    subprocess.run([sys.executable, "-m", "granwave.workflows", *words], check=True, capture_output=True)
+    subprocess.run([*mpi.PYTHON, "-m", "granwave.workflows", *words], check=True, capture_output=True)
     return time.perf_counter() - begin

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.measures.zone.marks import zone_warnings
+from granwave.analysis.measures.zone.marks import zone_warning
 from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
@@ -28,16 +28,19 @@ from granwave.lammps_inputs.run_state import restore_case
 from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.as_json import print_json
+from granwave.workflows.cli.colour import BOLD, GREEN, RED, coloured
 from granwave.workflows.run import mpi, record
 from granwave.workflows.solvers import CONTINUUM, SPHERE_CONTACT, solver_of
 
 Arguments = Sequence[str]
+_USUAL_WIDTH = 120  # characters of a line where there is no terminal
 
 
 def run(options: argparse.Namespace, arguments: Arguments) -> int:
     """Execute ``granwave run``."""
     starts_ranks = options.np > 1 and not mpi.launched()
     if starts_ranks:
+        mpi.check_cores(options.np)
         logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
     case = library.load_case(options.case, options.overrides)
     directory = results_directory(options.directory or case.name)
@@ -146,8 +149,8 @@ def analyse(options: argparse.Namespace, _: Arguments) -> int:
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:
-    """Print warnings if the size of the packing or block limits the plastic zone."""
-    for warning in zone_warnings(summary):
+    """Print a warning if the size of the packing or block limits the plastic zone."""
+    if warning := zone_warning(summary):
         print(f"granwave: warning: {summary['name']}: {warning}", file=sys.stderr)
 
 
@@ -325,6 +328,7 @@ def bench(options: argparse.Namespace, _: Arguments) -> int:
 def cases(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave cases``."""
     import shutil
+    import textwrap
 
     wanted = [word.lower() for word in options.words]
     found = [
@@ -338,13 +342,33 @@ def cases(options: argparse.Namespace, _: Arguments) -> int:
         print_json([entry._asdict() for entry in found])
         return 0
     name_width = max(len(entry.name) for entry in found)
-    most = shutil.get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
+    on_terminal = sys.stdout.isatty()
+    most = shutil.get_terminal_size().columns if on_terminal else sys.maxsize
+    briefly = not (options.all or wanted)
     for group in dict.fromkeys(entry.group for entry in found):
-        print(f"{group}:")
-        for entry in found:
-            line = f"{entry.kind}  {entry.name:{name_width}}  {entry.title}"
-            if entry.group == group:
-                print(line if len(line) <= most else f"{line[: most - 1]}…")
+        print(coloured(f"{group}:", BOLD, sys.stdout))
+        here = [entry for entry in found if entry.group == group]
+        lines = [f"{entry.kind}  {entry.name:{name_width}}  {entry.title}" for entry in here]
+        if briefly:
+            width = most if on_terminal else _USUAL_WIDTH
+            lines = textwrap.wrap(
+                "  ".join(entry.name for entry in here), width - 2, break_on_hyphens=False, break_long_words=False
+            )
+            lines = [f"  {line}" for line in lines]
+        for line in lines:
+            print(line if len(line) <= most else f"{line[: most - 1]}…")
+    if briefly:
+        print(
+            "granwave cases WORD tells what those with this word are, --all what each is; granwave show NAME prints one"
+        )
+    return 0
+
+
+def show_help(options: argparse.Namespace, _: Arguments) -> int:
+    """Execute ``granwave help``."""
+    from granwave.workflows.cli.parser import print_help
+
+    print_help(options.name)
     return 0
 
 
@@ -358,7 +382,8 @@ def doctor(options: argparse.Namespace, _: Arguments) -> int:
         print_json({"works": works, "parts": [dataclasses.asdict(finding) for finding in findings]})
         return 0 if works else 1
     for finding in findings:
-        print(f"{'ok  ' if finding.works else 'FAIL'}  {finding.part}: {finding.found}")
+        state = coloured("ok  ", GREEN, sys.stdout) if finding.works else coloured("FAIL", RED, sys.stdout)
+        print(f"{state}  {finding.part}: {finding.found}")
         if not finding.works:
             print(f"      mend: {finding.remedy}")
     return 0 if works else 1

@@ -15,6 +15,7 @@ from pathlib import Path
 from granwave import plugins
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.shells import SWITCH_ON
+from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.versions import versions
 from granwave.workflows.scanning.engine import SLURM, check_installed
@@ -82,7 +83,7 @@ def _module() -> Finding:
     )
     return _attempt(
         "lammps module",
-        [sys.executable, "-c", script],
+        [*mpi.PYTHON, "-c", script],
         "loads the plugin and runs",
         "use a virtual environment: mpi4py looks for the environment's libmpi only there",
     )
@@ -114,7 +115,7 @@ def _ranks() -> Finding:
     script = "import sys; from mpi4py import MPI; n = MPI.COMM_WORLD.size; sys.exit(n != 2 and f'found {n} rank(s)')"
     return _attempt(
         "MPI ranks",
-        [str(launcher), "-n", "2", sys.executable, "-m", "mpi4py", "-c", script],
+        [str(launcher), "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script],
         f"two ranks by {launcher}",
         "mpi4py and mpiexec belong to different MPI libraries",
     )

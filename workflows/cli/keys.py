@@ -10,6 +10,8 @@ import dataclasses
 import difflib
 import inspect
 import math
+import re
+import sys
 import tomllib
 from collections.abc import Iterable, Mapping
 from functools import cache
@@ -23,6 +25,7 @@ from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
 from granwave.lammps_inputs.case.si_values import Usual, plain
 from granwave.lammps_inputs.case.tables import case_tables
 from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.cli.colour import BOLD, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
@@ -118,7 +121,7 @@ def tables() -> tuple[Table, ...]:
 
 
 def find(name: str) -> list[Table]:
-    """Return the tables of this name; a dotted key gives its table with that key alone.
+    """Return the tables of this name, or the table with one key alone; for other words the keys that these stand in.
 
     Raises
     ------
@@ -135,8 +138,21 @@ def find(name: str) -> list[Table]:
             for entry in table.keys
             if entry.name == key and table.name in (table_name or table.file,)
         ]
+    found = found or _search(wanted.lower().replace(".", " ").split())
     if not found:
         raise InputError(f"{show(name)[1:-1] or '(empty)'}: no such table or key; {_hint(wanted)}")
+    return found
+
+
+def _search(words: list[str]) -> list[Table]:
+    """Return the tables with those keys in whose names, choices or descriptions all words stand."""
+    patterns = [re.compile(rf"\b{re.escape(word)}", re.IGNORECASE) for word in words]
+    found = []
+    for table in tables():
+        texts = {key: f"{table.name} {key.name} {key.description} {key.accepts}" for key in table.keys}
+        keys = tuple(key for key, text in texts.items() if patterns and all(one.search(text) for one in patterns))
+        if keys:
+            found.append(dataclasses.replace(table, keys=keys))
     return found
 
 
@@ -147,14 +163,20 @@ def overview() -> str:
     for file in FILES:
         rows = [f"  {table.name:{width}}  {table.description}" for table in tables() if table.file == file]
         parts.append("\n".join([TITLES[file], *rows]))
-    return "\n\n".join([*parts, "granwave keys TABLE lists the keys of a table, granwave keys TABLE.KEY one of them."])
+    return "\n\n".join(
+        [
+            *parts,
+            "granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands.",
+        ]
+    )
 
 
 def as_text(table: Table) -> str:
     """Return a table and its keys for the terminal."""
-    lines = [f"{table.heading or 'top level'}  {table.description}  ({TITLES[table.file]})"]
+    heading = coloured(table.heading or "top level", BOLD, sys.stdout)
+    lines = [f"{heading}  {table.description}  ({TITLES[table.file]})"]
     for key in table.keys:
-        title = "  ".join([key.name, *([key.unit] if key.unit else []), state(key)])
+        title = "  ".join([coloured(key.name, BOLD, sys.stdout), *([key.unit] if key.unit else []), state(key)])
         facts = [
             key.description,
             f"expects {key.accepts}",

@@ -11,17 +11,19 @@ import errno
 import io
 import logging
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
+from granwave.workflows.cli.colour import RED, YELLOW, coloured
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
 from granwave.workflows.run import mpi
 from granwave.workflows.run.messages import each_warning_once, not_enough_memory
 
-DONE, FAILED, STOPPED, READER_LEFT = 0, 1, 130, 141
+FAILED, STOPPED, READER_LEFT = 1, 130, 141
 
 _LONGEST_SHOWN = 300  # characters of a path in a message
 _NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
@@ -38,6 +40,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_output()
     options = make_parser().parse_args(words)
     _set_up_logging()
+    with contextlib.suppress(ValueError):  # only the main thread can handle signals
+        signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
     try:
         status = int(options.command(options, words))
         sys.stdout.flush()  # here, where an error can still be reported
@@ -63,12 +67,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _set_up_output() -> None:
     """Make printing and drawing work independently of terminal and settings."""
-    if sys.stdout is None:  # it was closed
-        sys.stdout = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    for number in range(3):  # a closed one would be the next file to be opened
+        try:
+            os.fstat(number)
+        except OSError:
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", encoding="utf-8", closefd=False)  # noqa: SIM115
+    if sys.stderr is None or sys.stderr is sys.__stderr__:
+        sys.stderr = _StandardError(io.FileIO(2, "wb", closefd=False), write_through=True)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     os.environ["MPLBACKEND"] = "agg"  # figures go to files
+
+
+class _StandardError(io.TextIOWrapper):
+    """Standard error that nobody has to read: a run goes on without it."""
+
+    def write(self, text: str) -> int:
+        """Write, if anyone reads."""
+        with contextlib.suppress(OSError):
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush, if anyone reads."""
+        with contextlib.suppress(OSError):
+            super().flush()
 
 
 def _report_file(error: OSError, words: Sequence[str]) -> int:
@@ -102,12 +128,13 @@ def _set_up_logging() -> None:
 class _Messages(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         text = super().format(record)
-        return f"granwave: warning: {text}" if record.levelno == logging.WARNING else text
+        if record.levelno != logging.WARNING:
+            return text
+        return f"{coloured('granwave: warning:', YELLOW, sys.stderr)} {text}"
 
 
 def _report(lines: Sequence[str], status: int) -> int:
     if not mpi.launched() or mpi.world().rank == 0:
-        with contextlib.suppress(OSError):  # standard error is closed
-            for line in lines:
-                print(f"granwave: {printable(line)}", file=sys.stderr)
+        for line in lines:
+            print(f"{coloured('granwave:', RED, sys.stderr)} {printable(line)}", file=sys.stderr)
     return status

@@ -186,7 +186,9 @@ class _Worker:
         n_ranks = self.batch["ranks"]
         command = mpi.command(n_ranks, words, self.batch["launcher"])
         environment = {**os.environ, mpi.STOP_FILE: str(self.rank_stop), mpi.EXPECTED_RANKS: str(n_ranks)}
-        ranks = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
+        ranks = subprocess.Popen(
+            command, env=environment, stdout=log, stderr=log, start_new_session=True, preexec_fn=mpi.end_with_parent
+        )
         if self.stopping.is_set():
             self.stop()
         status = ranks.wait()
@@ -229,6 +231,7 @@ def _fork(words: Sequence[str], log: int) -> int:
         return process
     status = 1
     try:
+        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
         for number in ours:
             signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.measures.zone.marks import zone_warnings
+from granwave.analysis.measures.zone.marks import zone_warning
 from granwave.analysis.notebook.load import load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.notebook.scan import ScanRuns
@@ -155,7 +155,7 @@ def run(
         if kind is GRANULAR:
             raise_unfinished(place)
         loaded = Run(place)
-    for warning in zone_warnings(loaded.summary) if mpi.is_first() else ():
+    if mpi.is_first() and (warning := zone_warning(loaded.summary)):
         logger.warning("%s: %s", loaded.name, warning)
     return loaded
 

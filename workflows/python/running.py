@@ -53,6 +53,7 @@ def run_on_ranks(
     """
     from granwave.workflows.run.directory import decide
 
+    mpi.check_cores(ranks)
     decide(found, place, resume=resume, force=force, n_ranks=ranks, figures=figures)
     options = {"--force": force, "--resume": resume, "--no-figures": not figures}
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:

@@ -5,15 +5,20 @@ mpi4py is imported only where a communicator is needed.
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
+import logging
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, NoReturn, TypeVar
+from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.workflows.run.interrupts import Interrupts
@@ -22,12 +27,18 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 T = TypeVar("T")
+logger = logging.getLogger(__name__)
 
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
 _IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
+_MOST_RANKS = 8  # on a core, that are started here
+_C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
+_SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
 _FIRST_IS_READY = 1  # tag of a message
+PYTHON = (sys.executable, "-P")  # takes no modules from the working directory
+SAFE_PATH = "PYTHONSAFEPATH"  # environment variable that does the same for all Python started below
 STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
 EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
 
@@ -66,6 +77,7 @@ def world() -> Intracomm:
         )
     if comm.size > 1:
         sys.excepthook = _abort_all
+        end_with_parent()
     return comm
 
 
@@ -152,7 +164,7 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
                 "or start the ranks yourself: mpiexec -n N granwave run ..."
             )
         launcher = [str(mpiexec)]
-    return [*launcher, "-n", str(n_ranks), sys.executable, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+    return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
 def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
@@ -177,13 +189,60 @@ def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None,
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
-        ranks = subprocess.Popen(words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True)
+        # its output goes through this process: mpiexec ends the ranks if nobody reads it
+        ways = {1: subprocess.PIPE if stdout is None else stdout, 2: subprocess.PIPE if stderr is None else stderr}
+        ranks = subprocess.Popen(
+            words, env=environment, stdout=ways[1], stderr=ways[2], start_new_session=True, preexec_fn=end_with_parent
+        )
+        readers = [
+            threading.Thread(target=_pass_on, args=(stream, number), daemon=True)
+            for number, stream in ((1, ranks.stdout), (2, ranks.stderr))
+            if stream is not None
+        ]
         with Interrupts(stop.touch):
+            for reader in readers:
+                reader.start()
             status = ranks.wait()
-    if status not in (0, 1, 2, 130):
+            for reader in readers:
+                reader.join()
+    if status not in (0, 1, 2, 130, 141):
         print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
         return 1
     return status
+
+
+def _pass_on(stream: IO[bytes], number: int) -> None:
+    """Copy what comes to a file descriptor of this process, as long as somebody reads that."""
+    with stream:
+        while found := os.read(stream.fileno(), 65536):
+            with contextlib.suppress(OSError):
+                while found:
+                    found = found[os.write(number, found) :]
+
+
+def check_cores(n_ranks: int) -> None:
+    """Warn of more ranks than cores, which wait for each other; refuse many more.
+
+    Raises
+    ------
+    InputError
+        There would be more than `_MOST_RANKS` ranks a core.
+    """
+    cores = len(os.sched_getaffinity(0))
+    found = f"{n_ranks} ranks on {cores} core{'s' if cores > 1 else ''}"
+    if n_ranks > _MOST_RANKS * cores:
+        raise InputError(
+            f"--np {n_ranks}: found {found}, expected one rank a core and at most {_MOST_RANKS}; "
+            f"give --np {cores}, or start them all the same: mpiexec -n {n_ranks} granwave run ..."
+        )
+    if n_ranks > cores:
+        logger.warning("%s: ranks that share a core wait for each other; --np %d is faster", found, cores)
+
+
+def end_with_parent(number: int = signal.SIGKILL) -> None:
+    """Let the system send this process a signal when its parent ends, also where that was killed; under Linux alone."""
+    if _C_LIBRARY is not None:
+        _C_LIBRARY.prctl(_SET_PARENT_DEATH_SIGNAL, number)
 
 
 class StopRequest(Interrupts):

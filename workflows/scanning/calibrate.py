@@ -52,7 +52,7 @@ def slowness_of(point: Point, jobs: int) -> float | None:
 
 def _timed(document: str) -> float | None:
     """Measure the wall time of a step in a separate process, s; None on failure."""
-    command = [sys.executable, "-m", "granwave.workflows.scanning.calibrate"]
+    command = [*mpi.PYTHON, "-m", "granwave.workflows.scanning.calibrate"]
     try:
         done = subprocess.run(
             command, input=document, capture_output=True, text=True, timeout=_LONGEST, env=mpi.alone(), check=True

@@ -64,7 +64,8 @@ class Engine:
         replace_text(plan, json.dumps(self._plan(batches)))
         self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
         command = [
-            sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
+            *mpi.PYTHON, "-m", "snakemake", "--workflow-profile", "none",
+            "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
             "--config", f"jobs={plan.relative_to(directory)}",
             "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
             "--rerun-triggers", "mtime", "--scheduler", "greedy",
@@ -73,7 +74,8 @@ class Engine:
             "--prioritize", *(f"{layout.DONE}/{batch.id}" for batch in batches[: min(len(batches) // 2 + 1, 500)]),
             *self._executor(jobs, batches),
         ]  # fmt: skip
-        environment = {**mpi.alone(), "OMP_NUM_THREADS": "1"}
+        environment = {**mpi.alone(), "OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}  # of its jobs too
+        environment.pop("SNAKEMAKE_PROFILE", None)
         if profile is None:
             environment[layout.DRIVER] = str(os.getpid())
         with self.log.open("ab") as log:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from enum import IntEnum
 from typing import Any
 
@@ -42,23 +42,20 @@ def bounds_in_words(bounds: object) -> str:
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
 
 
-def zone_warnings(summary: Mapping[str, Any]) -> list[str]:
-    """Return what a reader of the sizes of a plastic zone must know, a sentence each; empty if nothing."""
+def zone_warning(summary: Mapping[str, Any]) -> str:
+    """Return what a reader of the sizes of a plastic zone must know, in a line; empty if nothing."""
     what = "block" if summary.get("kind") == "continuum" else "packing"
-    found: list[str] = []
     if summary.get("n_spheres") in (1, 2) or _is_chain(summary):  # a collision, or a pulse that goes from end to end
-        return found
+        return ""
+    found = []
     if summary.get("zone_cut"):
-        reached = " and ".join(f"the {name}" for name in summary["zone_cut"])
-        found.append(
-            f"the plastic zone reaches {reached} of the {what}, which cut it: its outermost depth and radius are no "
-            f"larger than the {what}, and what holds 99 % of its energy may be off; make the {what} larger"
-        )
+        found.append(f"the plastic zone reaches {_with_articles(summary['zone_cut'])} of the {what}")
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
-        names = " and ".join(f"the {name}" for name in summary.get("wave_returned") or ())
-        found.append(
-            f"up to {100 * share:.3g} % of the energy was dissipated after a wave could be back from "
-            f"{names} ({1e6 * summary['wave_return_s']:.3g} us); make the {what} larger to do without it"
-        )
-    return found
+        came = f"a wave came back from {_with_articles(summary.get('wave_returned') or ())}"
+        found.append(f"up to {100 * share:.3g} % was dissipated after {came} ({1e6 * summary['wave_return_s']:.3g} us)")
+    return f"{', '.join(found)}; a larger {what} does without" if found else ""
+
+
+def _with_articles(names: Iterable[str]) -> str:
+    return " and ".join(f"the {name}" for name in names)

@@ -75,17 +75,18 @@ def test_helpers_draw(run, several, monkeypatch):
     before = drawn_by_one(run, monkeypatch)
     with side_by_side.helpers(len(NAMES)) as others, style.style():
         monkeypatch.setattr(others, "_take", lambda: None)
-        outcomes = list(others.draw(NAMES, never, (run, NAMES, style.settings(), Figures())))
+        outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
 
 
-def test_settings_of_matplotlib_reach_helpers(run, several, monkeypatch):
+def test_settings_of_matplotlib_change_no_figure(run, several, monkeypatch):
     plain = drawn_by_one(run, monkeypatch)
-    with matplotlib.rc_context({"axes.facecolor": "#eeffee"}):
-        before = drawn_by_one(run, monkeypatch)
+    foreign = {"text.usetex": True, "image.cmap": "no-such-map", "axes.facecolor": "#eeffee", "figure.dpi": 50}
+    with matplotlib.rc_context(foreign):
+        assert drawn_by_one(run, monkeypatch) == plain
         draw_figures(run, names=NAMES)
-    assert files(run) == before != plain
+        assert files(run) == plain and matplotlib.rcParams["image.cmap"] == "no-such-map"
 
 
 def test_figures_that_no_longer_apply_are_removed(run, several):

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
+import sys
+import time
 
 import imageio_ffmpeg
 import numpy as np
@@ -17,6 +21,7 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
+from tests.conftest import PLAIN
 from tests.helpers import synthetic
 from tests.helpers.chain_cases import PULSE, case_of
 
@@ -55,6 +60,36 @@ def test_mp4(chain, tmp_path):
     assert about["size"][0] == 300 and about["fps"] == 10 and about["codec"] == "h264"
     assert about["duration"] == pytest.approx(12 / 10 + 1.5, abs=0.25)  # the last picture stays
     assert write_film(chain, path, width=300) == path  # its own file is replaced
+
+
+@pytest.mark.parametrize("form", ["mp4", "gif", "webp"])
+def test_a_full_disk_keeps_the_earlier_film(chain, tmp_path, form):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("no disk can be mounted here")
+    try:
+        path = write_film(chain, disk / "a.mp4", width=300) if form == "mp4" else disk / f"a.{form}"
+        before = path.read_bytes() if form == "mp4" else b""
+        (disk / "ballast").write_bytes(bytes(shutil.disk_usage(disk).free - 4096))
+        with pytest.raises(OSError, match="No space left") as error:
+            write_film(chain, path, width=1200)
+        assert error.value.filename == str(path) and (not before or path.read_bytes() == before)
+        assert {one.name for one in disk.iterdir()} == {"ballast", *([path.name] if before else [])}
+    finally:
+        subprocess.run(["umount", "-l", disk], check=True)
+
+
+def test_a_film_that_is_stopped_leaves_nothing(chain, tmp_path):
+    command = [sys.executable, "-m", "granwave.workflows", "film", str(chain), "-o", "a.mp4", "--width", "2400"]
+    film = subprocess.Popen(command, cwd=tmp_path, env=PLAIN, stderr=subprocess.PIPE, text=True)
+    end = time.monotonic() + 60
+    while not list(tmp_path.glob(".a.mp4.*")):
+        assert film.poll() is None and time.monotonic() < end
+        time.sleep(0.01)
+    film.terminate()
+    assert film.communicate(timeout=60)[1].endswith("granwave: stopped\n") and film.returncode == 130
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(("name", "view"), [("chain", None), ("packing", "section"), ("packing", "3d")])

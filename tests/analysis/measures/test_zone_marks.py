@@ -11,7 +11,7 @@ from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.run.zone import draw_zone_size
-from granwave.analysis.measures.zone.marks import LABELS, Mark, bounds_in_words, mark_of, zone_warnings
+from granwave.analysis.measures.zone.marks import LABELS, Mark, bounds_in_words, mark_of, zone_warning
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
@@ -52,17 +52,19 @@ def test_marks():
 
 
 def test_warnings_tell_what_and_what_to_do():
-    (cut,) = zone_warnings({"name": "x"} | CUT)
-    assert "reaches the bottom and the sides of the packing" in cut and "make the packing larger" in cut
-    (wave,) = zone_warnings({"kind": "continuum"} | WAVE)
+    cut = zone_warning({"name": "x"} | CUT)
+    assert "reaches the bottom and the sides of the packing" in cut and "a larger packing does without" in cut
+    wave = zone_warning({"kind": "continuum"} | WAVE)
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
-    assert zone_warnings(FREE) == []
-    assert zone_warnings({"n_spheres": 2} | CUT) == []  # a collision of two, which no size would change
+    assert zone_warning(FREE) == ""
+    assert zone_warning({"n_spheres": 2} | CUT) == ""  # a collision of two, which no size would change
     assert mark_of({"n_spheres": 2} | CUT) is Mark.NONE
     chain = {"n_spheres": 50} | CUT | SIZES | dict.fromkeys([name for name in SIZES if "radius" in name])
-    assert zone_warnings(chain) == []  # a pulse goes from end to end
+    assert zone_warning(chain) == ""  # a pulse goes from end to end
     assert mark_of(chain) is Mark.CUT
-    assert len(zone_warnings({"n_spheres": 50} | CUT | SIZES)) == 1
+    assert zone_warning({"n_spheres": 50} | CUT | SIZES) == cut
+    both = zone_warning(WAVE | {"zone_cut": CUT["zone_cut"]})
+    assert "reaches the bottom" in both and "1.8 %" in both and "\n" not in both
 
 
 def test_terminal_tells_the_sizes_and_the_bounds():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warnings
+from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warning
 from granwave.analysis.measures.zone.packing import packing_zone, wave_arrivals, zone_summary
 from granwave.analysis.measures.zone.size import extent_holding, volume_holding, wave_returns, zone_sizes
 from granwave.analysis.quantities import SHARES
@@ -152,7 +152,7 @@ def test_hertz_has_no_zone(tmp_path):
     names = [*SIZES, "zone_cut", "zone_growing", "wave_returned", "wave_return_s", "wave_return_share"]
     assert [summary[name] for name in names] == [None] * len(names)
     assert mark_of(summary) is Mark.NONE
-    assert zone_warnings(summary) == []
+    assert zone_warning(summary) == ""
 
 
 def test_below_yield_the_zone_is_empty(tmp_path):
@@ -269,8 +269,7 @@ def test_tiny_packing_is_cut_on_all_sides(tmp_path):
     assert 0 < summary["wave_return_s"] < 1e-4
     assert 0 < summary["wave_return_share"] < 1
     assert mark_of(summary) is Mark.CUT
-    (first, *_) = zone_warnings(summary)
-    assert "reaches the bottom and the sides of the packing" in first
+    assert "reaches the bottom and the sides of the packing" in zone_warning(summary)
 
 
 def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):

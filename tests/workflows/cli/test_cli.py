@@ -171,7 +171,7 @@ def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overri
         (["run", "fcc-small", "--np", "0"], ["1 or more"]),
         (["run", "fcc-small", "--resume", "--force"], ["not allowed with"]),
         (["run"], ["required"]),
-        (["walk"], ["expected one of run, write, analyse"]),
+        (["walk"], ["expected one of cases, show, keys"]),
     ],
 )
 def test_wrong_words_are_refused(granwave, tmp_path, arguments, words):

@@ -57,12 +57,14 @@ load.velocity = [5, 6]
 def scan(slurm, tmp_path):  # noqa: F811
     """Start `granwave scan` on the cluster; killed at the end of the test, with its jobs."""
     (tmp_path / "profile.toml").write_text(PROFILE)
+    for name in ("random", "numpy", "snakemake", "mpi4py"):  # of the user's own, which no job may take
+        (tmp_path / f"{name}.py").write_text("raise SystemExit(3)\n")
     started = []
 
     def start(text: str, *words: str) -> subprocess.Popen[str]:
         (tmp_path / "scan.toml").write_text(text)
         command = [
-            sys.executable, "-m", "granwave.workflows", "scan", "scan.toml", "-o", "out",
+            sys.executable, "-P", "-m", "granwave.workflows", "scan", "scan.toml", "-o", "out",
             "--executor", "slurm", "--profile", "profile.toml", *words,
         ]  # fmt: skip
         process = subprocess.Popen(

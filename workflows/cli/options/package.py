@@ -24,7 +24,7 @@ def add_keys(verbs: argparse._SubParsersAction) -> None:
         "table",
         nargs="*",
         metavar="TABLE",
-        help="a table, as packing, or a key, as packing.diameter or packing diameter (default: a list)",
+        help="a table, as packing; a key, as packing.diameter; or words of keys or descriptions (default: a list)",
     )
 
     shared.as_json(parser, "the tables and their keys")
@@ -56,7 +56,14 @@ def add_cases(verbs: argparse._SubParsersAction) -> None:
     parser.add_argument(
         "words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"
     )
+    parser.add_argument("--all", action="store_true", help="list all, with what each is")
     shared.as_json(parser, "the list")
+
+
+def add_help(verbs: argparse._SubParsersAction) -> None:
+    """Add ``granwave help``."""
+    parser = shared.command(verbs, "help", commands.show_help, "this list, or the options of a command")
+    parser.add_argument("name", nargs="?", choices=[*verbs.choices], metavar="COMMAND", help="name of a command")
 
 
 def add_doctor(verbs: argparse._SubParsersAction) -> None:

