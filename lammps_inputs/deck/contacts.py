@@ -37,8 +37,8 @@ def contacts(assembly: Assembly) -> list[str]:
     return [
         *(["# Cylinders: type, length and axis of each kind."] if assembly.has_cylinders else []),
         *cylinder_commands(assembly),
-        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m.",
-        f"pair_style      gran/hysteretic {num(gap)}",
+        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m, and stays on record.",
+        f"pair_style      gran/hysteretic {num(gap)} forgotten list",
         *pair_coefficients(assembly),
     ]
 

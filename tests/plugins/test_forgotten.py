@@ -17,13 +17,22 @@ def jumbled(lammps, way: str, steps: int = 20000):
     places, speeds, spins = packing(2)
     size = 1.6 * np.ptp(places, axis=0).max()
     walls = "".join(
-        f"fix {axis} all wall/gran/hysteretic {axis}plane {-0.4 * R:.17g} {size:.17g} hertz 115e9 0.3\n" for axis in "xyz"
+        f"fix {axis} all wall/gran/hysteretic {axis}plane {-0.4 * R:.17g} {size:.17g} hertz 115e9 0.3\n"
+        for axis in "xyz"
     )
     extra = f"{walls}compute dents all gran/hysteretic/local\ncompute atoms all gran/hysteretic/atom\ntimestep 5e-8"
     lmp = lammps()
     box = [edge for _ in range(3) for edge in (-2 * R, size + 2 * R)]
     lmp.commands_string(
-        rubbing(1.1 * places + R, LAW, velocities=30 * speeds, spins=spins, gap=f"1e-5 forgotten {way}", box=box, extra=extra)
+        rubbing(
+            1.1 * places + R,
+            LAW,
+            velocities=30 * speeds,
+            spins=spins,
+            gap=f"1e-5 forgotten {way}",
+            box=box,
+            extra=extra,
+        )
     )
     lmp.command(f"run {steps} post no")
     return lmp
@@ -75,7 +84,9 @@ def test_restart_files_stay_small(lammps, tmp_path):
     assert sizes[1] < 1.1 * sizes[0]
 
 
-@pytest.mark.parametrize("words", ["2e-5 forgotten", "2e-5 forgotten none", "2e-5 remembered list", "2e-5 forgotten list 1"])
+@pytest.mark.parametrize(
+    "words", ["2e-5 forgotten", "2e-5 forgotten none", "2e-5 remembered list", "2e-5 forgotten list 1"]
+)
 def test_wrong_words(lammps, words):
     with pytest.raises(Exception, match="'forgotten sum' or 'forgotten list', found"):
         lammps().commands_string(rubbing([(0, 0, 0)], gap=words))
@@ -86,42 +97,47 @@ atom_style sphere
 atom_modify map yes
 newton off
 comm_modify vel yes
-processors * * 1
 boundary f f f
 region box block -0.1 0.1 -0.1 0.1 -0.1 0.1
 create_box 1 box
 create_atoms 1 single -1e-4 -1e-4 0
 create_atoms 1 single -1e-4 -1e-4 0.0101
 set group all diameter 0.01 density 8500
-neighbor 0.001 bin
-neigh_modify delay 0 every 1 check no
 pair_style gran/hysteretic 1e-5 forgotten list
 pair_coeff * * hertz 1 0.3 friction 0.3 loss time 1e-9
 group beating id 2
-fix motion beating move wiggle 0 0 1.02e-4 2.5e-4 units box
+fix motion beating move wiggle 0 0 1.02e-4 2e-4 units box
 timestep 5e-5
+run 1600
+unfix motion
+write_restart many.restart
+"""
+CROSSING = """newton off
+atom_modify map yes
+comm_modify vel yes
+processors * * 1
+read_restart many.restart
+neigh_modify delay 0 every 1 check no
+fix motion all nve
 compute dents all gran/hysteretic/local
 compute sums all reduce sum c_dents[5] c_dents[9] inputs local
 thermo_style custom step c_sums[*]
 thermo_modify norm no format float %.12g
-run 1500
-unfix motion
-fix motion all nve
+run 0
 {move}
 run 0
 """
 
 
 @pytest.mark.parametrize("move", ["velocity all set 1 1 0\nrun 4", "displace_atoms all move 2e-4 2e-4 0 units box"])
-def test_spheres_with_many_records_cross_a_corner(lmp, tmp_path, move):
+def test_spheres_with_many_records_cross_a_corner(lammps, lmp, tmp_path, monkeypatch, move):
     """They are passed on by a rank that has no records of its own, or moved between runs: all records arrive."""
-    found = []
-    for ranks in (1, 4):
-        script = tmp_path / f"in.{ranks}"
-        script.write_text(MANY.format(move=move))
-        done = lmp(script, "-log", f"log.{ranks}", ranks=ranks)
-        log = (tmp_path / f"log.{ranks}").read_text()
-        assert done.returncode == 0, done.stderr + log[-1000:]
-        found.append([line.split() for line in log.splitlines() if line.split()[:1] in (["1500"], ["1504"])][-1])
-    assert float(found[0][1]) > 250 * 1e-6  # overlaps of 2e-6 each
-    assert found[1] == found[0]
+    monkeypatch.chdir(tmp_path)
+    lammps().commands_string(MANY)
+    (tmp_path / "in.crossing").write_text(CROSSING.format(move=move))
+    done = lmp(tmp_path / "in.crossing", "-log", "log.crossing", ranks=4)
+    log = (tmp_path / "log.crossing").read_text()
+    assert done.returncode == 0, done.stderr + log[-1000:]
+    rows = [line.split() for line in log.splitlines() if line.split()[:1] in (["1600"], ["1604"])]
+    assert float(rows[0][1]) == pytest.approx(400 * 2e-6, rel=1e-6)
+    assert rows[-1][1:] == rows[0][1:]

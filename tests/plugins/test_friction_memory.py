@@ -27,7 +27,12 @@ def test_separation_clears_the_spring_and_not_the_dent(lammps):
 
 def test_a_forgotten_contact_leaves_its_loss(lammps):
     lmp = oblique(
-        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", gap="2e-5 forgotten list", extra="compute dents all gran/hysteretic/local"
+        lammps,
+        1.0,
+        2.0,
+        law=f"{BRASS} friction {MU}",
+        gap="2e-5 forgotten list",
+        extra="compute dents all gran/hysteretic/local",
     )
     loss = value(lmp, "c_en[7]")
     lmp.command("run 4000")

