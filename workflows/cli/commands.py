@@ -366,9 +366,7 @@ def cases(options: argparse.Namespace, _: Arguments) -> int:
 
 def show_help(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave help``."""
-    from granwave.workflows.cli.parser import print_help
-
-    print_help(options.name)
+    print(options.parsers[options.name].format_help(), end="")
     return 0
 
 
