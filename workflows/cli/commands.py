@@ -239,7 +239,7 @@ def keys(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave keys``."""
     from granwave.workflows.cli.keys import as_text, find, overview, tables
 
-    found = find(".".join(options.table)) if options.table else None
+    found = find(*options.table) if options.table else None
     if options.json:
         print_json([dataclasses.asdict(one) for one in found or tables()])
     else:
