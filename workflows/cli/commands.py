@@ -239,7 +239,7 @@ def keys(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave keys``."""
     from granwave.workflows.cli.keys import as_text, find, overview, tables
 
-    found = find(".".join(options.table)) if options.table else None
+    found = find(*options.table) if options.table else None
     if options.json:
         print_json([dataclasses.asdict(one) for one in found or tables()])
     else:
@@ -366,9 +366,7 @@ def cases(options: argparse.Namespace, _: Arguments) -> int:
 
 def show_help(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave help``."""
-    from granwave.workflows.cli.parser import print_help
-
-    print_help(options.name)
+    print(options.parsers[options.name].format_help(), end="")
     return 0
 
 

@@ -13,7 +13,7 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -120,7 +120,7 @@ def tables() -> tuple[Table, ...]:
     )
 
 
-def find(name: str) -> list[Table]:
+def find(*words: str) -> list[Table]:
     """Return the tables of this name, or the table with one key alone; for other words the keys that these stand in.
 
     Raises
@@ -128,6 +128,7 @@ def find(name: str) -> list[Table]:
     InputError
         There is none; the message names similar ones.
     """
+    name = ".".join(words)
     wanted = name.strip("[]")
     found = [table for table in tables() if table.name == wanted]
     if not found:
@@ -138,19 +139,19 @@ def find(name: str) -> list[Table]:
             for entry in table.keys
             if entry.name == key and table.name in (table_name or table.file,)
         ]
-    found = found or _search(wanted.lower().replace(".", " ").split())
+    found = found or (_search(words) if wanted else [])
     if not found:
         raise InputError(f"{show(name)[1:-1] or '(empty)'}: no such table or key; {_hint(wanted)}")
     return found
 
 
-def _search(words: list[str]) -> list[Table]:
+def _search(words: Sequence[str]) -> list[Table]:
     """Return the tables with those keys in whose names, choices or descriptions all words stand."""
-    patterns = [re.compile(rf"\b{re.escape(word)}", re.IGNORECASE) for word in words]
+    patterns = [re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words]
     found = []
     for table in tables():
-        texts = {key: f"{table.name} {key.name} {key.description} {key.accepts}" for key in table.keys}
-        keys = tuple(key for key, text in texts.items() if patterns and all(one.search(text) for one in patterns))
+        texts = {key: f"{key.name} {key.description} {key.accepts}" for key in table.keys}
+        keys = tuple(key for key, text in texts.items() if all(one.search(text) for one in patterns))
         if keys:
             found.append(dataclasses.replace(table, keys=keys))
     return found

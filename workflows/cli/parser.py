@@ -42,12 +42,8 @@ def make_parser() -> argparse.ArgumentParser:
         for add in adders:
             add(verbs)
         group._group_actions.extend(verbs._choices_actions[first:])
+    verbs.choices["help"].set_defaults(parsers={None: parser, **verbs.choices})
     return parser
-
-
-def print_help(name: str | None) -> None:
-    """Print the help of a command, or the list of all."""
-    make_parser().parse_args([*([name] if name else []), "--help"])
 
 
 class _Parser(argparse.ArgumentParser):
