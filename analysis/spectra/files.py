@@ -39,7 +39,7 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
                 file.create_dataset(f"{group}/{name}", data=array).attrs["unit"] = unit
 
 
-def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], dict[str, Table]]:
+def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[str, Table]]:
     """Read the values and the groups that one command left in a directory.
 
     Parameters

@@ -37,7 +37,7 @@ def in_words(run: Run) -> str:
     parts = [*([bottom] if target else []), *chain, *energy]
     force = run.number("peak_force_N") or run.number("max_force_N")
     if force is not None:
-        parts.append(f"The largest contact force was {force:.4g} N.")
+        parts.append(f"The largest contact force was {_four(force)} N.")
     depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
     if depth is not None and radius is not None:
         parts.append(
@@ -58,18 +58,23 @@ def share(value: float) -> str:
     return f"{plain(f'{100 * value:.3g}')} %"
 
 
+def _four(value: float) -> str:
+    """Return a number with four digits, without an exponent for common magnitudes."""
+    return plain(f"{float(f'{value:.4g}'):g}")
+
+
 def _bottom(run: Run, *, target: bool) -> str:
     """Return what the bottom or the target bore, and how much less than without the packing."""
     force, bare = run.number("wall_peak_force_N"), run.number("unprotected_peak_force_N")
     if not force:
         return ""
-    text = f"The {'target' if target else 'bottom'} bore {force:.4g} N at most"
+    text = f"The {'target' if target else 'bottom'} bore {_four(force)} N at most"
     reduction = run.number("peak_reduction")
     if bare and reduction:
-        text += f", {_less(force, bare)} {bare:.4g} N without the packing"
+        text += f", {_less(force, bare)} {_four(bare)} N without the packing"
     ground, without = run.number("ground_peak_force_N"), run.number("unprotected_ground_peak_force_N")
     if target and ground and without and ground != force:
-        text += f"; the ground bore {ground:.4g} N, {_less(ground, without)} {without:.4g} N without it"
+        text += f"; the ground bore {_four(ground)} N, {_less(ground, without)} {_four(without)} N without it"
     return f"{text}."
 
 
@@ -83,7 +88,7 @@ def _chain(run: Run) -> list[str]:
     if run.case.get("packing.kind") != "chain" or run.number("transmission") is not None:
         return []
     speed, text = run.number("wave_speed_m_s"), _decay(run)
-    parts = [f"The wave ran at {speed:.4g} m/s."] if speed is not None else []
+    parts = [f"The wave ran at {_four(speed)} m/s."] if speed is not None else []
     return [*parts, text] if text else parts
 
 
@@ -94,7 +99,7 @@ def _decay(run: Run) -> str:
     if len(reached) < 2:
         return ""
     numbers, forces = reached + 1, peaks[reached]
-    first, last = f"{forces[0]:.4g} N in contact {numbers[0]}", f"{forces[-1]:.4g} N in contact {numbers[-1]}"
+    first, last = f"{_four(forces[0])} N in contact {numbers[0]}", f"{_four(forces[-1])} N in contact {numbers[-1]}"
     if abs(forces[-1] / forces[0] - 1) < _KEPT:
         return f"Its peak force is about the same at both ends: {first}, {last}."
     if forces[-1] > forces[0]:
@@ -163,7 +168,7 @@ def _line(run: Run, name: str) -> str:
     speed, decay = (run.number(f"line_{name}_{what}") for what in ("front_speed_m_s", "decay_per_m"))
     if speed is None:
         return ""
-    text = f"Along the line {name} the front runs at {speed:.4g} m/s"
+    text = f"Along the line {name} the front runs at {_four(speed)} m/s"
     if decay is None or decay <= 0:
         return f"{text}."
     return f"{text}, and the peak speed falls by half in {1e3 * np.log(2) / decay:.3g} mm."

@@ -365,7 +365,7 @@ def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Ce
     if not summary:
         return Cell("")
     value = summary.get(key)
-    value = scale * value if scale != 1 and is_number(value) else value
+    value = scale * float(value) if scale != 1 and isinstance(value, int | float) else value
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     return _summary_cell(value, tone="note" if noted else "")

@@ -28,6 +28,7 @@ _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text an
     "packing.vacancies": ("vacancies {}", ""),
     "contact.loss": ("losses in contacts", ""),
     "contact.initial_overlap": ("initial dents", ""),
+    "replace": ("some spheres replaced", ""),
 }
 
 
