@@ -1,8 +1,8 @@
 """A packing that is hit again and again
 
 The dents of the first impact stay in the contacts, and with them the packing has hardened: the second impact loses
-less, and more force reaches the bottom. Each run takes its dents from the directory of the one before. Beside it are
-impacts on a packing that forgets the dents of contacts whose undeformed spheres part, during each hit.
+less, and more force reaches the bottom. Each run takes its dents from the directory of the one before. Beside it is
+a packing that forgets dents during a hit, where the undeformed spheres part, and has all dents again before the next.
 """
 
 from granwave.analysis.figures.style import BLUE, ORANGE, new_figure, style

@@ -6,7 +6,7 @@ import importlib.util
 import shutil
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import h5py
 import pytest
@@ -14,7 +14,7 @@ import pytest
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, make_studies
-from granwave.workflows import load_case, run_case
+from granwave.workflows import load_case, load_scan, run_case
 from tests.documents.pages import ROOT
 
 SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
@@ -101,6 +101,20 @@ def test_what_makes_a_table_stale(change, says):
     change(fresh)
     assert says in RESULTS.stale({"suites": {"dents": fresh}}, ["dents"])["dents"]
     assert RESULTS.stale({"suites": {}}, ["dents"]) == {"dents": "no rows are stored; run make results"}
+
+
+def test_a_suite_is_complete_only_if_every_present_point_is_done():
+    """Points of an earlier file, or all but one, do not make it complete."""
+    suite = RESULTS.SUITES["dents"]
+    ids = [point.id for point in load_scan("dents", here=False).points]
+
+    def inputs(done: list[str]) -> SimpleNamespace:
+        points = [SimpleNamespace(run=True, result=SimpleNamespace(id=one)) for one in done]
+        return SimpleNamespace(scans=[SimpleNamespace(points=points)], runs=[])
+
+    assert RESULTS._complete(suite, inputs(ids))
+    assert not RESULTS._complete(suite, inputs(ids[1:]))
+    assert not RESULTS._complete(suite, inputs(["of an earlier file" for _ in ids]))
 
 
 def test_a_digest_sees_code_and_no_words(tmp_path):
