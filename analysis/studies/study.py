@@ -45,6 +45,8 @@ class Row:
         forces on any correct code.
     digits
         Significant digits of ours that mean something, where it depends on a choice such as the range of a fit.
+    bound
+        The source's value is a bound, such as the end of an axis: no difference from it is given.
     """
 
     quantity: str
@@ -56,6 +58,7 @@ class Row:
     theory: float | None = None
     verification: bool = False
     digits: int = 5
+    bound: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a row that compares nothing.
@@ -81,9 +84,9 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Ours over the source's value, or that of theory where there is none, less 1."""
+        """Ours over the source's value, or that of theory where there is none, less 1; None for a bound."""
         against = self.theory if self.source is None else self.source
-        return self.ours / against - 1 if against and self.ours is not None else None
+        return self.ours / against - 1 if against and self.ours is not None and not self.bound else None
 
 
 @dataclasses.dataclass(frozen=True)
