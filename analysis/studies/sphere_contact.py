@@ -118,7 +118,8 @@ class Contact(SphereContactRun):
         """Materials and radii in a few words."""
         own = self.case["material"].get("name", "one material")
         materials = own if self.like else f"{own} and {self._other.get('name', 'another')}"
-        return f"{materials}, radii {self.ratio:g} to 1" if self.ratio != 1 else f"{materials}, like radii"
+        radii = f", radii {self.ratio:g} to 1" if self.ratio != 1 else ", like radii" if self.like else ""
+        return materials + radii
 
 
 def select(runs: Sequence[SphereContactRun]) -> list[list[Contact]]:
@@ -155,14 +156,14 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
     """Difference from the law against overlap."""
     figure, axes = panels(2.6)
     data = {}
-    for run, mark in zip(found, MARKS, strict=False):
+    for run, mark in zip(found, MARKS * 2, strict=False):
         shown = run.scaled > 0.3  # below it the contact has too few elements
         axes.plot(run.scaled[shown], 100 * run.over_law[shown], marker=mark, markersize=2, markevery=40, label=run.name)
         data[f"{run.name}: overlap_normalised"] = run.scaled[shown]
         data[f"{run.name}: finite_elements_over_law"] = run.over_law[shown]
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
-    axes.legend()
+    axes.legend(fontsize=6)
     yield Picture("", "Force of finite elements over that of the contact law, on loading", Drawing(figure, data))
 
 
