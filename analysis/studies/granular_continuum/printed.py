@@ -54,7 +54,7 @@ def _of_forces(runs: Sequence[Granular]) -> Iterator[Row]:
     for run in _at(runs, _DIRECTIONS_OF):
         with Result(run.directory) as result:
             along = np.nanmean(rays(result).peak_force, axis=1)[:_FIRST_DECAY]
-            on, beside = _directions(result)
+            on, beside = directions_of(result)
         what, where = f"{_DIRECTIONS_OF:g} m/s", "thesis 5.2, Fig. 5.3"
         decay = float(-np.polyfit(np.arange(len(along)), np.log(along), 1)[0])
         quantity = (
@@ -67,7 +67,7 @@ def _of_forces(runs: Sequence[Granular]) -> Iterator[Row]:
                   "", None, beside, where, "The source: highest in the preferred directions.", digits=3)  # fmt: skip
 
 
-def _directions(result: Result) -> tuple[int, float]:
+def directions_of(result: Result) -> tuple[int, float]:
     """Layers, from the first on, whose largest force lies on a preferred direction; force below over that there."""
     offset = (result["spheres/position"] - result.origin) / result.case.packing.diameter
     force, directions = result["spheres/peak_force"], preferred_directions(result.case.packing.kind)
