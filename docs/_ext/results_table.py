@@ -35,7 +35,7 @@ _LEAD = (
     "Rows are of four kinds. A source is printed in the literature. Theory follows "
     "from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
     "or what similarity forces on any correct code. The rest is granwave alone. Where ours is missing, only source and "
-    "theory speak."
+    "theory speak. A bound is all that a source tells: the end of an axis, or at most."
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
@@ -77,7 +77,7 @@ def as_stored(study: Study) -> dict[str, Any]:
         "title": study.title,
         "text": study.text,
         "verdict": list(study.verdict),
-        "rows": [record_of(row) | {"digits": row.digits} for row in study.rows],
+        "rows": [record_of(row) | {"digits": row.digits, "bound": row.bound} for row in study.rows],
         "tables": [_table(one) if isinstance(one, Table) else one.text for one in study.tables],
     }
 
@@ -94,6 +94,7 @@ def row_of(record: Mapping[str, Any]) -> Row:
         record["theory"],
         record["kind"] == "verification",
         record["digits"],
+        record.get("bound", False),
     )
 
 

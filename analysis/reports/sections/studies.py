@@ -201,7 +201,7 @@ def _cells(row: Row) -> tuple[Cell, ...]:
         Cell(name, name),
         value_cell(row.source),
         value_cell(row.ours) if row.ours is None else Cell(significant(row.ours, row.digits), row.ours),
-        Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
+        Cell(percent(100 * deviation), deviation) if deviation is not None else Cell("bound" if row.bound else BLANK),
         value_cell(row.theory),
         Cell(row.where, row.where),
         Cell(row.remark, row.remark),
