@@ -84,8 +84,16 @@ def rows(group: Crystals) -> Iterator[Row]:
 
 def _printed(group: Crystals) -> Iterator[Row]:
     for crystals, name, remark in (
-        (group.wide, f"crystals of {_WIDE} a row and more", "Where BCC bears less, its line contacts are softer: 2 %."),
-        (group.walls, "both crystals", "In BCC the sides slow the front on the middle line below W/2; in HCP hardly."),
+        (
+            group.wide,
+            f"crystals of {_WIDE} a row and more",
+            "BCC bears less, and line contacts are the softer for it: 2 %.",
+        ),
+        (
+            group.walls,
+            "of the sizes here",
+            "In BCC the sides slow the front on the middle line below W/2; in HCP hardly.",
+        ),
     ):
         if {"BCC", "HCP"} <= crystals.keys():
             square, hexagonal = (crystals[one].down.front_speed for one in ("BCC", "HCP"))
