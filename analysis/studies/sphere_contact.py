@@ -29,6 +29,8 @@ TEXT = (
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
 _DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
 _CLAIMED = 6.0  # per cent: thesis 2.1.2
+_FIRST_YIELD = 16 / 15  # mean pressure over the yield strength: Thornton's law keeps it
+_PLATEAU = 2.48  # of the law's mean pressure over the yield strength
 _EXPONENTS = (1.30, 1.42)  # of unloading: thesis 2.1
 _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
 _REMARKS = (
@@ -41,30 +43,65 @@ class Contact(SphereContactRun):
     """Loading of two finite-element spheres beside the law."""
 
     @cached_property
-    def _loading(self) -> tuple[Array, Array]:
+    def _loading(self) -> Mapping[str, Array]:
         with h5py.File(self.directory / RESULT_FILE) as file:
-            overlap, force, law = (np.asarray(file[f"loading/{name}"]) for name in ("overlap", "force", "law_force"))
-        return overlap, force / law - 1
+            return {name: np.asarray(values) for name, values in file["loading"].items()}
 
     @property
     def scaled(self) -> Array:
         """Overlap over that at first yield: (n_entries,)."""
-        return self._loading[0] / self.value("yield_overlap_m")
+        return self._loading["overlap"] / self.value("yield_overlap_m")
 
     @property
     def over_law(self) -> Array:
         """Force of finite elements over that of the law, less 1: (n_entries,)."""
-        return self._loading[1]
+        return self._loading["force"] / self._loading["law_force"] - 1
 
     @property
     def depth(self) -> Array:
         """Overlap over R*: (n_entries,)."""
-        return self._loading[0] / self.value("effective_radius_m")
+        return self._loading["overlap"] / self.value("effective_radius_m")
 
-    def near(self, place: float, along: Array) -> float:
-        """Mean of `over_law` about a place along one of the scales; NaN beyond the largest overlap."""
+    @property
+    def largest_pressure(self) -> float:
+        """Largest pressure before any unloading over the smaller yield strength, median over the contact."""
+        with h5py.File(self.directory / RESULT_FILE) as file:
+            pressures = [np.asarray(one["pressure"]) for one in file["pressure"].values()]
+        return max(float(np.median(one[one > 0])) for one in pressures) / min(self.strengths)
+
+    @property
+    def area(self) -> Array:
+        """Area of the contact over Thornton's, pi R* times the overlap: (n_entries,)."""
+        return self._loading["contact_radius"] ** 2 / (self._loading["overlap"] * self.value("effective_radius_m"))
+
+    @property
+    def force(self) -> Array:
+        """Force over Thornton's area times the mean pressure at first yield: (n_entries,)."""
+        pressure = _FIRST_YIELD * min(self.strengths)
+        area = math.pi * self.value("effective_radius_m") * self._loading["overlap"]
+        return self._loading["force"] / (pressure * area)
+
+    def near(self, place: float, along: Array, values: Array | None = None) -> float:
+        """Mean of values, `over_law` if none are given, about a place along one of the scales; NaN beyond its end."""
         chosen = np.abs(np.log(along / place)) < _SMOOTH
-        return float(self.over_law[chosen].mean()) if chosen.any() else math.nan
+        return float((self.over_law if values is None else values)[chosen].mean()) if chosen.any() else math.nan
+
+    @property
+    def share_of_softer(self) -> float:
+        """Share of the energy of yielding that the sphere of the smaller yield strength takes."""
+        with h5py.File(self.directory / RESULT_FILE) as file:
+            fields = {name: np.asarray(values) for name, values in file["fields"].items()}
+        r, z = fields["position"][fields["elements"]].transpose(2, 0, 1)
+        area = np.abs((r * np.roll(z, -1, 1) - z * np.roll(r, -1, 1)).sum(axis=1)) / 2
+        strain = np.bincount(fields["body"], fields["plastic_strain"] * area * r.mean(axis=1))
+        work = [e * s if e else 0.0 for e, s in zip(strain, self.strengths, strict=True)]  # elastic: infinite strength
+        return work[int(np.argmin(self.strengths))] / sum(work)
+
+    @property
+    def strengths(self) -> tuple[float, float]:
+        """Yield strengths of the first and the second sphere, Pa; infinite of an elastic one."""
+        own, other = (one.get("yield_strength", math.inf) for one in (self.case["material"], self._other))
+        return own, other
 
     @property
     def ratio(self) -> float:
@@ -90,7 +127,8 @@ class Contact(SphereContactRun):
         """Materials and radii in a few words."""
         own = self.case["material"].get("name", "one material")
         materials = own if self.like else f"{own} and {self._other.get('name', 'another')}"
-        return f"{materials}, radii {self.ratio:g} to 1" if self.ratio != 1 else f"{materials}, like radii"
+        radii = f", radii {self.ratio:g} to 1" if self.ratio != 1 else ", like radii" if self.like else ""
+        return materials + radii
 
 
 def select(runs: Sequence[SphereContactRun]) -> list[list[Contact]]:
@@ -111,6 +149,12 @@ def rows(found: Sequence[Contact]) -> Iterator[Row]:
             what = f"Finite elements at {_DEEP:g} R*, {run.name}, over those of like radii"
             remark = "The caption of the figure says that there the curves begin to deviate."
             yield Row(what, "%", None, 100 * ours, "thesis Fig. 2.10", remark, 0.0, digits=2)
+    if alike:
+        yield from _rows_of_pressure(alike)
+    for run in found:
+        if run.strengths[0] != run.strengths[1]:
+            yield Row(f"Share of the energy of yielding in the softer sphere, {run.name}", "", None,
+                      run.share_of_softer, "thesis 3.1, Fig. 3.1", "The source: almost all.", digits=3)  # fmt: skip
     for run in found:
         for word, key, source in zip(("Smallest", "Largest"), ("min", "max"), _EXPONENTS, strict=True):
             if math.isfinite(ours := run.value(f"unloading_exponent_{key}")):
@@ -121,15 +165,36 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
     """Difference from the law against overlap."""
     figure, axes = panels(2.6)
     data = {}
-    for run, mark in zip(found, MARKS, strict=False):
+    for run, mark in zip(found, MARKS * 2, strict=False):
         shown = run.scaled > 0.3  # below it the contact has too few elements
         axes.plot(run.scaled[shown], 100 * run.over_law[shown], marker=mark, markersize=2, markevery=40, label=run.name)
         data[f"{run.name}: overlap_normalised"] = run.scaled[shown]
         data[f"{run.name}: finite_elements_over_law"] = run.over_law[shown]
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
-    axes.legend()
+    axes.legend(fontsize=6)
     yield Picture("", "Force of finite elements over that of the contact law, on loading", Drawing(figure, data))
+
+
+def _rows_of_pressure(run: Contact) -> Iterator[Row]:
+    """Pressure, contact area and force over those of Thornton's law (thesis 2.1.2, on loading)."""
+    largest, area, force = run.largest_pressure, *(run.near(_DEEP, run.depth, one) for one in (run.area, run.force))
+    law = force / (1 + run.near(_DEEP, run.depth))
+    pressure, deep = _PLATEAU / _FIRST_YIELD, f"at {_DEEP:g} R*, {run.name}"
+    of_force = "2.31 times 2.1 is 4.85; 4.7 is what a measurement was fitted with. Theory: the contact law."
+    for what, source, ours, theory, remark in (
+        (
+            "Largest pressure over the yield strength",
+            2.5,
+            largest,
+            _PLATEAU,
+            "Median over the contact. Theory: the law.",
+        ),
+        ("Largest pressure over Thornton's", 2.31, largest / _FIRST_YIELD, pressure, "Theory: the contact law."),
+        (f"Contact area over Thornton's {deep}", 2.1, area, law / pressure, "Theory: the contact law."),
+        (f"Force over that of Thornton's pressure and area {deep}", 4.7, force, law, of_force),
+    ):
+        yield Row(what, "", source, ours, "thesis 2.1.2", remark, theory, digits=3)
 
 
 def _rows_of_loading(run: Contact) -> Iterator[Row]:

@@ -71,9 +71,7 @@ class Suite:
 
 SUITES = {
     "fcc-impact": Suite("The reference impact", "run", ("fcc-impact",)),
-    "sphere-contacts": Suite(
-        "The contact law", "continuum", ("sphere-contact", "sphere-contact-radii"), ("sphere-contact",)
-    ),
+    "sphere-contacts": Suite("The contact law", "scan", ("sphere-contacts",)),
     "chains": Suite("Chains", "scan", ("chains",)),
     "square": Suite("Square packings", "scan", ("square",)),
     "square-defects": Suite("Square packings that are not ideal", "scan", ("square-defects",)),

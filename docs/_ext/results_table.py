@@ -34,8 +34,8 @@ _LEAD = (
     "Rows are of four kinds. A source is printed in the literature. Theory follows "
     "from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
     "or what similarity forces on any correct code; our second solver and our second program share no code with "
-    "granwave. The rest is granwave alone. Where ours is missing, only source and theory speak. Of a bound no "
-    "difference is given."
+    "granwave. The rest is granwave alone. Where ours is missing, only source and theory speak. A bound is all that a "
+    "source tells there: the end of an axis, or at most; no difference is given."
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}

@@ -160,7 +160,7 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(finished, tmp_path):
     before, after = rows_of("homogeneous-chain", run), rows_of("homogeneous-chain", copy)
     forces = [name for name in before if name.startswith("Peak force")]
     errors = [name for name in before if name.startswith("Error of")]
-    assert len(forces) == 3 and len(errors) == 3
+    assert len(forces) == 11 and len(errors) == 3
     for name in forces:
         assert after[name].ours == pytest.approx(1.1 * before[name].ours)
     for name in errors:

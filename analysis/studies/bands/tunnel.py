@@ -29,6 +29,10 @@ _APPROACHES = (-1.8e-5, 0.0, 3e-5)
 _RATIOS = (0.3, 0.5, 0.65)
 _SPHERE, _TIME = 75, 5e-3  # where and how long the source listens, s
 _PRINTED = 5.6e3  # Hz, the source's cut-off of the row
+_TOP_OF_AXIS, _THIRD = 7e4, 3e5  # rad/s: of Fig. 7.7a, and the source's third band
+_GAPS = {"brass, brass": 9e4, "steel, aluminium": 14e4, "aluminium, steel": 11e4}  # spheres, cylinders: top of Fig. 7.8
+_BOTTOM = 2e4  # rad/s: of Fig. 7.8
+_DENSITY_AND_MODULUS = {"brass": (8500.0, 115e9), "steel": (7800.0, 210e9), "aluminium": (2700.0, 70e9)}
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[FinishedRun]]:
@@ -43,7 +47,8 @@ def _is_row(run: FinishedRun) -> bool:
     return of_source and case.precompression is not None and case.precompression.force == 1.0 and not case.replace
 
 
-def _like(name: str, density: float, modulus: float) -> Material:
+def _material(name: str) -> Material:
+    density, modulus = _DENSITY_AND_MODULUS[name]
     return Material(name=name, youngs_modulus=modulus, poisson_ratio=0.3, density=density, yield_strength=None)
 
 
@@ -75,13 +80,39 @@ def rows(runs: Sequence[FinishedRun]) -> Iterator[Row]:
             ("Top of the acoustic band", edges[0, 1]), ("Bottom of the optical band", edges[1, 0]),
             ("Top of the optical band", edges[1, 1]), ("Top of the third band", edges[2, 1]),
         ):  # fmt: skip
-            third = name.endswith("third band") and approach == 0
-            remark = "The source has it near 0.3 MHz: 0.3e6 rad/s, 58 kHz." if third else ""
-            yield Row(f"{name}, a = {approach:g}", "rad/s", None, float(value), _WHERE, remark)
+            source, remark = None, ""
+            if name == "Top of the third band" and approach == 0:
+                source, remark = _THIRD, "The source: in the range of 0.3 MHz, which is 0.3e6 rad/s, 58 kHz."
+            elif name == "Top of the optical band" and approach <= 0:
+                source, remark = _TOP_OF_AXIS, "The source: at most, by the axis of Fig. 7.7a."
+            bound = source == _TOP_OF_AXIS
+            yield Row(f"{name}, a = {approach:g}", "rad/s", source, float(value), _WHERE, remark, bound=bound)
+    yield from _gaps()
     for ratio in _RATIOS:
         low, high = (brass_tunnel(a, ratio).edges for a in (-2e-5, 3e-5))
         quantity = f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters"
         yield Row(quantity, "rad/s", None, float(high[0, 1] - low[0, 1]), _WHERE, digits=3)
+
+
+def _gaps() -> Iterator[Row]:
+    """Edges of the gap of three pairs of materials beside the axes of Fig. 7.8, and the gap's width and its shift."""
+    for name, top in _GAPS.items():
+        sphere, cylinder = map(_material, name.split(", "))
+        edges = np.array([[Tunnel(sphere, cylinder, ratio=ratio, approach=a).edges for a in (-2e-5, 0.0, 3e-5)]
+                          for ratio in _RATIOS])  # fmt: skip
+        low, high = edges[..., 0, 1], edges[..., 1, 0]
+        remark = "By the end of the axis."
+        for word, source, ours in (("Lowest", _BOTTOM, low.min()), ("Highest", top, high.max())):
+            quantity = (
+                f"{word} edge of the gap, at {'least' if word == 'Lowest' else 'most'}: spheres of {name} cylinders"
+            )
+            yield Row(quantity, "rad/s", source, float(ours), "thesis Fig. 7.8", remark, digits=3, bound=True)
+        middle, still = _RATIOS.index(0.5), 1
+        width = 2 * (high - low) / (high + low)
+        said = {"steel, aluminium": "small", "aluminium, steel": "large"}.get(name)
+        quantity = f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: spheres of {name} cylinders"
+        remark = f"The source: {said}." if said else ""
+        yield Row(quantity, "", None, float(width[middle, still]), "thesis Fig. 7.8", remark, digits=3)
 
 
 def verdict(runs: Sequence[FinishedRun]) -> list[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.cells import show
 from granwave.analysis.document.model import Note, Table
-from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
+from granwave.analysis.studies.granular_continuum import blocks, forces, packings, printed, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect, energy_unit
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.analysis.studies.study import Picture, Row
@@ -56,6 +56,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 def rows(impacts: Impacts) -> Iterator[Row]:
     """Rows of all parts that have some."""
     yield from packings.rows(impacts)
+    yield from printed.rows(impacts)
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:

@@ -17,6 +17,8 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.rows.beside import RowRun, errata_table
 from granwave.analysis.studies.rows.filter_values import (
     APPROACHED,
+    AXIS,
+    COLOURS_END,
     DECAYS,
     DENSITY,
     DRAWN,
@@ -25,6 +27,7 @@ from granwave.analysis.studies.rows.filter_values import (
     PEAKS,
     PEAKS_OF_PRINTED_DENSITY,
     PRINTED_DENSITY,
+    RATIO,
     STATIC,
     VALLEYS,
 )
@@ -45,6 +48,7 @@ _WHERE, _SOLVER = "thesis 7.1", "Against a second solver (symmetric motion)."
 _FIT, _FIT_OF_SHORT, _LONG = (71, 201), (61, 111), 206  # contacts; spheres of a row that is long enough for the first
 _MILLI, _MICRO, _KILO = 1e-3, 1e6, 1e3
 _SPHERE = 9.525e-3
+_PROBED, _NEIGHBOURS, _FOOT = 121, 60, 0.01  # contact; contacts on either side for the speed; of the peak
 _NEAR = 1e-6  # relative, of gamma, eta and a
 _RATTLES, _LITTLE = 1.0, 0.25  # m/s: rows that yield and are struck no faster; peaks over the force of the walls
 _RATTLING = "Grains that rattle behind the front decide: with other timesteps half to twice as much."
@@ -93,6 +97,20 @@ class FilterRun(RowRun):
         if len(peak) < len(contacts) or not (peak > 0).all():
             return math.nan
         return float(-np.polyfit(contacts, np.log(peak), 1)[0])
+
+    @cached_property
+    def span(self) -> float:
+        """Length of the wave at a probed contact, by the time above 1 % of its peak, in spheres; NaN without probe."""
+        name = f"probes/contact_{_PROBED}_{_PROBED + 1}_force"
+        with Result(self.directory) as result:
+            if name not in result:
+                return math.nan
+            time, force = result["probes/time"], result[name]
+            i, j, peak = (result[f"contacts/{one}"] for one in ("i", "j", "time_peak"))
+        low, passed = np.flatnonzero(force < _FOOT * force.max()), (j == i + 1) & (np.abs(i - _PROBED) < _NEIGHBOURS)
+        end = int(np.searchsorted(low, force.argmax()))
+        speed = float(np.polyfit(peak[passed], i[passed], 1)[0])
+        return speed * float(time[low[end]] - time[low[end - 1]])
 
     @property
     def is_source(self) -> bool:
@@ -178,6 +196,7 @@ def rows(group: Group) -> Iterator[Row]:
     for run in _source_runs(group):
         yield from _largest_rows(run)
         yield from _decay_rows(run)
+    yield from _rows_of_span(group)
     yield from _valleys(group)
     yield from _map_rows(group)
     yield from _rows_with_yield(group)
@@ -218,7 +237,10 @@ def _largest_rows(run: FilterRun) -> Iterator[Row]:
     for (gamma, approach), theory in LARGEST.items():
         if run.at(gamma, approach):
             yield Row(f"Largest force of two spheres, {_label(run)}", "N", None, float(run.peaks.max()),
-                      "thesis Fig. 7.4", f"{_SOLVER} The axis ends at 300 N.", theory, verification=True)  # fmt: skip
+                      "thesis Fig. 7.4", _SOLVER, theory, verification=True)  # fmt: skip
+    if any(run.at(*key) for key in PEAKS):
+        yield Row(f"Largest force of two spheres, {_label(run)}, at most", "N", AXIS, float(run.peaks.max()),
+                  "thesis Fig. 7.4", "By the end of the axis.", bound=True)  # fmt: skip
 
 
 def _decay_rows(run: FilterRun) -> Iterator[Row]:
@@ -227,6 +249,16 @@ def _decay_rows(run: FilterRun) -> Iterator[Row]:
             if run.at(gamma, approach):
                 yield Row(f"Decay per contact, {_label(run)}", "1e-3", None, _KILO * run.decay, where,
                           f"{_SOLVER} Printed there with two digits.", decay, verification=True, digits=3)  # fmt: skip
+
+
+def _rows_of_span(group: Group) -> Iterator[Row]:
+    """Limits of gamma, and length of the leading wave where nothing presses."""
+    for run in _source_runs(group):
+        if run.at(0.9, 0.0) and math.isfinite(run.span):
+            yield Row(f"Beads that the leading wave spans at contact {_PROBED}, {_label(run)}", "", 10.0, run.span,
+                      _WHERE, "Where its force is above 1 % of its peak.", digits=3)  # fmt: skip
+    yield Row("Smallest gamma whose cylinders reach the walls", "", 0.25, None, _WHERE,
+              "Theory: sqrt(gamma^2 + 2 gamma) + gamma = 1.", 0.25)  # fmt: skip
 
 
 def _valleys(group: Group) -> Iterator[Row]:
@@ -242,8 +274,10 @@ def _valleys(group: Group) -> Iterator[Row]:
         yield Row(f"gamma of the fastest decay, a = {approach:g}", "", None, float(-b / (2 * a)), "thesis Fig. 7.5a",
                   "It moves to larger cylinders as the walls press, as the source says.", theory,
                   verification=theory is not None, digits=2)  # fmt: skip
-        yield Row(f"Decay there, a = {approach:g}", "1e-3", None, _KILO * float(decay[k]), "thesis Fig. 7.2",
-                  "The colours of Fig. 7.2b end at 9e-3.", digits=3)  # fmt: skip
+        source = COLOURS_END.get(approach)
+        yield Row(f"Decay there, a = {approach:g}{', at most' if source else ''}", "1e-3", source,
+                  _KILO * float(decay[k]), "thesis Fig. 7.2", "By the end of the colours." if source else "", digits=3,
+                  bound=source is not None)  # fmt: skip
 
 
 def _map_rows(group: Group) -> Iterator[Row]:
@@ -256,9 +290,10 @@ def _map_rows(group: Group) -> Iterator[Row]:
     for (approach, eta, gamma), run in by_place.items():
         free = by_place.get((0.0, eta, gamma))
         if approach and free is not None:
-            yield Row(f"Decay over that at a = 0, eta {eta:g}, {_label(run)}", "", None, run.decay / free.decay,
-                      "thesis Fig. 7.3", "The colours of the source end at -10 and 10. Short rows.",
-                      digits=2)  # fmt: skip
+            ratio = run.decay / free.decay
+            yield Row(f"Decay over that at a = 0, within, eta {eta:g}, {_label(run)}", "", math.copysign(RATIO, ratio),
+                      ratio, "thesis Fig. 7.3", "By the end of the colours. Short rows.", digits=2,
+                      bound=True)  # fmt: skip
 
 
 def _rows_with_yield(group: Group) -> Iterator[Row]:

@@ -57,6 +57,8 @@ DECAYS: Mapping[tuple[float, float], float] = {
 DRAWN: Mapping[tuple[float, float], float] = {(0.56, 8e-4): 8.0}
 #: Largest force between spheres of figure 7.4, N.
 LARGEST: Mapping[tuple[float, float], float] = {(0.56, 0.0): 207.0}
+#: Ends of the axis of figure 7.4, N, of the colours of figure 7.2, 1e-3 a contact, by a, and of those of figure 7.3.
+AXIS, COLOURS_END, RATIO = 300.0, {0.0: 7.0, 8e-4: 9.0}, 10.0
 #: The same of figure 7.5b.
 APPROACHED: Mapping[tuple[float, float], float] = {
     (0.45, 0.0): 6.2,

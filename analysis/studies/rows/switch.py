@@ -49,8 +49,10 @@ _FIRST: Mapping[tuple[str, float], Mapping[int, tuple[float, float | None]]] = {
     ("loose, downstream", _FRICTION): dict.fromkeys((2, 4, 6, 8, 10), (103.69, None)),
 }  # fmt: skip
 _LARGEST = {2: 67.57, 4: 59.34, 6: 42.54, 8: 37.01, 10: 26.92}  # until 0.8 ms, open gaps, friction 0.185, N
-_BRACKETS = {0: "100 to 120 N", 2: "60 to 70 N", 4: "50 to 60 N", 6: "under its computation", 8: "25 to 30 N",
-             10: "25 to 30 N"}  # fmt: skip
+#: Axis that the source's curves do not leave, N, by number of cylinders (open gaps, friction 0.185), and its figure.
+_AXES = {0: (120.0, "8.6"), 2: (70.0, "8.7a"), 4: (60.0, "8.7b"), 8: (30.0, "8.8b"), 10: (30.0, "8.8c")}
+_AXIS_OF_FALLS = 120.0  # N, of Fig. 8.4
+_MASS = 3.0  # g, of a sphere: about
 _DROPS = {0.907766: ("42 mm", 120.7), 0.804649: ("33 mm", 104.4)}  # m/s: height of the fall, N
 _AT_REST, _REST_OF = 13.12, 10  # um, sphere
 _SPHERE, _CYLINDER, _SPEED = 9.5e-3, 5.14e-3, 0.8
@@ -209,9 +211,11 @@ def _rows_of_run(run: SwitchRun, known: tuple[float, float | None] | None) -> It
     time, force = run.first
     peak, arrival = known or (None, None)
     remark = _SHEARED if run.friction else ""
-    if (run.state == "open gaps" and run.friction == _FRICTION) or not run.n_cylinders:
-        bracket = _BRACKETS.get(run.n_cylinders, "")
-        remark = f"{remark} The axes of Figs 8.6 to 8.8 say {bracket}.".strip() if bracket else remark
+    if known and ((run.state == "open gaps" and run.friction == _FRICTION) or not run.n_cylinders):
+        end, figure = _AXES.get(run.n_cylinders, (None, ""))
+        if end:
+            yield Row(f"First peak at sphere 21, {_label(run)}, at most", "N", end, force, f"thesis Fig. {figure}",
+                      "By the end of the axis.", bound=True)  # fmt: skip
     yield _checked(f"First peak at sphere 21, {_label(run)}", "N", force, peak, remark)
     if arrival is not None:
         yield _checked(f"Its time, {_label(run)}", "us", _MICRO * time, arrival)
@@ -228,8 +232,10 @@ def _rows_of_falls(group: Group) -> Iterator[Row]:
     for velocity, (height, theory) in _DROPS.items():
         for run in group.of("no cylinders", 0.0, velocity=velocity):
             name = f"Peak at sphere 6 of a sphere that fell {height} ({velocity:.3f} m/s)"
-            yield _checked(name, "N", first_peak(*run.sensor(_SENSORS[0]), floor=0.05)[1], theory,
-                           "The axis of Fig. 8.4 ends at 120 N.")  # fmt: skip
+            peak = first_peak(*run.sensor(_SENSORS[0]), floor=0.05)[1]
+            yield _checked(name, "N", peak, theory)
+            yield Row(f"{name}, at most", "N", _AXIS_OF_FALLS, peak, "thesis Fig. 8.4",
+                      "By the end of the axis. Ours falls freely, the source's along rails.", bound=True)  # fmt: skip
 
 
 def _rows_of_geometry(group: Group) -> Iterator[Row]:
@@ -240,6 +246,11 @@ def _rows_of_geometry(group: Group) -> Iterator[Row]:
             )
             yield Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0, _MICRO * run.at_rest,
                       _WHERE, remark, _AT_REST)  # fmt: skip
+    for run in group.of("no cylinders", 0.0):
+        yield Row("Mass of a sphere", "g", _MASS, 1e3 * run.case.sphere_mass, "thesis 8.4", "The source: around 3 g.")
+    if loose := [run.first[1] for run in group.of("loose, downstream", 0.0)]:
+        yield Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
+                  max(loose) - min(loose), "thesis 8.4, Fig. 8.10b", "The source: independent of it.")  # fmt: skip
     opened = {round(run.height, 6): run for run in group.runs if run.state == "open gaps" and run.is_source}
     for run in (opened[height] for height in sorted(opened)):
         width = float(np.diff(run.sphere_places).max() - _SPHERE)

@@ -22,6 +22,7 @@ _SHOWN = (0.15e-3, 0.30e-3)  # s, of the maps of speed
 _LEAST_PASSED = 6  # spheres for a length of the pulse
 _WHERE = "square packing, Wave Propagation Path"
 _PULSE = "square packing, Pulse Length"
+_LENGTH = 5.0  # diameters: of the fitted waves (equation 2, Fig. 11a, b)
 _MAPS = "square packing, Figs 3 and 6"
 _CARRIES = 0.01  # of the input, in a chain that carries a wave
 _CHAINS = {"in-plane": 4.0, "out-of-plane": 8.0}  # with a wave, of the source
@@ -132,9 +133,10 @@ def _length_rows(run: PackingRun, group: str, found: Lengths) -> Iterator[Row]:
     printed = (13.0, 5.0) if run.is_source_impact else (None, None)
     where, last, expected = f"{group}, {run.way}", last_length(found), theory()
     for measure in MEASURES:
-        remark = "Theory: Nesterenko's wave." if measure == MEASURES[0] else ""
+        source = _LENGTH if run.is_source_impact and measure in MEASURES[:2] else None
+        remark = "The source: about 5, which is Nesterenko's." if source else "Theory: Nesterenko's wave."
         ours = float(found[measure][last])
-        yield Row(f"Pulse length, {measure}, {where}", "diameters", None, ours, _PULSE, remark, expected[measure])
+        yield Row(f"Pulse length, {measure}, {where}", "diameters", source, ours, _PULSE, remark, expected[measure])
     half = MEASURES[3]
     below = float(100 * (1 - found[half][last] / expected[half]))
     remark = "Theory: the travelling wave of the chain of beads itself."

@@ -16,7 +16,8 @@ from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.sections import comparison
-from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
+from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.granular_continuum import blocks, forces, packings, printed, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
 from granwave.analysis.studies.granular_continuum.study import select
 from granwave.analysis.studies.runs import read_run
@@ -116,6 +117,23 @@ def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> No
     assert (row.name, row.energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
     assert abs(row.fraction) < 0.01
     assert abs(row.volume) < 0.03  # sampled every 0.2 us, for all materials
+
+
+def test_what_the_source_prints_is_measured_in_the_runs(impacts: Impacts) -> None:
+    found = {row.quantity: row for row in printed.rows(impacts)}
+    block, packing = impacts.continuum_reference[-1], impacts.reference[-2]
+    share = found[f"Dissipated share of a block, {block.energy:.3g} J, at most"]
+    assert (share.source, share.ours, share.deviation) == (0.7, block.fraction, None)
+    energy = found["Energy of a sphere at 16 m/s"]
+    assert (energy.source, energy.ours) == (0.576, pytest.approx(packing.energy))
+    (volume,) = (row for name, row in found.items() if name.startswith("Volume that dissipates"))
+    assert 0.2 < volume.ours < 5  # of the source's order, in a packing and on a mesh as small as these
+
+
+def test_the_first_layers_bear_most_in_the_preferred_directions(impacts: Impacts) -> None:
+    with Result(impacts.reference[3].directory) as result:
+        layers, below = printed.directions_of(result)
+    assert layers >= 3 and 0.1 < below < 0.4
 
 
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:

@@ -30,6 +30,10 @@ def test_kind_follows_from_what_a_row_compares() -> None:
     assert [row.deviation for row in rows] == pytest.approx([0.5, -0.25, 0.0002, None, None], nan_ok=True)
 
 
+def test_no_difference_is_given_from_a_bound() -> None:
+    assert dataclasses.replace(SOURCE, bound=True).deviation is None
+
+
 @pytest.mark.parametrize("missing", [{"source": 1.0}, {"theory": None}, {"ours": None}])
 def test_a_verification_has_its_two_values_and_no_source(missing: dict[str, float | None]) -> None:
     with pytest.raises(ValueError, match="expected ours and theory, and no source"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,7 +17,11 @@ YIELD, RADIUS = 1e-6, 2.4e-3  # m: overlap at first yield, R*
 
 
 def contact(
-    folder: Path, difference: float = 0.0, partner: float | None = None, force: float = 1.0
+    folder: Path,
+    difference: float = 0.0,
+    partner: float | None = None,
+    force: float = 1.0,
+    material: dict[str, Any] | None = None,
 ) -> SphereContactRun:
     """A run whose finite elements are 15 % above the law to 10 alpha_y, and 5 % below it beyond, and a difference."""
     folder.mkdir()
@@ -26,9 +31,15 @@ def contact(
     with h5py.File(folder / "result.h5", "w") as file:
         file["loading/overlap"], file["loading/law_force"] = overlap, law
         file["loading/force"] = force * law * (1 + over)
+        for n, pressure in enumerate((1.0, 1.6, 1.5)):
+            file[f"pressure/{n}/pressure"] = [pressure * 16 / 15 * 550e6] * 3 + [0.0] * 5
+        file["loading/contact_radius"] = np.sqrt(2 * RADIUS * overlap)
+        file["fields/position"] = [[0, 0], [1, 0], [1, 1], [0, 1], [1, 2], [0, 2]]
+        file["fields/elements"] = [[0, 1, 2, 3], [3, 2, 4, 5]]
+        file["fields/body"], file["fields/plastic_strain"] = [0, 1], [0.3, 0.1]
     case = {"material": BRASS, "sphere": {"radius": 4.76e-3}}
-    if partner:
-        case["partner"] = {"radius": partner, "material": BRASS}
+    if partner or material:
+        case["partner"] = {"radius": partner or 4.76e-3, "material": material or BRASS}
     summary = {"yield_overlap_m": YIELD, "effective_radius_m": RADIUS, "unloading_exponent_min": 1.33}
     return SphereContactRun(folder.name, folder, case, summary)
 
@@ -60,6 +71,29 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
     assert len(measured) == 6
     for name in measured:
         assert 1 + after[name].ours / 100 == pytest.approx(1.1 * (1 + before[name].ours / 100))
+
+
+def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> None:
+    found = rows(contact(tmp_path / "alike"))
+    assert found["Largest pressure over the yield strength"].ours == pytest.approx(1.6 * 16 / 15)
+    assert found["Largest pressure over Thornton's"].ours == pytest.approx(1.6)
+    deep = "at 0.19 R*, brass, like radii"
+    assert found[f"Contact area over Thornton's {deep}"].ours == pytest.approx(2)
+    force = found[f"Force over that of Thornton's pressure and area {deep}"]
+    overlap = 0.19 * RADIUS
+    thornton = 16 / 15 * 550e6 * np.pi * RADIUS * overlap
+    law = 5e9 * overlap**1.2 / thornton
+    assert (force.source, force.ours, force.theory) == (
+        4.7,
+        pytest.approx(0.95 * law, rel=1e-3),
+        pytest.approx(law, rel=1e-3),
+    )
+
+
+def test_the_softer_sphere_takes_what_its_strain_and_strength_say(tmp_path: Path) -> None:
+    found = rows(contact(tmp_path / "unlike", material={"name": "steel", "yield_strength": 1100e6}))
+    share = found["Share of the energy of yielding in the softer sphere, brass and steel"]
+    assert share.ours == pytest.approx(0.3 / (0.3 + 2 * 0.1))
 
 
 def test_other_runs_are_left_out(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.lines.record import lines_of
 from granwave.analysis.notebook.run import Run as Notebook
 from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.lateral.crystals import long_waves
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.cli.main import main
 from granwave.workflows.library import load_case
@@ -127,6 +128,20 @@ def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
         assert np.abs(total - result["energy/input"]).max() < 1e-5 * result.energy_input
     with Result(made(tmp_path / "gap", 5e-5, boundary={"side_gap": 1e-3})) as result:
         assert result["walls/xlo/force"].max() == 0
+
+
+@pytest.mark.parametrize("friction", [0.3, 2.0])
+def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> None:
+    """Friction 0.3 lets contacts slide, 2 holds them. BCC bears less: softer line contacts."""
+    fronts = []
+    for kind, spacing, rows in (("centred-square", 2**0.5, 10), ("hexagonal", 1.0, 8)):
+        packing, load = {"kind": kind, "size": [round(16 / spacing), rows]}, {"mass": 40 * L}
+        run = made(tmp_path / kind, 8e-4, packing=packing, load=load, contact={"friction": friction})
+        with Result(run) as result:
+            down = lines_of(result)[0]
+        fronts.append(np.polyfit(down.arrival[1:4], down.distance[1:4], 1)[0])
+    stuck = 2 * (1 - 0.48) / (2 - 0.48)
+    assert 0.95 < fronts[0] / fronts[1] / long_waves(stuck, friction) < 1.0
 
 
 @pytest.mark.validation
