@@ -31,7 +31,8 @@ TEXT = (
     "same crystals test the code."
 )
 _SOURCE = "lateral constraints"
-_CHECK = "our second program"_WIDE = 40  # grains a row: the sides do not reach the middle line
+_CHECK = "our second program"
+_WIDE = 40  # grains a row: the sides do not reach the middle line
 _EACH: dict[str, tuple[float | None, float | None]] = {  # values of our second program: BCC, HCP
     "front": (120.0, 204.0),
     "first": (8.8, 3.0),
