@@ -53,7 +53,7 @@ class Row:
     """
 
     quantity: str
-    unit: str
+    unit: str = ""
     source: float | None = None
     ours: float | None = None
     where: str = ""
