@@ -51,7 +51,7 @@ $(VENV)/linked: pyproject.toml plugins/CMakeLists.txt | $(VENV)/bin/python
 
 plugin: $(VENV)/linked
 	@$(BIN)/cmake --build $(BUILD)
-	@$(BIN)/cmake --install $(BUILD) --prefix $(SITE)/granwave
+	@$(BIN)/cmake --install $(BUILD) --prefix $(SITE)/granwave >/dev/null
 
 demo: $(READY)
 	$(BIN)/granwave run fcc-impact -o $(DEMO) --np $(RANKS) --force

@@ -13,7 +13,7 @@ PAIR_STYLE = "gran/hysteretic"
 
 def library() -> Path:
     """Path of the shared library for ``plugin load``; the library of the styles is in the same folder."""
-    return Path(granwave.__file__).parent / "plugins" / "granwaveplugin.so"  # an editable package has its code elsewhere
+    return Path(granwave.__file__).parent / "plugins" / "granwaveplugin.so"  # links lead elsewhere
 
 
 def directory() -> str:
