@@ -114,7 +114,7 @@ lint: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[lint]'
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
 	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(abspath analysis lammps_inputs workflows plugins) $(TYPED)
-	cp $(SITE)/granwave/__init__.py $(SITE)/granwave/py.typed $(TYPED)
+	cp $(SITE)/granwave/*.py $(SITE)/granwave/py.typed $(TYPED)
 	cd / && MYPYPATH=$(abspath $(TYPED)/..) $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
 	$(BIN)/clang-format --dry-run --Werror $(CPP)
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S plugins -B build/strict -G Ninja -DGRANWAVE_STRICT=ON \

@@ -94,13 +94,17 @@ def _load(file: Path, changed: int) -> ModuleType:
     if spec is None or spec.loader is None:
         raise InputError(f"{path}: cannot be loaded, expected the Python file of a study")
     module = importlib.util.module_from_spec(spec)
-    sys.path.insert(0, str(file.parent))  # for modules beside the file
+    before = set(sys.modules)
+    sys.path.insert(0, str(file.parent))  # for modules beside the file, which belong to this study alone
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
         raise InputError(f"{path}: cannot be loaded: {type(error).__name__}: {error}") from None
     finally:
         sys.path.remove(str(file.parent))
+        for name in set(sys.modules) - before:
+            if Path(getattr(sys.modules[name], "__file__", None) or "/").parent == file.parent:
+                del sys.modules[name]
     if not any(callable(getattr(module, part, None)) for part in _PARTS):
         raise InputError(f"{path}: found neither rows(runs) nor pictures(runs), expected one of these functions")
     title, _, text = inspect.cleandoc(module.__doc__ or file.stem).partition("\n\n")

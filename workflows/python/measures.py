@@ -1,5 +1,6 @@
 """Measures of signals and waves: arrays in SI units in, numbers out; ``granwave.measures``."""
 
+from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
@@ -11,6 +12,7 @@ from granwave.analysis.measures.waves.space_time import space_time_transform
 from granwave.analysis.statistics import estimate
 
 __all__ = [
+    "Chain",
     "arrival",
     "at_time",
     "estimate",
