@@ -1,7 +1,8 @@
 """Solitary wave of an impulse.
 
 The first of 100 elastic beads is given a velocity. Peak force at the last contact that the wave has passed;
-speed from the peaks of contacts half-way to there; profile of a bead half-way between them, its time turned into place by the speed.
+speed from the peaks of contacts half-way to there; profile of a bead half-way between them, its time turned into
+place by the speed.
 """
 
 import math
@@ -106,7 +107,7 @@ def pictures(runs):
     right.plot(place, cos4, "0.6", label=r"$\cos^4$")
     for wave in waves:
         right.plot(wave.x, wave.velocity, "C0", linewidth=0.8, label="" if wave is not waves[0] else "simulation")
-    right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest", xlim=(-3.5, 3.5))
+    right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest", xlim=(-3.5, 3.5), ylim=(0, 1.4))
     for axes in (left, middle, right):
         axes.legend()
     data = {f"{name}_normalised": values for name, values in t.items()} | {"place_diameters": place, "cos4": cos4}
