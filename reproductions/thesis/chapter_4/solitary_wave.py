@@ -107,7 +107,8 @@ def pictures(runs):
     right.plot(place, cos4, "0.6", label=r"$\cos^4$")
     for wave in waves:
         right.plot(wave.x, wave.velocity, "C0", linewidth=0.8, label="" if wave is not waves[0] else "simulation")
-    right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest", xlim=(-3.5, 3.5), ylim=(0, 1.4))
+    right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest")
+    right.set(xlim=(-3.5, 3.5), ylim=(0, 1.4))
     for axes in (left, middle, right):
         axes.legend()
     data = {f"{name}_normalised": values for name, values in t.items()} | {"place_diameters": place, "cos4": cos4}
