@@ -3,7 +3,7 @@
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
-study = ["elastic-long-load"]                       # of all runs, in addition to the studies of the scans
+study = ["tolerance"]                               # of all runs, in addition to the studies of the scans
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ class ChainRecord:
     @cached_property
     def scales(self) -> ChainScales:
         """Units of a chain of like beads."""
-        return ChainScales(self)
+        return ChainScales(self.case)
 
     @cached_property
     def _arrays(self) -> dict[str, NDArray]:
