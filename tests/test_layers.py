@@ -24,8 +24,9 @@ workflows/run
 workflows/library
 workflows/solvers workflows/counterpart
 workflows/finite_elements
+analysis/reports
 analysis/notebook
-analysis/reports analysis/exports
+analysis/exports
 analysis/studies
 analysis/scans analysis/contact_law analysis/inference
 analysis/document

@@ -5,9 +5,10 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import logging
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -22,6 +23,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.means import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
+from granwave.analysis.studies.study_file import is_study_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import (
@@ -36,6 +38,8 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.toml_files import read_tables
+
+_LOG = logging.getLogger(__name__)
 
 Kind = Literal["run", "continuum", "spectra"]
 
@@ -195,7 +199,7 @@ def relative(path: Path, base: Path) -> str:
     return Path(os.path.relpath(path.resolve(), base.resolve())).as_posix()
 
 
-def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
+def read_inputs(directories: Sequence[str | Path], base: Path, study_files: Collection[str] = ()) -> Inputs:
     """Read runs and scans.
 
     Parameters
@@ -204,6 +208,8 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
         Directories of runs, scans, and suites, which stand for their scans; repeated ones are used once.
     base
         Directory of the report.
+    study_files
+        Files of studies that the user named just now; others that scans hold are left out, as they are code.
 
     Raises
     ------
@@ -220,7 +226,7 @@ def read_inputs(directories: Sequence[str | Path], base: Path) -> Inputs:
     items: list[Run | Scan] = []
     for path, label in zip(paths, _labels(paths, base), strict=True):
         try:
-            items += _read(path, label)
+            items += _read(path, label, study_files)
         except InputError as error:
             errors += error.errors
     if errors:
@@ -244,14 +250,14 @@ def _labels(paths: Sequence[Path], base: Path) -> list[str]:
     return [name if names.count(name) == 1 else relative(path, base) for name, path in zip(names, paths, strict=True)]
 
 
-def _read(path: Path, label: str) -> list[Run | Scan]:
+def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Scan]:
     """Read a directory; several for bands, modes and transmission in one."""
     if not path.exists():
         raise InputError(f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan")
     if not path.is_dir():
         raise InputError(f"{path}: is a file, expected the directory of a run or of a scan{around(path)}")
     if is_scan(path):
-        return [_read_scan(path, label)]
+        return [_read_scan(path, label, study_files)]
     try:
         found = sorted(entry.name for entry in path.iterdir())
     except OSError as error:
@@ -356,7 +362,7 @@ def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def _read_scan(path: Path, label: str) -> Scan:
+def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     try:
         source = ScanResult(path)
         results = source.points
@@ -384,7 +390,13 @@ def _read_scan(path: Path, label: str) -> Scan:
         raise InputError(dict.fromkeys(errors))
     suite = read_json(path.parent / SUITE_INDEX) or {}
     of_suite = suite.get("study", ()) if path.name in suite.get("scans", ()) else ()
-    return Scan(label, source, tuple(points), tuple(dict.fromkeys([*source.studies, *of_suite])))
+    named = dict.fromkeys(str(name) for name in [*source.studies, *of_suite])
+    unasked = [name for name in named if is_study_file(name) and name not in study_files]
+    for name in unasked:
+        _LOG.warning(
+            "%s: its study %s is left out, for reports load no code unasked; add  --study %s", path, name, name
+        )
+    return Scan(label, source, tuple(points), tuple(name for name in named if name not in unasked))
 
 
 def _point(result: PointResult, scan: Path, run: Run | None) -> Point:

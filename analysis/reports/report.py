@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
@@ -16,7 +16,7 @@ from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
-from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.study_file import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
@@ -29,7 +29,12 @@ _OWN = {  # patterns that match every report
 }
 
 
-def write_report(directories: Sequence[str | Path], output: str | Path, studies: Sequence[str] = ()) -> Path:
+def write_report(
+    directories: Sequence[str | Path],
+    output: str | Path,
+    studies: Sequence[str] = (),
+    study_files: Collection[str] = (),
+) -> Path:
     """Write the report of runs and scans; an older report of this name is replaced.
 
     Parameters
@@ -39,8 +44,10 @@ def write_report(directories: Sequence[str | Path], output: str | Path, studies:
     output
         Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside it).
     studies
-        Names of studies of all runs, in addition to those that the scans name; see
-        `granwave.analysis.studies.registry`.
+        Studies of all runs, in addition to those that the scans name: names, see
+        `granwave.analysis.studies.registry`, and paths of files, see `granwave.analysis.studies.study_file`.
+    study_files
+        Absolute paths of files of studies that scans name and that may be loaded.
 
     Returns
     -------
@@ -57,16 +64,16 @@ def write_report(directories: Sequence[str | Path], output: str | Path, studies:
     """
     output = output_path(output)
     errors = _errors_in(output)
-    known = ", ".join(STUDIES)
-    errors += [f"--study: found {name}, expected one of: {known}" for name in studies if name not in STUDIES]
+    named, faults = find_studies(studies, Path())
+    errors += [f"--study: {fault}" for fault in faults]
     try:
-        inputs = read_inputs(directories, output.parent)
+        inputs = read_inputs(directories, output.parent, {*study_files, *named})
     except InputError as error:
         errors += error.errors
     if errors:
         raise InputError(errors)
     try:
-        report = cleaned(build_report(inputs, studies))
+        report = cleaned(build_report(inputs, named))
     except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
         raise InputError(str(error)) from None
     try:

@@ -1,4 +1,4 @@
-"""Studies by the name that a scan or suite file gives: ``study = "solitary-wave"``.
+"""Studies by the name that a scan or suite file gives: ``study = "tolerance"``.
 
 A study is a module with
 
@@ -18,10 +18,6 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "solitary-wave": "chains.elastic.solitary_wave",
-    "elastic-long-load": "chains.elastic.long_load",
-    "wave-train": "chains.elastic.wave_train",
-    "elastic-pulses": "chains.elastic.pulses",
     "elastoplastic-pulse": "chains.elastoplastic.pulse",
     "bilinear-pulse": "chains.bilinear.pulse",
     "bilinear-long-load": "chains.bilinear.long_load",

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import logging
+import traceback
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
+from granwave.analysis.studies.study_file import is_study_file, load_study
 
 if TYPE_CHECKING:
     from granwave.analysis.document.model import Note, Table
     from granwave.analysis.figures.style import Drawing
     from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun
+
+_LOG = logging.getLogger(__name__)
 
 Kind = Literal["source", "theory", "verification", "alone"]
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
@@ -50,10 +55,10 @@ class Row:
     """
 
     quantity: str
-    unit: str
-    source: float | None
-    ours: float | None
-    where: str
+    unit: str = ""
+    source: float | None = None
+    ours: float | None = None
+    where: str = ""
     remark: str = ""
     theory: float | None = None
     verification: bool = False
@@ -98,11 +103,23 @@ class Picture:
     name
         Of its files. One that is empty or begins with an underscore goes on after the study's: ``_pulses`` of
         ``square-in-plane`` becomes ``square_in_plane_pulses``.
+    drawing
+        The figure; one of matplotlib's is given its data.
+    data
+        Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as CSV beside it.
     """
 
     name: str
     caption: str
     drawing: Drawing
+    data: dataclasses.InitVar[Mapping[str, Any] | None] = None
+
+    def __post_init__(self, data: Mapping[str, Any] | None) -> None:
+        """Put a figure of matplotlib and its data together."""
+        from granwave.analysis.figures.style import Drawing  # the drawing library takes a second to load
+
+        if not isinstance(self.drawing, Drawing):
+            object.__setattr__(self, "drawing", Drawing(self.drawing, dict(data or {})))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -156,7 +173,12 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
     if not runs:
         return []
     with style():
-        modules = {name: module for name, module in (STUDIES | COMPARISON).items() if name in runs}
+        modules: dict[str, Any] = {
+            name: importlib.import_module(f"{__package__}.{path}")
+            for name, path in (STUDIES | COMPARISON).items()
+            if name in runs
+        }
+        modules |= {name: load_study(name) for name in runs if is_study_file(name)}
         return [
             study
             for name, module in modules.items()
@@ -164,8 +186,21 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
         ]
 
 
-def _make(name: str, path: str, runs: Runs, undone: Labels) -> Iterator[Study]:
-    module: Any = importlib.import_module(f"{__package__}.{path}")
+def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
+    if is_study_file(name):
+        try:
+            yield from _groups(Path(name).stem, module, runs, undone)
+        except Exception as error:  # in code of the user's
+            line = traceback.extract_tb(error.__traceback__)[-1]
+            fault = f"{type(error).__name__}: {error} ({Path(line.filename).name}, line {line.lineno})"
+            _LOG.warning("%s: the study failed: %s", name, fault)
+            yield Study(Path(name).stem, module.TITLE, f"The study failed: {fault}")
+    else:
+        yield from _groups(name, module, runs, undone)
+
+
+def _groups(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
+    """Make the study of each group of runs."""
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 

@@ -29,7 +29,9 @@ from tests.conftest import PLAIN
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
 
 PAGES = pages()
-WITH_PYTHON = [page for page in PAGES if any(block.language == "python" for block in blocks(page))]
+WITH_PYTHON = [
+    page for page in PAGES if any(block.language == "python" and not block.caption for block in blocks(page))
+]
 WITH_FILES = [page for page in PAGES if any(block.language == "toml" for block in blocks(page))]
 WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
 BASE = {"name": "base", "material": "brass", "packing": {"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}}
@@ -49,7 +51,9 @@ def test_the_readme_is_short():
 def test_python(page, tmp_path):
     pytest.importorskip("snakemake")
     write_files(page, tmp_path)
-    (tmp_path / "page.py").write_text("\n".join(block.text for block in blocks(page) if block.language == "python"))
+    (tmp_path / "page.py").write_text(
+        "\n".join(block.text for block in blocks(page) if block.language == "python" and not block.caption)
+    )
     done = subprocess.run(
         [sys.executable, "page.py"],
         cwd=tmp_path,

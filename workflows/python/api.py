@@ -16,6 +16,7 @@ from granwave.analysis.measures.zone.marks import zone_warning
 from granwave.analysis.notebook.load import load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.notebook.scan import ScanRuns
+from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
@@ -36,6 +37,8 @@ __all__ = [
     "InputError",
     "MissingOutputError",
     "OutputFormatError",
+    "Picture",
+    "Row",
     "Run",
     "RunError",
     "ScanRuns",

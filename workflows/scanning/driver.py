@@ -323,10 +323,10 @@ class _ScanRun:
         from granwave.analysis.studies.rows_file import write_rows
         from granwave.analysis.studies.study import draw_studies
 
-        found = studies_of(read_inputs([self.directory], self.directory))
+        found = studies_of(read_inputs([self.directory], self.directory, self.scan.study))
         draw_studies(found, self.directory)
         write_rows(found, self.directory)
-        write_report([self.directory], self.directory / SCAN_REPORT)
+        write_report([self.directory], self.directory / SCAN_REPORT, study_files=self.scan.study)
 
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.studies.study_file import find_studies, is_study_file
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -50,11 +52,23 @@ def _parse_ranks(value: Any) -> RanksBySize:
 
 
 def parse_studies(value: Any) -> tuple[str, ...]:
-    """Parse the name of a study, or a list of names."""
+    """Parse the name or path of a study, or a list of them."""
     names = [value] if isinstance(value, str) else value
-    if not isinstance(names, list) or not names or not all(isinstance(n, str) and n in STUDIES for n in names):
-        raise ValidationError(f"a study, or a list of studies, of: {', '.join(STUDIES)}")
+    if not isinstance(names, list) or not names or not all(isinstance(n, str) and _is_study(n) for n in names):
+        raise ValidationError(f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}")
     return tuple(names)
+
+
+def _is_study(name: str) -> bool:
+    return name in STUDIES or is_study_file(name)
+
+
+def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tuple[str, ...]:
+    """Return studies with the absolute paths of their files, which are relative to a scan or suite file."""
+    found, faults = find_studies(names, path.parent)
+    for fault in faults:
+        errors.add("study", fault)
+    return tuple(found)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -29,7 +29,7 @@ from granwave.workflows import library
 from granwave.workflows.run.messages import each_warning_once
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.run.versions import versions
-from granwave.workflows.scanning.header import Header
+from granwave.workflows.scanning.header import Header, studies_beside
 from granwave.workflows.scanning.labels import labels_of
 from granwave.workflows.scanning.variations import flat, variations_of
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
@@ -87,7 +87,7 @@ class Scan:
     text
         Text of the file, after comments with the overrides.
     study
-        Names of the studies in its report.
+        Names of the studies in its report, and absolute paths of files of studies.
     n_points
         Number of points of the file; more than ``points`` if only some were made.
     n_values
@@ -218,6 +218,8 @@ def scan_from_dict(
         if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
     } | dict(changes)
     variations = variations_of(tables, header, errors)
+    if header is not None:
+        header = dataclasses.replace(header, study=studies_beside(header.study, path, errors))
     if errors.lines or header is None:
         raise InputError(errors.lines)
     return _build(path, header, fixed, changes, variations, here, text, template, most)

@@ -3,14 +3,14 @@
 name = "granular-continuum"
 scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
-study = ["elastic-long-load"]                       # of all runs, in addition to the studies of the scans
+study = ["tolerance"]                               # of all runs, in addition to the studies of the scans
 """
 
 from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +24,7 @@ from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
 from granwave.workflows.scanning.driver import ScanOutcome, run_scan
-from granwave.workflows.scanning.header import parse_studies
+from granwave.workflows.scanning.header import parse_studies, studies_beside
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 _SCANS = "scans"
@@ -97,7 +97,10 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     data = read_toml(path)
     errors = ErrorList(str(path))
     header = read_table(SuiteFile, {"name": path.stem, **data}, "", errors)
-    if header is None or errors.lines:
+    if header is None:
+        raise InputError(errors.lines)
+    studies = studies_beside(header.study, path, errors)
+    if errors.lines:
         raise InputError(errors.lines)
     scans: list[Scan] = []
     for entry in header.scans:
@@ -116,7 +119,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
         errors.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
     if errors.lines:
         raise InputError(errors.lines)
-    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), header.study)
+    return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), studies)
 
 
 def run_suite(
@@ -175,12 +178,12 @@ def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options
             break
     stopped = outcomes[-1].stopped
     if not stopped:
-        _publish(directory)
+        _publish(directory, [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names])
     complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
     return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
 
 
-def _publish(directory: Path) -> None:
+def _publish(directory: Path, studies: Sequence[str]) -> None:
     """Draw the figures of the comparison and studies, and write the report."""
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
@@ -190,8 +193,8 @@ def _publish(directory: Path) -> None:
     from granwave.analysis.studies.rows_file import write_rows
     from granwave.analysis.studies.study import draw_studies
 
-    inputs = read_inputs([directory], directory)
+    inputs = read_inputs([directory], directory, studies)
     found = [*comparison_of(inputs), *studies_of(inputs)]
     draw_studies(found, directory)
     write_rows(found, directory)
-    write_report([directory], directory / SCAN_REPORT)
+    write_report([directory], directory / SCAN_REPORT, study_files=studies)

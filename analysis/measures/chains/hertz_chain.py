@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Protocol
 
 import numpy as np
 
@@ -18,22 +17,18 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)
 DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by our second solver (tests/chain_twin.py)
-#: The same two as F_peak/I^(6/5) in the chain's own units.
-IMPULSE_LIMIT, DISCRETE_LIMIT = (one * (3 / 128) ** 0.6 for one in (IMPULSE_COEFFICIENT, DISCRETE_COEFFICIENT))
+IMPULSE_LIMIT = IMPULSE_COEFFICIENT * (3 / 128) ** 0.6  # F_peak/I^(6/5), in the units of the chain
 _REACH = 5  # diameters ahead and behind of the travelling wave
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
 
 
-class HasCase(Protocol):
-    """A run with its case."""
-
-    @property
-    def case(self) -> Case:
-        """The case."""
-
-
 class ChainScales:
-    """Units and closed forms of the chain of a run; its beads are alike.
+    """Units and closed forms of a chain of like beads.
+
+    Parameters
+    ----------
+    case
+        Case of the chain.
 
     Attributes
     ----------
@@ -43,8 +38,8 @@ class ChainScales:
         E* R*^2, N; tau (thesis 2.24), s; R*/tau, m/s; E* R*^2 tau, N s.
     """
 
-    def __init__(self, run: HasCase) -> None:
-        case, law = run.case, sphere_contact(run.case)
+    def __init__(self, case: Case) -> None:
+        law = sphere_contact(case)
         self.diameter, self._mass, self._density = case.packing.diameter, case.sphere_mass, case.material.density
         self._modulus, self._radius = law.effective_modulus, law.effective_radius
         self.force = self._modulus * self._radius**2

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,20 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
+
+
+class HasResults(Protocol):
+    """A run with its case and summary."""
+
+    directory: Path
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a value of the summary."""
+
 
 OVERTAKEN = 1.005  # of the leading peak of a contact: a later wave that presses it harder; one for all chains
 _UNTOUCHED = 1e-3  # of the largest force, at the last contact
@@ -66,7 +81,7 @@ class ChainRecord:
     @cached_property
     def scales(self) -> ChainScales:
         """Units of a chain of like beads."""
-        return ChainScales(self)
+        return ChainScales(self.case)
 
     @cached_property
     def _arrays(self) -> dict[str, NDArray]:
@@ -155,3 +170,21 @@ class ChainRecord:
         """Place, in the arrays of the history, of the contact between this bead and the next."""
         i, j = self.array("chain/contact_i"), self.array("chain/contact_j")
         return int(np.flatnonzero((i == bead) & (j == bead + 1))[0])
+
+
+class Chain(ChainRecord):
+    """Record of a chain from a run as `granwave.load` gives it.
+
+    Parameters
+    ----------
+    run
+        The run; its history must have been recorded, see ``output.history``.
+    """
+
+    def __init__(self, run: HasResults) -> None:
+        self.run, self.directory, self.case = run, run.directory, run.case
+
+    def value(self, name: str) -> float:
+        """Return a number of the summary; NaN where it does not apply."""
+        found = self.run[name]
+        return float(found) if found is not None else math.nan

@@ -11,10 +11,12 @@ from granwave.analysis.document.cells import BLANK, percent, significant, value_
 from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
 from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.analysis.studies.registry import OF_SPHERE_CONTACTS
 from granwave.analysis.studies.runs import FinishedRun, SphereContactRun, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
+from granwave.analysis.studies.study_file import is_study_file
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
@@ -114,14 +116,24 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     named
         Further studies, of all runs of the report.
     """
-    offered: dict[str, dict[Path, FinishedRun | SphereContactRun]] = {}
+    offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, tuple[FinishedRun | SphereContactRun, ...]] = {}
-    asked = [(run, tuple(named)) for run in inputs.runs]
-    asked += [(point.run, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points if point.run]
-    for run, names in asked:
+    nothing: Mapping[str, Any] = {}
+    asked = [(run, nothing, tuple(named)) for run in inputs.runs]
+    asked += [
+        (point.run, point.result.labels, (*scan.studies, *named))
+        for scan in inputs.scans
+        for point in scan.points
+        if point.run
+    ]
+    for run, labels, names in asked:
         if not names or run.damaged:
             continue
+        for name in filter(is_study_file, names):
+            if run.status == "done":
+                offered.setdefault(name, {}).setdefault(run.directory, notebook.Run(run.directory, labels))
+        names = tuple(name for name in names if not is_study_file(name))
         if run.directory not in read:
             read[run.directory] = _read(run)
         for name in names:

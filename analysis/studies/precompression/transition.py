@@ -42,7 +42,7 @@ def rows(waves: Waves) -> Iterator[Row]:
     """Speed and height at both ends."""
     first, last = waves[0], waves[-1]
     free = first.uncompressed_speed
-    height = 0.7176 * float(ChainScales(first.run).impulse_force(first.run.mass * first.velocity))
+    height = 0.7176 * float(ChainScales(first.run.case).impulse_force(first.run.mass * first.velocity))
     yield Row(
         f"Speed at F0 = {first.static:g} N over that of an uncompressed chain", "", None, first.speed / free,
         "composite (4)", "At the same largest force added; theory: the travelling wave of the lattice under F0.",

@@ -25,7 +25,7 @@ class ChainWave(Wave):
     @property
     def uncompressed_speed(self) -> float:
         """Speed of Nesterenko's wave of the same largest force added, m/s."""
-        return ChainScales(self.run).nesterenko(self.added)
+        return ChainScales(self.run.case).nesterenko(self.added)
 
 
 Waves = Sequence[ChainWave]

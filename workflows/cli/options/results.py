@@ -27,8 +27,9 @@ def add_report(verbs: argparse._SubParsersAction) -> None:
         "--study",
         action="append",
         default=[],
-        metavar="NAME",
-        help="a study to make of all runs, beside those that scan and suite files name; may be repeated",
+        metavar="NAME|FILE.py",
+        help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite files name; "
+        "may be repeated",
     )
 
 

@@ -1,1 +1,0 @@
-"""Elastic chains of like beads: waves, trains and steady loads."""

@@ -1,0 +1,67 @@
+"""Scripts of the reproductions: on the public Python door alone, short, and each named by a scan or suite beside it."""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+from granwave.analysis.studies.study_file import load_study
+from granwave.workflows import load_scan
+from granwave.workflows.scanning.suite import is_suite, load_suite
+
+FOLDER = Path(__file__).parents[2] / "reproductions"
+SCRIPTS = sorted(FOLDER.rglob("*.py"))
+FILES = sorted(FOLDER.rglob("*.toml"))
+STUDIES = [path for path in SCRIPTS if "\ndef rows(" in path.read_text(encoding="utf-8")]
+DOORS = {"granwave", "granwave.measures", "granwave.theory"}
+
+
+def name_of(path: Path) -> str:
+    """Name of a file in the list of tests."""
+    return str(path.relative_to(FOLDER))
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=name_of)
+def test_imports(path: Path) -> None:
+    """Nothing from inside the package."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0
+            names = [node.module or ""]
+        for name in names:
+            assert name in DOORS if name.startswith("granwave") else True, f"{path.name} imports {name}"
+
+
+def test_length() -> None:
+    assert median(len(path.read_text(encoding="utf-8").splitlines()) for path in SCRIPTS) <= 90
+
+
+@pytest.mark.parametrize("path", STUDIES, ids=name_of)
+def test_title_and_text(path: Path) -> None:
+    study = load_study(str(path))
+    assert (study.TITLE and study.TEXT) or hasattr(study, "text")
+
+
+@pytest.mark.parametrize("path", FILES, ids=name_of)
+def test_files_are_right(path: Path) -> None:
+    """Every scan and suite can be run; its first line says what it is."""
+    assert path.read_text(encoding="utf-8").startswith("# ")
+    if "scans" in tomllib.loads(path.read_text(encoding="utf-8")):
+        assert is_suite(path) and load_suite(path).scans
+    else:
+        assert load_scan(path).points
+
+
+def test_every_study_is_made() -> None:
+    """By a scan or a suite of its folder."""
+    named = set()
+    for path in FILES:
+        study = tomllib.loads(path.read_text(encoding="utf-8")).get("study", [])
+        names = [study] if isinstance(study, str) else study
+        named |= {(path.parent / name).resolve() for name in names if name.endswith(".py")}
+    assert {path.resolve() for path in STUDIES} <= named

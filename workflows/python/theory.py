@@ -1,0 +1,6 @@
+"""Closed forms: Hertz's chain and its solitary wave, Hertz's impact; ``granwave.theory``."""
+
+from granwave.analysis.measures.chains.hertz_chain import ChainScales, discrete_speed, discrete_width
+from granwave.analysis.measures.target.hertz_impact import HertzImpact
+
+__all__ = ["ChainScales", "HertzImpact", "discrete_speed", "discrete_width"]
