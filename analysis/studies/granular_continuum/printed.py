@@ -16,6 +16,7 @@ from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum
 from granwave.analysis.studies.granular_continuum.sides import involved
 from granwave.analysis.studies.study import Row
 from granwave.lammps_inputs.case.material import material
+from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _SPHERE = 0.01  # m, diameter of the spheres and of the punch
 _LARGEST_FORCE = 700.0  # F_y: end of the colours of Fig. 5.3, whose velocity is not printed
@@ -40,7 +41,9 @@ def rows(impacts: Impacts) -> Iterator[Row]:
 
 
 def _is_source(run: Granular | Continuum) -> bool:
-    return constants(run.case.material) == constants(material("brass")) and math.isclose(run.diameter, _SPHERE)
+    """The source's spheres, with all values of the run."""
+    alike = constants(run.case.material) == constants(material("brass")) and math.isclose(run.diameter, _SPHERE)
+    return alike and (run.directory / RESULT_FILE).is_file()
 
 
 def _of_forces(runs: Sequence[Granular]) -> Iterator[Row]:
