@@ -15,7 +15,8 @@ SHARES = (50, 90, 99)  # per cent of the energy dissipated by yielding: those th
 
 #: Unit by the end of a name; the first that fits counts.
 UNITS = {
-    "_m_s2": "m/s^2", "_m_s": "m/s", "_per_kg": "1/kg", "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m^3",
+    "_m_s2": "m/s^2", "_m_s": "m/s", "_N_per_m": "N/m", "_Hz": "Hz", "_per_kg": "1/kg",
+    "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m^3",
     "_Ns": "N s", "_Pa": "Pa", "_J": "J", "_W": "W", "_N": "N", "_s": "s", "_m": "m",
 }  # fmt: skip
 

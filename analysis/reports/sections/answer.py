@@ -15,8 +15,9 @@ from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.figures import of_other_kinds, overlay, picture_in
+from granwave.analysis.reports.sections.other_kinds import by_kind
 from granwave.analysis.reports.sections.outcome import in_words, share
-from granwave.analysis.reports.sections.results import compact_table, other_kinds, value_rows
+from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.reports.sections.setting import target_of
 from granwave.analysis.scans.keys import Key
 from granwave.analysis.scans.means import Means
@@ -64,7 +65,7 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
         galleries = [block for block in drawn if isinstance(block, Gallery)]
         blocks += [Beside(galleries[0], table) if galleries else table]
         blocks += [block for block in drawn if not isinstance(block, Gallery)]
-    for alike in other_kinds(inputs.runs):
+    for alike in by_kind(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
         blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
     return blocks

@@ -21,12 +21,12 @@ from granwave.analysis.document.cells import (
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
+from granwave.analysis.reports.sections import other_kinds
 from granwave.analysis.reports.sections.setting import target_of
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
@@ -47,51 +47,7 @@ _OF_ONE_KIND = (
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
 _FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
-#: Rows of other kinds of results: key, label, unit, and how many of it make one of summary.json.
-_OF_INFERENCE = (
-    ("n_grains", "Grains", "", 1.0),
-    ("n_contacts", "Candidate contacts", "", 1.0),
-    ("n_significant_contacts", "Contacts with a force above two standard errors", "", 1.0),
-    ("n_loaded_contacts", "Contacts with any force", "", 1.0),
-    ("n_sliding_contacts", "Contacts that slide", "", 1.0),
-    ("largest_force_N", "Largest contact force", "N", 1.0),
-    ("mean_normal_force_N", "Mean normal force", "N", 1.0),
-    ("noise", "Noise of strains and accelerations", "%", 100.0),
-    ("true_force_error", "Error of the forces, of the true ones", "%", 100.0),
-    ("standard_error_fraction", "Standard error of the forces", "%", 100.0),
-    ("acceleration_error", "Error of the accelerations", "%", 100.0),
-    ("residual_fraction", "Unexplained, of the data", "%", 100.0),
-    ("chi2_per_equation", "Chi squared for each free equation", "", 1.0),
-    ("youngs_modulus_Pa", "Young's modulus", "GPa", 1e-9),
-    ("youngs_modulus_error_Pa", "Standard error of Young's modulus", "GPa", 1e-9),
-    ("n_equations", "Equations", "", 1.0),
-    ("n_unknowns", "Unknowns", "", 1.0),
-)
-_OF_SPECTRA = (
-    ("highest_frequency_Hz", "Highest frequency", "kHz", 1e-3),
-    ("lowest_frequency_Hz", "Lowest frequency", "kHz", 1e-3),
-    ("widest_gap_Hz", "Widest gap", "kHz", 1e-3),
-    ("widest_gap_relative", "Its width, of its middle", "%", 100.0),
-    ("attenuation_in_widest_gap", "Largest attenuation there, from plane to plane (ln)", "", 1.0),
-    ("attenuation_spacing_m", "Distance of these planes", "mm", 1e3),
-    ("speeds_m_s", "Speeds of long waves", "m/s", 1.0),
-    ("largest_amplitude_ratio", "Largest amplitude of each sensor, over the drive's", "", 1.0),
-    ("least_participation_ratio", "Smallest participation ratio", "", 1.0),
-    ("static_force_N", "Mean static force", "N", 1.0),
-    ("contact_stiffness_N_per_m", "Mean contact stiffness", "N/m", 1.0),
-    ("unit_frequency_Hz", "Unit of frequency, root of stiffness over mass", "kHz", 1e-3),
-    ("n_grains_in_cell", "Grains of the cell", "", 1.0),
-    ("n_grains", "Grains", "", 1.0),
-    ("n_left_out", "Grains left out, that bear no load", "", 1.0),
-    ("n_contacts_in_cell", "Contacts of the cell", "", 1.0),
-    ("n_contacts", "Contacts that bear a force", "", 1.0),
-    ("n_bands", "Bands", "", 1.0),
-    ("n_modes", "Modes", "", 1.0),
-    ("n_floppy", "Floppy modes", "", 1.0),
-)
 _NOTHING = ("zone_cut", "wave_return_share", "plastic_zone_radius_m", "zone_radius_90_m")  # left out where zero
-_TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
-_PER_CENT, _ROUNDING = 100.0, 1e-9  # shares below are errors of rounding
 _READABLE = {"m": ("mm", 1e3), "m³": ("cm³", 1e6), "s": ("µs", 1e6)}  # units of the first section
 _OF_BOTTOM = (
     "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
@@ -116,7 +72,7 @@ def results_section(inputs: Inputs) -> Section:
     runs = [run for run in inputs.runs if run.has_balance]
     if len(runs) > 1:
         blocks.append(_runs_table(runs, differing(runs), _worth_showing([run.summary for run in runs])))
-    for alike in (runs, *other_kinds(inputs.runs)):
+    for alike in (runs, *other_kinds.by_kind(inputs.runs)):
         if alike and len(alike) <= MOST_SIDE_BY_SIDE:
             blocks.append(_side_by_side(alike))
     for scan in inputs.scans:
@@ -127,22 +83,13 @@ def results_section(inputs: Inputs) -> Section:
     return Section("All values", SLUG, tuple(blocks))
 
 
-def other_kinds(runs: Sequence[Run]) -> list[list[Run]]:
-    """Return the inferences, and the small waves of each kind, of some runs."""
-    found: dict[str, list[Run]] = {}
-    for run in runs:
-        if not run.has_balance:
-            found.setdefault(str(run.summary.get("kind")), []).append(run)
-    return list(found.values())
-
-
 def compact_table(runs: Sequence[Run]) -> Table:
     """Make a table of runs with some keys that differ, and the first values, of those that all runs have.
 
     Inferences, or small waves of one kind, have their values below each other.
     """
     if not runs[0].has_balance:
-        return _other_kind(runs, _TITLES[str(runs[0].summary.get("kind"))])
+        return other_kinds.table_of(runs, other_kinds.title_of(runs))
     keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
@@ -163,7 +110,7 @@ def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
     called = grains_called_in([run.summary])
     if not run.has_balance:
-        return _other_kind([run], f"Run {run.label}")
+        return other_kinds.table_of([run], f"Run {run.label}")
     first = [key for key in _FIRST if run.number(key) is not None]
     first += _OF_A_TARGET if target_of(run.case) and "transmission" not in first else ()
     first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
@@ -190,30 +137,6 @@ def _readable(key: str) -> tuple[str, float]:
     """Return the unit of a value in the first section, as sentences and figures have it, and its number in SI's."""
     unit = unit_of_value(key)
     return _READABLE.get(unit, (unit, 1.0))
-
-
-def _other_kind(runs: Sequence[Run], caption: str) -> Table:
-    """Make a table of inferences or small waves: a row for each value, a column for each run."""
-    entries = _OF_INFERENCE if runs[0].is_inference else _OF_SPECTRA
-    rows = []
-    for key, label, unit, scale in entries:
-        cells = [_span_cell(run.summary.get(key), scale) for run in runs]
-        rows.append((Cell(label, label), *cells, Cell(unit)))
-    heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]
-    columns = (Column("Quantity", key=True), *(Column(head, numeric=True) for head in heads), Column("Unit"))
-    kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
-    return Table(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
-
-
-def _span_cell(value: Any, scale: float) -> Cell:
-    """Return the cell of a number, or of the range of several."""
-    values = [one for one in (value if isinstance(value, list) else [value]) if is_number(one)]
-    if not values:
-        return value_cell(None)
-    if scale == _PER_CENT and 0 < max(values) < _ROUNDING:
-        return Cell(f"< {plain(f'{scale * _ROUNDING:.0e}')}", max(values))
-    low, high = (value_cell(one * scale if scale != 1 else one) for one in (min(values), max(values)))
-    return low if low.text == high.text else Cell(f"{low.text} to {high.text}", low.value)
 
 
 def _yields(run: Run) -> bool:
@@ -387,7 +310,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        label = label_of(key, called)
+        label = (not runs[0].has_balance and other_kinds.label_in(key)) or label_of(key, called)
         row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))

@@ -44,8 +44,8 @@ def test_columns_without_a_value_are_left_out():
 
 
 def test_quantities_without_a_value_are_left_out():
-    of = made(["Quantity", "one:", "two:"], [["a", 1.0, None], ["b", None, None]], by_row=True)
-    assert texts(of) == [["a", "1", BLANK]]
+    of = made(["Quantity", "One:", "Two:"], [["a", 1.0, None], ["b", None, None], ["c", None, 2.0]], by_row=True)
+    assert texts(of) == [["a", "1", BLANK], ["c", BLANK, "2"]]
 
 
 def test_tables_on_paper_are_as_wide_as_the_page():
