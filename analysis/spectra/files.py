@@ -36,6 +36,15 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
                 file.create_dataset(f"{group}/{name}", data=array).attrs["unit"] = unit
 
 
+def case_in(path: Path) -> str:
+    """Return the text of the case that a file of spectra is of; empty if there is none."""
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs["case"])
+    except (OSError, KeyError):
+        return ""
+
+
 def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dict[str, tuple[Any, str]]]:
     """Groups of an earlier file of the same case that are not written now."""
     new = {name.partition("/")[0] for name in tables}
