@@ -140,7 +140,10 @@ class Result(_Spheres):
         self.close()
 
     def __contains__(self, name: str) -> bool:
-        return name in self.file
+        try:
+            return name in self.file
+        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
+            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""
