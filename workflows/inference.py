@@ -81,7 +81,7 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
     return directory
 
 
-def infer_table(source: Path, case_file: Path, repetitions: int | None = None) -> Inferred:
+def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *, progress: bool = False) -> Inferred:
     """Infer the forces of a table of grains.
 
     Parameters
@@ -90,6 +90,8 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None) -
         File with [material] and [infer].
     repetitions
         Repetitions with noise; None: those of the case.
+    progress
+        Show a bar on a terminal.
 
     Raises
     ------
@@ -111,7 +113,7 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None) -
     found = []
     for time, grains in zip(measured.times, measured.grains, strict=True):
         try:
-            found.append(infer(grains, case.walls, settings))
+            found.append(infer(grains, case.walls, settings, progress=progress))
         except InputError as error:
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
@@ -127,7 +129,7 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None) -
     return Inferred(summary, force_columns(found, measured.times), grain_columns(found, measured.times), None, write)
 
 
-def infer_run(source: Path, case_file: Path | None, camera: Camera) -> Inferred:
+def infer_run(source: Path, case_file: Path | None, camera: Camera, *, progress: bool = False) -> Inferred:
     """Infer the forces of measurements made of a run.
 
     Raises
@@ -140,7 +142,7 @@ def infer_run(source: Path, case_file: Path | None, camera: Camera) -> Inferred:
     from granwave.analysis.inference.tables import grain_columns
 
     case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    planned = plan_experiment(source, case, camera)
+    planned = plan_experiment(source, case, camera, progress=progress)
 
     def write(directory: Path, figures: bool) -> None:
         planned.write(directory, figures=figures)

@@ -121,7 +121,7 @@ def _lines(
 def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], arrays: Arrays, time: float) -> None:
     """Write vertices (n, 1) with point data, or lines (n, 2) with cell data."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonCore import vtkLogger, vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
     from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
@@ -138,6 +138,7 @@ def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], ar
         array.SetName(name)
         where = data.GetFieldData() if name == "TimeValue" else data.GetCellData() if is_lines else data.GetPointData()
         where.AddArray(array)
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # errors of the file are told below, with its name
     writer = vtkXMLPolyDataWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(data)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -31,6 +32,7 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.case.si_values import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.toml_files import read_toml
 
+_WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
 GIVEN, FIND = "given", "find"
 #: Axis and sign of the normal of walls by name, by dimension; a number is their place along the axis.
 NAMED_WALLS: dict[int, dict[str, tuple[int, int]]] = {
@@ -42,6 +44,13 @@ _WALL_FORM = (
     "{point = [x, y], normal = [nx, ny]} under any name"
 )
 _NOISE_FORM = "a table of standard deviations above 0: strain, stress (Pa), acceleration (m/s^2), angular_acceleration"
+#: Smallest and largest standard deviations: rounding of a measurement, and far above all measured grains.
+NOISE = {
+    "strain": (1e-15, 1.0),
+    "stress": (1e-6, 1e12),
+    "acceleration": (1e-12, 1e12),
+    "angular_acceleration": (1e-12, 1e15),
+}
 
 
 Place = float | tuple[tuple[float, ...], tuple[float, ...]]  # along the axis of its name; or point and normal
@@ -59,6 +68,11 @@ def _parse_walls(value: Any) -> tuple[tuple[str, Place], ...]:
             continue
         if set(place) != {"point", "normal"}:
             raise ValidationError(_WALL_FORM)
+        if not _WALL_NAME.fullmatch(name):
+            raise ValidationError(
+                f"names of walls of letters, digits, _ and -, the first a letter (found {show(name)}): in tables of "
+                "forces a number is the id of a grain"
+            )
         point, normal = (_vector(place[key], _WALL_FORM) for key in ("point", "normal"))
         size = math.hypot(*normal)
         if len(point) != len(normal) or not size:
@@ -72,8 +86,10 @@ def _parse_noise(value: Any) -> Noise:
     if not isinstance(value, Mapping) or not set(value) <= set(names):
         raise ValidationError(_NOISE_FORM)
     sizes = {name: finite(size, _NOISE_FORM) for name, size in value.items()}
-    if any(size <= 0 for size in sizes.values()):
-        raise ValidationError(_NOISE_FORM)
+    for name, size in sizes.items():
+        low, high = NOISE[name]
+        if not low <= size <= high:
+            raise ValidationError(f"{_NOISE_FORM}; {name} from {low:g} to {high:g}")
     return Noise(**sizes)
 
 

@@ -21,6 +21,7 @@ from granwave.analysis.inference.modulus import (
 from granwave.analysis.inference.rank import add_ridge, refuse_undetermined
 from granwave.analysis.inference.solve import solve
 from granwave.analysis.inference.weights import Covariance, Noise, Weighting, Weights, covariance, weighting
+from granwave.analysis.progress_bar import progress_bar
 from granwave.lammps_inputs.errors import InputError
 
 _ROUNDING = 1e-6  # rate of rotation times radius over the acceleration
@@ -130,8 +131,13 @@ class Inference:
         return found[0], found[1]
 
 
-def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Inference:
+def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings, *, progress: bool = False) -> Inference:
     """Infer the contact forces of grains at one instant.
+
+    Parameters
+    ----------
+    progress
+        Show a bar of the repetitions on a terminal.
 
     Raises
     ------
@@ -173,7 +179,7 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings) -> Infe
     residual = equations.matrix @ force.ravel() - equations.data(factor)
     errors = None
     if settings.repetitions > 1 and known:
-        errors = _repeat(equations, spread, settings, force, factor, solution, misfit, search)
+        errors = _repeat(equations, spread, settings, force, factor, solution, misfit, search, progress)
     return Inference(
         grains, contacts, equations, settings, force, errors, residual, len(kept), factor, kind, chi2, search, condition
     )
@@ -261,12 +267,14 @@ def _repeat(
     solution: Callable[[float, Array], tuple[Array, float]],
     misfit: Callable[[float, Array], float],
     search: ModulusSearch | None,
+    progress: bool,
 ) -> Array:
     """Return standard errors of the forces: deviations of solutions whose data are the fitted ones with new noise."""
     rng = np.random.default_rng(settings.seed)
     fitted = equations.matrix @ force.ravel()
     found = []
-    for _ in range(settings.repetitions):
+    bar = progress_bar(progress, iterable=range(settings.repetitions), desc="repetitions with noise", leave=False)
+    for _ in bar:
         data = fitted + spread.draw(rng, factor)
         if search is None or not search.error:
             found.append(solution(factor, data)[0])

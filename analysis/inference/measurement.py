@@ -64,7 +64,26 @@ def read_measurement(path: str | Path, case: InferCase) -> Measurement:
             raise InputError(f"{table.source}: found no column time_s or frame, which infer.time needs")
         nearest = int(np.argmin(np.abs(np.array(times) - case.infer.time)))
         times, found = (times[nearest],), (found[nearest],)
+    _check_signs(table, case, times, found, notes)
     return Measurement(times, found, tuple(notes))
+
+
+def _check_signs(
+    table: Table, case: InferCase, times: tuple[float, ...], found: tuple[Grains, ...], notes: list[str]
+) -> None:
+    """Refuse grains that are all stretched, as under the other sign convention; note where most are."""
+    what = "strains" if table.has(groups(case.dimension)["strain"]) else "stresses"
+    for time, grains in zip(times, found, strict=True):
+        mean = grains.stress[grains.has_stress, : case.dimension].sum(axis=1) / case.dimension
+        at = "" if math.isnan(time) else f" at {time:g} s"
+        words = "contacts only push, so that grains are compressed, and compression is negative"
+        if len(mean) and (mean > 0).all():
+            raise InputError(
+                f"{table.source}: found {what} that stretch each of the {len(mean)} grains{at}: {words}; if it is "
+                "positive in your table, change the sign of all components"
+            )
+        if mean.sum() > 0:
+            notes.append(f"most of the {what}{at} stretch the grains: {words}; are the signs right?")
 
 
 def _check_rows(table: Table, case: InferCase) -> None:

@@ -22,6 +22,7 @@ from granwave.analysis.inference.table import groups
 from granwave.analysis.inference.tables import force_columns, summary_of
 from granwave.analysis.inference.truth import Run, read_run, seen_by_camera
 from granwave.analysis.inference.weights import Noise
+from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
 
@@ -105,7 +106,7 @@ class Plan:
         )
 
 
-def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Plan:
+def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, progress: bool = False) -> Plan:
     """Make measurements of a run, infer the forces, and compare them with those of the run.
 
     Parameters
@@ -114,6 +115,8 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
         Directory of a run whose snapshots hold contact forces.
     case
         Settings of the inference; None: those of the run (friction, material).
+    progress
+        Show a bar on a terminal.
 
     Raises
     ------
@@ -141,6 +144,8 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
     rng = np.random.default_rng(camera.seed)
     means, deviations, off, kept = [], [], [], None
     levels = sorted(camera.noise)
+    turns = sum(camera.repetitions if level or camera.position_noise else 1 for level in levels)
+    bar = progress_bar(progress, total=turns, desc="measurements", leave=False)
     for level in levels:
         errors = []
         for repetition in range(camera.repetitions if level or camera.position_noise else 1):
@@ -151,10 +156,13 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera) -> Pla
             if repetition == 0:
                 kept = measured, noise
             errors.append(_relative(one.force, true))
+            bar.update()
         means.append(float(np.mean(errors)))
         deviations.append(float(np.std(errors)))
+    bar.close()
     assert kept is not None
-    found = infer(kept[0], walls, dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions))
+    own = dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions)
+    found = infer(kept[0], walls, own, progress=progress)
     time = float(run.times[number])
     summary = summary_of(name, str(source), state, [found], [time], notes)
     several = len(levels) > 1

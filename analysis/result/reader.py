@@ -103,8 +103,13 @@ class Result(_Spheres):
             self.file = h5py.File(self.path, "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None
-        if "case" not in self.file.attrs or "spheres" not in self.file:
+        try:
+            whole = "case" in self.file.attrs and "spheres" in self.file
             kind = self.file.attrs.get("kind", "")
+        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
+            self.file.close()
+            raise OutputFormatError(self.damaged(" ".join(str(error).split()))) from None
+        if not whole:
             self.file.close()
             what = f"is of a {kind} run" if kind else "has no /spheres or no case"
             raise OutputFormatError(f"{self.path} {what}: expected the result.h5 of a run of spheres")
@@ -136,7 +141,10 @@ class Result(_Spheres):
         self.close()
 
     def __contains__(self, name: str) -> bool:
-        return name in self.file
+        try:
+            return name in self.file
+        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
+            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""

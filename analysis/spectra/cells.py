@@ -21,6 +21,7 @@ from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -199,13 +200,41 @@ def cell_bodies(case: Case) -> Bodies:
     directions = _directions(assembly)
     planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not _across(wall, cell)))
     lattice_walls = not isinstance(assembly.lattice, Lattice)
-    return dataclasses.replace(
+    bodies = dataclasses.replace(
         base,
         periods=cell.periods,
         walls=planes if lattice_walls else (),
         dead_load=np.zeros_like(base.dead_load),
         stress=_stress(assembly, cell),
         moves=base.moves & _moving(directions, case),
+    )
+    if lattice_walls:
+        _refuse_overlaps(bodies)
+    return bodies
+
+
+def _refuse_overlaps(bodies: Bodies) -> None:
+    """Raise InputError if grains of a file overlap each other, or images of each other, beyond the contact laws."""
+    shortest, largest = float(np.linalg.norm(bodies.periods, axis=1).min()), float(bodies.radius.max())
+    if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
+        raise InputError(
+            f"{bodies.case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
+            f"diameter of {2 * largest:.3g} m, which its own image would lie in; give larger periods (m)"
+        )
+    first, second, image = bodies.near(bodies.position, bodies.periods, 0.0)
+    step, _, _ = bodies.separations(
+        first, second, bodies.position[second] - bodies.position[first] + image @ bodies.periods
+    )
+    radii = bodies.radius[first], bodies.radius[second]
+    share = (sum(radii) - np.linalg.norm(step, axis=1)) * (1 / radii[0] + 1 / radii[1])
+    if not len(share) or share.max() <= LARGEST:
+        return
+    worst = int(np.argmax(share))
+    i, j, of = bodies.ids[first[worst]], bodies.ids[second[worst]], "an image of " * bool(image[worst].any())
+    overlap = share[worst] / (1 / radii[0][worst] + 1 / radii[1][worst])
+    raise InputError(
+        f"{bodies.case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
+        f"{overlap:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
     )
 
 

@@ -86,6 +86,15 @@ def _content(item: h5py.Dataset) -> tuple[Any, str]:
     return values, str(item.attrs["unit"])
 
 
+def case_in(path: Path) -> str:
+    """Return the text of the case that a file of spectra is of; empty if there is none."""
+    try:
+        with h5py.File(path, "r") as file:
+            return str(file.attrs["case"])
+    except (OSError, KeyError):
+        return ""
+
+
 def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dict[str, tuple[Any, str]]]:
     """Groups of an earlier file of the same case that are not written now."""
     new = {name.partition("/")[0] for name in tables}

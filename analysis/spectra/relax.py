@@ -13,6 +13,7 @@ import dataclasses
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
 from granwave.analysis.spectra.bodies import Bodies
@@ -31,7 +32,8 @@ _TOLERATED = 1e-6  # the same where rounding leaves more
 _STALLED, _OF_STALLED = 6, 100.0  # steps without progress, and how much more net force is then allowed
 _SMALLEST_STEP = 2.0**-10
 _FARTHEST = 1e3  # mean diameters: steps beyond it are those of motions that nothing resists
-_DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients
+_DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients, except in slender packings
+_OF_A_ROW, _SLENDER = 6, 120  # entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
 _BUCKLED_UP_TO = 6000  # unknowns: whose balance is sought with the turning of forces, by factors with pivots
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
 _FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
@@ -69,6 +71,7 @@ class _At:
     largest: float
     rounding: float
     turning: list[tuple[Array, sparse.csr_array]] = dataclasses.field(default_factory=list)
+    pairs: tuple[Ints, Ints] | None = None  # rows of grains near each other
 
     def hessian(self, *, turning: bool = False) -> sparse.csr_array:
         """Second derivatives of the energy, with or without the turning of the forces of grains, which is small."""
@@ -160,7 +163,16 @@ class _Problem:
             largest,
             _ROUNDING * stiffest * np.finfo(float).eps * span,
             turning,
+            (first, second),
         )
+
+    def largest_approach(self, now: _At, move: Array) -> float:
+        """Return the largest motion of grains against their neighbours and the walls, m."""
+        motion = np.zeros_like(self.bodies.position)
+        motion[self.free] = move[: self.n_motions]
+        first, second = now.pairs or (np.empty(0, dtype=np.int64),) * 2
+        between = np.linalg.norm(motion[second] - motion[first], axis=1).max(initial=0.0)
+        return max(between, *(float(np.abs(rows @ move).max(initial=0.0)) for _, rows in now.tables))
 
     def by_linear_springs(self) -> Array:
         """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""
@@ -270,8 +282,8 @@ def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
         largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)
         if largest_move > _FARTHEST * bodies.spacing:
             break  # motions that nothing resists: the packing buckles
-        if largest_move > _MARGIN / 2 * bodies.spacing:
-            size = _MARGIN / 2 * bodies.spacing / largest_move
+        if (approach := problem.largest_approach(now, move)) > _MARGIN / 2 * bodies.spacing:
+            size = _MARGIN / 2 * bodies.spacing / approach
         while True:
             there = problem.at(x + size * move)
             slack = 1e-13 * abs(now.energy)
@@ -302,11 +314,21 @@ def _move(now: _At, *, turning: bool = False) -> Array:
     matrix = (hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
     if turning:
         return np.asarray(splu(matrix).solve(-now.gradient))  # indefinite: with pivots
-    if len(diagonal) <= _DIRECT_UP_TO:
+    if len(diagonal) <= _DIRECT_UP_TO or _is_slender(matrix):
         return np.asarray(factorised(matrix).solve(-now.gradient))
     scale = sparse.diags_array(1 / matrix.diagonal())
     found, _ = cg(matrix, -now.gradient, rtol=1e-5, maxiter=4000, M=scale)
     return np.asarray(found)
+
+
+def _is_slender(matrix: sparse.csc_array) -> bool:
+    """Return True for a long row or a slender packing: factors are small, and conjugate gradients need its length."""
+    if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
+        return True
+    place = np.empty(matrix.shape[0], dtype=np.int64)
+    place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(len(place))
+    rows, columns = matrix.nonzero()
+    return bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
 
 
 def _start(problem: _Problem) -> Array:

@@ -87,8 +87,13 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
         return _mean_cell(result)
 
 
-def packing_state(source: Case | Path) -> State:
+def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     """Return the state of the whole packing of a case or of a finished run.
+
+    Parameters
+    ----------
+    damped
+        True where a damper at the bottom is taken into account; in the static state it is a wall.
 
     Raises
     ------
@@ -97,10 +102,10 @@ def packing_state(source: Case | Path) -> State:
     """
     if isinstance(source, Case):
         assembly = assemble(source)
-        _refuse_parts(assembly)
+        _refuse_parts(assembly, damped=damped)
         return _relaxed(source, _whole(assembly))
     with Result(source) as result:
-        _refuse_parts(result.assembly)
+        _refuse_parts(result.assembly, damped=damped)
         bodies = _whole(result.assembly)
         network = bodies.network(_positions(result, bodies), bodies.periods, _peaks(result, bodies.ids),
                                  _wall_peaks(result, bodies.ids))  # fmt: skip
@@ -156,14 +161,15 @@ def _part(bodies: Bodies, rows: Ints, periods: Array) -> Bodies:
     )
 
 
-def _refuse_parts(assembly: Assembly) -> None:
+def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     case = assembly.case
+    support = case.boundary.bottom_support
     if assembly.bars:
         raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone")
-    if case.boundary.bottom_support is not None:
+    if support is not None and not (damped and support.kind == "damper"):
         raise InputError(
-            f"{case.name}: boundary.bottom: found a {case.boundary.bottom_support.kind} that moves; expected a bottom "
-            "that stays, or --end matched"
+            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
+            "--end matched; granwave transmission takes a damper too"
         )
     if case.boundary.bottom == "periodic":
         raise InputError(

@@ -30,6 +30,7 @@ from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness
 from granwave.lammps_inputs.errors import InputError
 
 REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
+BOTTOM, _Z = "bottom", 2  # wall, and direction of its damper
 _END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
 _SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
 _FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
@@ -85,6 +86,7 @@ def transmission(
     dampers: Array | None = None,
     losses: Network | None = None,
     together: Sequence[int] = (),
+    bottom: float | None = None,
 ) -> Transmission:
     """Find the steady response to a prescribed motion of one grain, or of several alike.
 
@@ -102,6 +104,8 @@ def transmission(
         The network with the damping constants of its contacts for stiffnesses, N s/m; none by default.
     together
         Ids of grains that are moved as the drive is.
+    bottom
+        Constant of the damper under the bottom, whose plate has no mass, N s/m; None for a bottom that stays.
 
     Raises
     ------
@@ -136,7 +140,9 @@ def transmission(
     lossy = None if losses is None else (root @ stiffness_of(losses).matrix(np.zeros(3)).real @ root).tocsc()
     mass = sparse.diags_array(network.masses)
     damped = None if dampers is None else sparse.diags_array(dampers[network.freedoms])
-    others = np.delete(np.arange(network.n_freedoms), driven)
+    plate = None if bottom is None else _on_plate(network, losses)
+    n_unknowns = network.n_freedoms + (plate is not None)
+    others = np.delete(np.arange(n_unknowns), driven)
     ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
     for row, one in enumerate(frequency.tolist()):
         omega = 2 * np.pi * one
@@ -147,14 +153,37 @@ def transmission(
             whole = whole - 1j * omega * damped
         if lossy is not None:
             whole = whole - 1j * omega * lossy
+        if plate is not None:
+            whole = _with_plate(whole, plate, omega, bottom or 0.0)
         whole = whole.astype(np.complex128).tocsc()
         column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
-        motion = np.zeros(network.n_freedoms, dtype=np.complex128)
+        motion = np.zeros(n_unknowns, dtype=np.complex128)
         motion[driven] = 1.0
         if len(others):
             motion[others] = factorised(whole[others][:, others]).solve(-column[others])
         ratio[row] = motion[places]
     return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
+
+
+def _on_plate(network: Network, losses: Network | None) -> tuple[Array, Array] | None:
+    """Stiffnesses and damping constants between each freedom and the bottom, N/m and N s/m; None without contacts."""
+    supports = network.supports
+    rows = np.flatnonzero(supports.wall == BOTTOM)
+    freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
+    found = np.zeros((2, network.n_freedoms))
+    for row in rows.tolist():
+        place = freedom.get((int(supports.grain[row]), _Z))
+        if place is not None:
+            found[0, place] = supports.stiffness[row]
+            found[1, place] = 0.0 if losses is None else losses.supports.stiffness[row]
+    return (found[0], found[1]) if found[0].any() else None
+
+
+def _with_plate(whole: sparse.sparray, plate: tuple[Array, Array], omega: float, damping: float) -> sparse.csc_array:
+    """Return the matrix with a last unknown, the motion of a plate without mass on a damper along z."""
+    coupling = sparse.csc_array((plate[0] - 1j * omega * plate[1])[:, None])
+    own = sparse.csc_array([[coupling.sum() - 1j * omega * damping]])
+    return sparse.block_array([[whole, -coupling], [-coupling.T, own]], format="csc")
 
 
 def _without_walls(network: Network, rows: NDArray[np.int64]) -> Network:

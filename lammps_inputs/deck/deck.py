@@ -16,9 +16,9 @@ from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.deck_changes import note_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import naming, replacing
+from granwave.lammps_inputs.files import DISK_IS_FULL, naming, replacing
 from granwave.lammps_inputs.load_case import load_case
-from granwave.lammps_inputs.ownership import claim, clear, results_in
+from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of
 from granwave.lammps_inputs.packing.walls import walls
@@ -51,12 +51,15 @@ class Deck:
         Timestep, and intervals of output.
     struck
         Ids of the spheres that the load acts on, the struck sphere first.
+    written
+        Names of the files that were written; empty for a deck that was read.
     """
 
     directory: Path
     case: Case
     schedule: Schedule
     struck: tuple[int, ...]
+    written: tuple[str, ...] = ()
 
     @property
     def script(self) -> Path:
@@ -94,21 +97,27 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
     assembly = assemble(case)
     case = assembly.case
     directory = Path(directory)
-    deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly))
-    text, tables = case.to_toml(resolved=resolved(deck)), _tables(assembly)
+    tables = _tables(assembly)
+    written = (SCRIPT_FILE, CASE_FILE, DATA_FILE, *tables)
+    deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly), written)
+    text = case.to_toml(resolved=resolved(deck))
     try:
         directory.mkdir(parents=True, exist_ok=True)
-        fresh = not results_in(directory)
+        before = read_marker(directory) if results_in(directory) else None
         claim(directory, deck_files(assembly, deck.schedule), kind=RUN, case=text)
         deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
+        if error.errno in DISK_IS_FULL:
+            raise
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
         _write(assembly, directory, {SCRIPT_FILE: input_script(assembly, deck.schedule), CASE_FILE: text, **tables})
         note_deck(directory, [SCRIPT_FILE, DATA_FILE, *tables])
     except BaseException:
-        if fresh:
+        if before is None:
             clear(directory)
+        else:
+            before.write(directory)
         raise
     return deck
 

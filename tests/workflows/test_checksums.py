@@ -71,6 +71,18 @@ def test_a_result_that_changed_is_refused(run, capsys, command, name):
     capsys.readouterr()
 
 
+@pytest.mark.parametrize("place", range(0, 800, 48))
+def test_damage_that_no_checksum_of_ours_tells_is_one_line(run, capsys, place):
+    """The beginning of the file has checksums of HDF5 itself, whose errors are KeyErrors."""
+    (run / MARKER).unlink()
+    content = bytearray((run / "result.h5").read_bytes())
+    content[place] ^= 0xFF
+    (run / "result.h5").write_bytes(content)
+    if status := main(["view", str(run), "-o", str(run.parent / "v.html")]):
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert status == 2 and line.startswith(f"granwave: {run}")
+
+
 def test_a_summary_that_changed_is_no_line_of_a_report(run, capsys):
     text = (run / "summary.json").read_text()
     (run / "summary.json").write_text(text.replace('"peak_force_N": ', '"peak_force_N": 1'))

@@ -234,6 +234,32 @@ def test_a_full_disk_is_told_with_the_file_and_no_crash(granwave, run, small_dis
     assert (there / "result.h5").read_bytes() == before
 
 
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("write two-spheres --set run.frames=9 -o deck --force", "deck/"),
+        ("view r -o v.html", "v.html"),
+        ("export r --to csv -o ex", "ex/"),
+        ("export r --to vtp -o ex2", "ex2/"),
+        ("law -o law.png", "law.png"),
+        ("law -o law.csv", "law.csv"),
+    ],
+)
+@pytest.mark.parametrize("left", [0, 4096])
+def test_good_files_stay_on_a_full_disk(granwave, run, small_disk, words, name, left):
+    """One line, exit status 1, and what was there before is as it was."""
+    shutil.copytree(run, small_disk / "r")
+    for first in (words, "write two-spheres -o deck --force"):
+        assert granwave(*first.split(), cwd=small_disk).returncode == 0
+    fill_up(small_disk, left)
+    before = {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()}
+    done = granwave(*words.split(), cwd=small_disk)
+    assert done.returncode == 1, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"granwave: {name}") and ("No space left" in line or "disk full" in line)
+    assert {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()} == before
+
+
 def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, monkeypatch):
     free = iter([1e12])
     monkeypatch.setattr("granwave.workflows.run.driver.free_space", lambda _: next(free, 1000.0))

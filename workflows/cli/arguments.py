@@ -103,8 +103,8 @@ def count(text: str) -> int:
 
 
 def shares(text: str) -> tuple[float, ...]:
-    """Read numbers from 0 to 10 with commas between them."""
+    """Read shares, 0 or from 1e-12 to 10, with commas between them."""
     found = tuple(number(word) for word in words(text))
-    if not all(0 <= value <= 10 for value in found):
-        raise argparse.ArgumentTypeError(f"found {text}, expected shares from 0 up, such as 0.05 for 5 %")
+    if not all(value == 0 or 1e-12 <= value <= 10 for value in found):
+        raise argparse.ArgumentTypeError(f"found {text}, expected 0, or shares from 1e-12 to 10, such as 0.05 for 5 %")
     return found

@@ -15,12 +15,13 @@ from granwave.analysis.measures.zone.marks import zone_warning
 from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.material import Material, material, sphere_mass
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
-from granwave.lammps_inputs.deck.deck import write_deck
-from granwave.lammps_inputs.directories import refuse_other_file, results_directory
+from granwave.lammps_inputs.deck.deck import deck_files, write_deck
+from granwave.lammps_inputs.directories import refuse_other_file, refuse_source, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, refuse_results
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RESULT_FILE, RUN, SUMMARY_FILE
@@ -107,7 +108,7 @@ def _without_ranks(arguments: Arguments) -> list[str]:
 
 def write(options: argparse.Namespace, _: Arguments) -> int:
     """Execute ``granwave write``."""
-    from granwave.workflows.run.directory import held, run_files, start
+    from granwave.workflows.run.directory import held, run_files
 
     case = library.load_case(options.case, options.overrides)
     expected = plan(case)
@@ -118,8 +119,11 @@ def write(options: argparse.Namespace, _: Arguments) -> int:
         if not options.force:
             refuse_results(directory, "--force removes them all")
         refuse_foreign(directory, run_files(case, expected.schedule))
-        start(case, directory)
-        deck = write_deck(case, options.directory)
+        refuse_source(directory, case.name, earlier_result(case))
+        earlier = results_in(directory)
+        deck = write_deck(case, options.directory)  # whole or not at all; only then is removed what was there
+        clear(directory, set(earlier) - set(deck.written))
+        claim(directory, deck_files(assemble(case), deck.schedule))
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:

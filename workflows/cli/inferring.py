@@ -33,7 +33,7 @@ def infer(options: argparse.Namespace) -> int:
             time=options.time,
             repetitions=10 if options.repeat is None else max(options.repeat, 1),
         )
-        found = infer_run(source, options.case, camera)
+        found = infer_run(source, options.case, camera, progress=True)
     else:
         for name in _OF_RUNS:
             if getattr(options, name) is not None:
@@ -43,7 +43,7 @@ def infer(options: argparse.Namespace) -> int:
                 )
         if options.case is None:
             raise InputError(CASE_MISSING)
-        found = infer_table(source, options.case, options.repeat)
+        found = infer_table(source, options.case, options.repeat, progress=True)
     found.save(directory, figures=options.figures)
     print_json(found.summary) if options.json else print(f"{in_words(found.summary)}\n\nresults in {directory}")
     return 0

@@ -110,7 +110,7 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
     name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
     shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."
     fault = f"{shown}: {error.strerror or error}"
-    return _report([fault], WRONG_INPUT if wrong else FAILED)
+    return _report([fault], WRONG_INPUT if wrong and error.errno not in DISK_IS_FULL else FAILED)
 
 
 def _set_up_logging() -> None:

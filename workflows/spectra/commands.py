@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra import files
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
 from granwave.analysis.spectra.bands import growing
@@ -89,7 +90,7 @@ def bands(
     BandStructure, list of Path
         The bands, and the files.
     """
-    place = None if directory is None else check_place(directory, _BANDS, force=force)
+    place = None if directory is None else check_place(directory, _BANDS, force=force, case=_text(source))
     found = band_structure(
         source,
         path,
@@ -147,7 +148,7 @@ def modes(
     InputError
         The packing bears no load, or is not rigid.
     """
-    place = None if directory is None else check_place(directory, _MODES, force=force)
+    place = None if directory is None else check_place(directory, _MODES, force=force, case=_text(source))
     state = _finite(source, directions)
     found = Finite(state, solve_modes(stiffness_of(state.network), n_modes))
     if found.modes.n_floppy and not allow_floppy:
@@ -200,22 +201,24 @@ def steady(
     axis
         Direction of drive and sensors; empty for z, or x in a packing of one layer.
     """
-    place = None if directory is None else check_place(directory, _TRANSMISSION, force=force)
+    place = None if directory is None else check_place(directory, _TRANSMISSION, force=force, case=_text(source))
     if not len(frequency) or not np.isfinite(frequency).all() or (frequency < 0).any():
         raise InputError("--frequencies: expected numbers from 0 up (Hz)")
     if frequency.max() > _HIGHEST:
         raise InputError(f"--frequencies: found {frequency.max():g} Hz, expected at most {_HIGHEST:g} Hz")
-    state = _finite(source, directions)
+    state = _finite(source, directions, damped=True)
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
     assembly = assemble(state.case)
+    support = state.case.boundary.bottom_support
+    damping = support.damper.damping if support is not None and support.damper is not None else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
     _note_buckling(state)
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
         stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers,
-        losses=losses_of(assembly, state.network), together=together,
+        losses=losses_of(assembly, state.network), together=together, bottom=damping,
     )  # fmt: skip
     if place is None:
         return found, state, []
@@ -270,6 +273,14 @@ def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
     }
 
 
+def _text(source: Case | Path) -> str:
+    """Return the text of the case that a state is of."""
+    if isinstance(source, Case):
+        return source.to_toml()
+    with Result(source) as result:
+        return result.case.to_toml()
+
+
 def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
     """Return the case of this name or file, or the directory of a finished run.
 
@@ -290,10 +301,10 @@ def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
     return library.load_case(text, overrides)
 
 
-def _finite(source: Case | Path, directions: str) -> State:
+def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:
     if set(directions) - set("xyz"):
         raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
-    state = packing_state(source)
+    state = packing_state(source, damped=damped)
     if not directions:
         return state
     return dataclasses.replace(state, network=state.network.turned_off(directions))

@@ -13,6 +13,7 @@ from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import transmission
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.workflows import load_case
 from tests.helpers.springs import endless
 
 AXIAL = {"kind": "uniaxial", "force": 20.0}
@@ -141,3 +142,30 @@ def test_bcc_between_walls_buckles():
     assert state.residual < 1e-9 and np.ptp(state.network.springs.force) < 1e-6
     modes = solve_modes(stiffness_of(state.network))
     assert "14 of 288 modes meet no resistance, and 12 of them grow, by " in modes.describe_floppy()
+
+
+def test_a_bottom_that_is_a_damper():
+    """Two beads, of closed form: the second between the driven one and a plate without mass on a damper."""
+    case = endless("chain", 2, AXIAL, boundary={"bottom": {"damper": {"damping": 40.0}}})
+    with pytest.raises(InputError, match="granwave transmission takes a damper too"):
+        packing_state(case)
+    state = packing_state(case, damped=True)
+    stiffness, frequency = stiffness_of(state.network), np.array([0.0, 500.0, 3e3, 9e3])
+    found = transmission(stiffness, 1, [2], frequency, bottom=40.0)
+    upper, lower, mass = state.network.springs.stiffness[0], state.network.supports.stiffness[0], state.network.mass[1]
+    omega = 2 * np.pi * frequency
+    plate = lower / (lower - 1j * omega * 40.0)
+    expected = upper / (upper + lower * (1 - plate) - mass * omega**2)
+    assert found.ratio[:, 0] == pytest.approx(expected, rel=1e-9)
+    assert found.ratio[0, 0] == pytest.approx(1.0)  # the damper resists no slow motion
+    stiff, soft = (transmission(stiffness, 1, [2], frequency[1:], bottom=one).ratio for one in (1e15, 1e-12))
+    assert stiff == pytest.approx(transmission(stiffness, 1, [2], frequency[1:]).ratio, rel=1e-6)
+    assert soft[:, 0] == pytest.approx(upper / (upper - mass * omega[1:] ** 2), rel=1e-6)
+
+
+@pytest.mark.parametrize("n", [4_100, 20_000])
+def test_static_states_of_long_chains(n):
+    """As many iterations as beads would be needed, and beads that move far together are no large step."""
+    state = packing_state(load_case("precompressed-chain", [f"packing.size={n}"]))
+    assert state.residual < 1e-6 and len(state.network.springs) == n - 1
+    assert state.network.springs.force == pytest.approx(20.0, rel=1e-5)

@@ -278,3 +278,34 @@ def test_a_run_without_forces_is_refused(tmp_path, monkeypatch, capsys):
     run_case(load_case("two-spheres"), tmp_path / "run", figures=False)
     assert main(["infer", "run"]) == 2
     assert "output.contact_forces=true" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", ["1e-300", "1e300", "0.0"])
+@pytest.mark.parametrize("name", ["strain", "acceleration"])
+def test_noise_beyond_reason(infer, name, size):
+    status, _, err = infer(column(500.0), case=f"{CASE}noise = {{{name} = {size}}}")
+    assert status == 2 and f"infer.noise: found {{{name}: " in err.replace(" = ", ": ") and f"{name} from 1e-1" in err
+
+
+@pytest.mark.parametrize("name", ["2", "-1", "a,b"])
+def test_walls_named_as_ids(infer, name):
+    case = CASE.replace("left = 0.0", f'"{name}" = {{point = [0.0, 0.0], normal = [1.0, 0.0]}}')
+    status, _, err = infer(column(500.0), case=case)
+    assert status == 2 and "infer.walls" in err and "the first a letter" in err
+
+
+def test_strains_of_the_other_sign_are_refused(infer):
+    rows = [",".join([*row.split(",")[:6], *(str(-float(one)) for one in row.split(",")[6:])]) for row in column(500.0)]
+    status, _, err = infer(rows)
+    assert status == 2 and "strains that stretch each of the 3 grains" in err and "change the sign" in err
+    status, out, _ = infer([*rows[:1], *column(500.0)[1:]])
+    assert status == 0 and "most of the strains stretch the grains" in out
+
+
+def test_many_repetitions_show_a_bar(infer, monkeypatch):
+    shown = []
+    monkeypatch.setattr(
+        "granwave.analysis.inference.infer.progress_bar", lambda show, iterable, **_: shown.append(show) or iterable
+    )
+    case = f"{CASE}noise = {{strain = 1e-6, acceleration = 1.0}}\nrepetitions = 3"
+    assert infer(column(500.0), case=case)[0] == 0 and shown == [True]

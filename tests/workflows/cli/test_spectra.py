@@ -111,3 +111,33 @@ def test_each_value_has_its_entry(row):
     )
     for table, summary in zip(tables, values, strict=True):
         assert {one.name for one in table} == set(summary)
+
+
+def test_another_case_in_the_same_directory(row, capsys):
+    assert main(["bands", "row.toml", "-o", "out", "--points", "5", "--no-figures"]) == 0
+    before = (row / "out" / "spectra.h5").read_bytes()
+    other = ["modes", "row.toml", "--set", "precompression.force=30", "-o", "out", "--no-figures"]
+    capsys.readouterr()
+    assert main(other) == 2
+    assert "out: holds results of another case (bands.csv); --force" in capsys.readouterr().err
+    assert (row / "out" / "spectra.h5").read_bytes() == before
+    assert main([*other, "--force"]) == 0
+    assert not (row / "out" / "bands.csv").exists() and (row / "out" / "modes.csv").exists()
+    with h5py.File(row / "out" / "spectra.h5") as file:
+        assert set(file) == {"modes"}
+
+
+@pytest.mark.parametrize(
+    ("cell", "places", "message"),
+    [
+        ("[[0, 0, 0.004]]", [[0, 0, 0]], "found a period of 0.004 m, shorter than a grain with a diameter of 0.01 m"),
+        ("[[0, 0, 1e-12]]", [[0, 0, 0]], "shorter than a grain"),
+        ("[[0, 0, 0.014]]", [[0, 0, 0], [0, 0, 0.01]], "found grain 2 in an image of grain 1: they overlap by 0.006 m"),
+    ],
+)
+def test_a_cell_smaller_than_its_grains(row, capsys, cell, places, message):
+    (row / "g.csv").write_text("x,y,z,diameter\n" + "".join(f"{x},{y},{z},0.01\n" for x, y, z in places))
+    text = ROW.replace('kind = "chain"\nsize = 12\ndiameter = 0.01', f'kind = "file"\nfile = "g.csv"\ncell = {cell}')
+    (row / "cell.toml").write_text(text)
+    assert main(["bands", "cell.toml", "-o", "out", "--no-figures"]) == 2
+    assert message in capsys.readouterr().err
