@@ -5,7 +5,6 @@
 #include "error.h"
 #include "finite_motion.h"
 #include "memory.h"
-#include "pair_gran_hysteretic.h"
 #include "restart_state.h"
 
 #include <algorithm>

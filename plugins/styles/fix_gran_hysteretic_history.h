@@ -10,7 +10,16 @@
 
 namespace LAMMPS_NS {
 
-class PairGranHysteretic;
+/* Contacts of the pair style, which are more recent than the records of the spheres while its flat list is valid. */
+class ContactList {
+ public:
+  /* Update the records of the spheres; release_contacts() also invalidates the flat list. */
+  virtual void publish_contacts() = 0;
+  virtual void release_contacts() = 0;
+
+ protected:
+  ~ContactList() = default;
+};
 
 class FixGranHystereticHistory : public Fix {
  public:
@@ -41,7 +50,7 @@ class FixGranHystereticHistory : public Fix {
   void expect_records(int i, int n);
 
   granwave::ContactHistory history;
-  PairGranHysteretic *pair = nullptr;    // its flat contact list, if valid, is more recent than the records
+  ContactList *pair = nullptr;
 
  private:
   void gather();

@@ -8,7 +8,6 @@
 #include "error.h"
 #include "fix.h"
 #include "fix_gran_cylinder.h"
-#include "fix_gran_hysteretic_history.h"
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
