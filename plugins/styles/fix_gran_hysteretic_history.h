@@ -8,18 +8,9 @@
 #include "../laws/contact_history.h"
 #include "fix.h"
 
+#include <functional>
+
 namespace LAMMPS_NS {
-
-/* Contacts of the pair style, which are more recent than the records of the spheres while its flat list is valid. */
-class ContactList {
- public:
-  /* Update the records of the spheres; release_contacts() also invalidates the flat list. */
-  virtual void publish_contacts() = 0;
-  virtual void release_contacts() = 0;
-
- protected:
-  ~ContactList() = default;
-};
 
 class FixGranHystereticHistory : public Fix {
  public:
@@ -50,7 +41,9 @@ class FixGranHystereticHistory : public Fix {
   void expect_records(int i, int n);
 
   granwave::ContactHistory history;
-  ContactList *pair = nullptr;
+
+  /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list. */
+  std::function<void()> publish_contacts, release_contacts;
 
  private:
   void gather();

@@ -40,7 +40,7 @@
 
 namespace LAMMPS_NS {
 
-class PairGranHysteretic : public Pair, private ContactList {
+class PairGranHysteretic : public Pair {
  public:
   static constexpr const char *STYLE = "gran/hysteretic";
 
@@ -176,8 +176,8 @@ class PairGranHysteretic : public Pair, private ContactList {
     return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj);
   }
 
-  void publish_contacts() override;
-  void release_contacts() override;
+  void publish_contacts();
+  void release_contacts();    // also invalidates the flat list
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
