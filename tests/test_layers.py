@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 from functools import cache
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -162,3 +163,19 @@ def test_includes_run_downwards() -> None:
                 assert outside == [], f"{path.name} includes {outside}: headers of LAMMPS belong into styles/"
                 assert all(other.parent.name == "laws" for other in graph[path]), path.name
     assert circles({path.name: {other.name for other in others} for path, others in graph.items()}) == set()
+
+
+def test_no_circle_of_includes():
+    """The sources of a header belong to it: pair_gran_hysteretic_forces.cpp to pair_gran_hysteretic.h."""
+    sources = sorted((ROOT / "plugins").rglob("*.h")) + sorted((ROOT / "plugins").rglob("*.cpp"))
+    headers = {path.stem for path in sources if path.suffix == ".h"}
+
+    def unit(path: Path) -> str:
+        return max((name for name in headers if f"{path.stem}_".startswith(f"{name}_")), key=len, default=path.stem)
+
+    graph: dict[str, set[str]] = {}
+    for path in sources:
+        found = re.findall(r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE)
+        graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
+    assert len(graph) > 40
+    list(TopologicalSorter(graph).static_order())  # CycleError names a circle

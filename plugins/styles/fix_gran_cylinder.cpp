@@ -4,7 +4,6 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "fix_wall_gran_hysteretic.h"
 #include "modify.h"
 #include "restart_state.h"
 
@@ -74,9 +73,10 @@ void FixGranCylinder::init()
 {
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   bool after = false;
-  for (const auto *other : modify->get_fix_list()) {
-    const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other);
-    if (after && wall && wall->has_friction())
+  for (auto *other : modify->get_fix_list()) {
+    int dim;    // of walls only: their coefficient of friction
+    const auto *const friction = static_cast<const double *>(other->extract("friction", dim));
+    if (after && friction && *friction > 0.0)
       error->all(FLERR,
                  "Fix {} {} must come after all walls with friction, whose torques it projects, but fix {} {} follows it",
                  STYLE, id, other->style, other->id);

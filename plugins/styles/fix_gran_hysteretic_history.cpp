@@ -5,7 +5,6 @@
 #include "error.h"
 #include "finite_motion.h"
 #include "memory.h"
-#include "pair_gran_hysteretic.h"
 #include "restart_state.h"
 
 #include <algorithm>
@@ -52,7 +51,7 @@ int FixGranHystereticHistory::setmask() { return FixConst::PRE_EXCHANGE | FixCon
 void FixGranHystereticHistory::gather()
 {
   granwave::require_finite_motion(lmp);
-  if (pair) pair->release_contacts();
+  if (release_contacts) release_contacts();
   // a sphere may be passed on by a processor that it did not come from
   const int mine = most_numbers();
   MPI_Allreduce(&mine, &maxexchange, 1, MPI_INT, MPI_MAX, world);
@@ -69,13 +68,13 @@ void FixGranHystereticHistory::grow_arrays(int nmax) { history.grow(nmax); }
 
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
 {
-  if (pair) pair->release_contacts();
+  if (release_contacts) release_contacts();
   history.copy(i, j);
 }
 
 void FixGranHystereticHistory::set_arrays(int i)
 {
-  if (pair) pair->release_contacts();
+  if (release_contacts) release_contacts();
   history.forget_sphere(i);
 }
 
@@ -177,19 +176,19 @@ bool FixGranHystereticHistory::is_sound(const double *buf, int count, const Bloc
 
 int FixGranHystereticHistory::pack_exchange(int i, double *buf)
 {
-  if (pair) pair->release_contacts();
+  if (release_contacts) release_contacts();
   return pack(i, buf);
 }
 
 int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 {
-  if (pair) pair->release_contacts();
+  if (release_contacts) release_contacts();
   return unpack(nlocal, buf);
 }
 
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
 {
-  if (pair) pair->publish_contacts();
+  if (publish_contacts) publish_contacts();
   return granwave::seal_atom_state(buf, pack(i, buf + AtomState::HEAD));
 }
 
@@ -227,13 +226,13 @@ void FixGranHystereticHistory::unpack_unchecked(int i, const double *values, int
 
 int FixGranHystereticHistory::size_restart(int i)
 {
-  if (pair) pair->publish_contacts();
+  if (publish_contacts) publish_contacts();
   return AtomState::HEAD + size(i);
 }
 
 int FixGranHystereticHistory::maxsize_restart()
 {
-  if (pair) pair->publish_contacts();
+  if (publish_contacts) publish_contacts();
   return AtomState::HEAD + most_numbers();
 }
 

@@ -8,9 +8,9 @@
 #include "../laws/contact_history.h"
 #include "fix.h"
 
-namespace LAMMPS_NS {
+#include <functional>
 
-class PairGranHysteretic;
+namespace LAMMPS_NS {
 
 class FixGranHystereticHistory : public Fix {
  public:
@@ -41,7 +41,9 @@ class FixGranHystereticHistory : public Fix {
   void expect_records(int i, int n);
 
   granwave::ContactHistory history;
-  PairGranHysteretic *pair = nullptr;    // its flat contact list, if valid, is more recent than the records
+
+  /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list. */
+  std::function<void()> publish_contacts, release_contacts;
 
  private:
   void gather();

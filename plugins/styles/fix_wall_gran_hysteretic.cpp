@@ -123,6 +123,12 @@ void FixWallGranHysteretic::reset_dt()
   if (update->whichflag == 1) check_timestep(0.0);
 }
 
+void *FixWallGranHysteretic::extract(const char *name, int &dim)
+{
+  dim = 0;
+  return std::strcmp(name, "friction") == 0 ? &friction : nullptr;
+}
+
 /* ---------------------------------------------------------------------- motion of the plane */
 
 void FixWallGranHysteretic::setup(int)

@@ -58,7 +58,8 @@ class FixWallGranHysteretic : public Fix {
   void set_dent(int i, double peak);
   /* Turn all dents so far into initial dents, and reset the totals. */
   void begin();
-  bool has_friction() const { return friction > 0.0; }
+  /* The coefficient of friction. */
+  void *extract(const char *, int &) override;
   /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
   void add_power(double &power, double &force_squared_over_mass) const
   {

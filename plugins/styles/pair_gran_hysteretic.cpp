@@ -8,7 +8,6 @@
 #include "error.h"
 #include "fix.h"
 #include "fix_gran_cylinder.h"
-#include "fix_gran_hysteretic_history.h"
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
@@ -47,7 +46,7 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->pair = nullptr;
+    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
   if (allocated) {
@@ -159,7 +158,8 @@ void PairGranHysteretic::init_style()
       error->all(FLERR, "Only one pair style gran/hysteretic can be in use: give its laws by pair of types instead");
     fix_history = dynamic_cast<FixGranHystereticHistory *>(
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
-    fix_history->pair = this;
+    fix_history->publish_contacts = [this] { publish_contacts(); };
+    fix_history->release_contacts = [this] { release_contacts(); };
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
   }

@@ -29,6 +29,7 @@
 #include "../laws/row_groups.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
+#include "fix_gran_hysteretic_history.h"
 #include "pair.h"
 
 #include <functional>
@@ -38,8 +39,6 @@
 #include <vector>
 
 namespace LAMMPS_NS {
-
-class FixGranHystereticHistory;
 
 class PairGranHysteretic : public Pair {
  public:
@@ -77,10 +76,6 @@ class PairGranHysteretic : public Pair {
   int pack_forward_comm(int, int *, double *, int, int *) override;
   void unpack_forward_comm(int, int, double *) override;
   double memory_usage() override;
-
-  /* Update the records of the spheres; release_contacts() also invalidates the flat list. */
-  void publish_contacts();
-  void release_contacts();
 
   /* Call a function for every contact of this processor: a pair with a ghost sphere is reported by both owners, a forgotten
      dent on record by the owner of each sphere. Requires a current list (after setup or during a run). */
@@ -181,6 +176,8 @@ class PairGranHysteretic : public Pair {
     return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj);
   }
 
+  void publish_contacts();
+  void release_contacts();    // also invalidates the flat list
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);

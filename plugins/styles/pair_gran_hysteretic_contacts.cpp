@@ -6,7 +6,6 @@
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
-#include "fix_gran_hysteretic_history.h"
 #include "force.h"
 #include "neigh_list.h"
 #include "neighbor.h"

@@ -6,7 +6,6 @@
 #include "atom.h"
 #include "error.h"
 #include "finite_motion.h"
-#include "fix_gran_hysteretic_history.h"
 #include "simulated_time.h"
 #include "update.h"
 

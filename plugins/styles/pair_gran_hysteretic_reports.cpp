@@ -7,7 +7,6 @@
 #include "comm.h"
 #include "error.h"
 #include "finite_motion.h"
-#include "fix_gran_hysteretic_history.h"
 
 #include <algorithm>
 #include <cmath>
