@@ -21,6 +21,7 @@ _MANY, _MANY_OF_COLOURS = 1e4, 1e2  # largest over smallest value from which tic
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
 _NARROW = 30.0  # largest over smallest value up to which labels are plain numbers, if these are short
 _LEAST_PLAIN, _MOST_PLAIN = 1e-3, 1e4
+_LEAST_SPAN = 1e-3  # of an axis, over its values: labels of ticks have four digits
 _ROUND = (1.0, 2.0, 4.0)  # those of them that matplotlib labels anyway
 _MINUS, _TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -78,6 +79,24 @@ def plain_powers(figure: Figure) -> None:
             if type(usual) is LogFormatterSciNotation:
                 scale: Any = usual  # base and the range of symlog axes have no public names
                 change(PowersOfTen(scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh))
+
+
+def least_span(figure: Figure) -> None:
+    """Widen axes on which all values are equal or nearly so: their ticks would show one and the same number."""
+    for axes in (one for one in figure.axes if one.get_label() != _COLOUR_BAR):
+        if axes.get_autoscalex_on() and (limits := _around(axes.dataLim.intervalx, axes.get_xscale())):
+            axes.set_xlim(limits)
+        if axes.get_autoscaley_on() and (limits := _around(axes.dataLim.intervaly, axes.get_yscale())):
+            axes.set_ylim(limits)
+
+
+def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | None:
+    """Return limits of an axis around the ends of its values; None if these are apart."""
+    low, high = values.tolist()
+    if not 0 <= high - low < _LEAST_SPAN * max(abs(low), abs(high)):
+        return None
+    middle, share = 0.5 * (low + high), 2.0 if scale == "log" else 1.05
+    return (middle / share, middle * share) if middle > 0 else (middle * share, middle / share)
 
 
 def ticks_at(axis: Axis, places: Iterable[float]) -> None:

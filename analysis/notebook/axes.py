@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterable
 from matplotlib.axes import Axes
 
 from granwave.analysis.errors import MissingDataError
-from granwave.analysis.figures.style import Drawing, style
+from granwave.analysis.figures.scales import least_span
+from granwave.analysis.figures.style import Drawing, NotDrawn, style
 
 _COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
-def draw_axes(draw: Callable[[], Drawing | None], width: float | None = None) -> Axes | list[Axes] | None:
+def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None) -> Axes | list[Axes] | None:
     """Draw a figure and hand it to pyplot, without saving it.
 
     Parameters
@@ -32,6 +33,9 @@ def draw_axes(draw: Callable[[], Drawing | None], width: float | None = None) ->
         drawing = draw()
         if drawing is None:
             return None
+        if isinstance(drawing, NotDrawn):
+            raise MissingDataError(str(drawing))
+        least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
     pyplot.figure(drawing.figure)
     found = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]

@@ -94,6 +94,8 @@ def log_ticks(axis: Axis, room: float | None = None) -> None:
         Length of a horizontal axis, inches, on which labels must not touch; None: not checked.
     """
     low, high = sorted(axis.get_view_interval())
+    if low <= 0:
+        return  # there are no values to label
     decades = np.log10(high / low)
     if decades >= _DECADES:
         return

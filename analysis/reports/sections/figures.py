@@ -24,6 +24,7 @@ from granwave.analysis.figures.style import (
     PURPLE,
     SKY,
     Drawing,
+    FigureFolder,
     legend_above,
     new_figure,
     style,
@@ -226,7 +227,8 @@ def _pictures(
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
     gallery = (Gallery(tuple(figures)),) if figures else ()
-    return (*gallery, *damaged)
+    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(directory).not_drawn().values()]
+    return (*gallery, *damaged, *failed)
 
 
 def _called(item: Run | Scan) -> str:

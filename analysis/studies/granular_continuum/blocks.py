@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Hashable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 from granwave.analysis.document.cells import percent
@@ -27,7 +28,7 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     rising,
     substances,
 )
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
 
@@ -85,17 +86,17 @@ def collapse(impacts: Impacts) -> list[Difference]:
     ]
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Scaling and mass of the punch, where more than one substance or mass was run."""
     if not impacts.continuum_reference:
         return
     curves = materials(impacts)
     if len(curves) > 1:  # thesis Fig. 5.10
-        drawing = draw_scaling(curves, CONTINUUM_ENERGY, "linear")
-        yield Picture("continuum_scaling", "Continuum: modulus and yield strength", drawing)
+        draw = partial(draw_scaling, curves, CONTINUUM_ENERGY, "linear")
+        yield Sketch("continuum_scaling", "Continuum: modulus and yield strength", draw)
     curves = masses(impacts)
     if len(curves) > 1:
-        yield Picture("continuum_mass", "Continuum: mass of the punch", _by_mass(curves))
+        yield Sketch("continuum_mass", "Continuum: mass of the punch", partial(_by_mass, curves))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

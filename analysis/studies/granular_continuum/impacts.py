@@ -155,16 +155,21 @@ def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
     for run in runs:
         if isinstance(run, ContinuumRun):
             continuum.append(run.seen_as(Continuum))
-        elif (
-            run.case.load.kind == "impact"
-            and run.case.packing.kind != "chain"
-            and run.assembly.plain
-            and not run.case.has_friction
-            and run.case.contact.law == "elastoplastic"
-            and run.summary.get("energy_input_J")
-        ):
+        elif not why_not(run):
             granular.append(run.seen_as(Granular))
     return Impacts(tuple(granular), tuple(continuum))
+
+
+def why_not(run: FinishedRun) -> str:
+    """Return what keeps a run of a packing from being compared; empty where nothing does."""
+    reasons = {
+        "no impact": run.case.load.kind != "impact" or not run.summary.get("energy_input_J"),
+        "a chain": run.case.packing.kind == "chain",
+        "unlike grains, vacancies, strikers or bars": not run.assembly.plain,
+        "friction": run.case.has_friction,
+        f"law {run.case.contact.law}": run.case.contact.law != "elastoplastic",
+    }
+    return " and ".join(reason for reason, there in reasons.items() if there)
 
 
 def grouped(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> dict[Hashable, list[Impact]]:

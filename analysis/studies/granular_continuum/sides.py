@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from granwave.analysis.document.model import Cell, Column, Table
@@ -15,7 +16,7 @@ from granwave.analysis.studies.granular_continuum.blocks import masses
 from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKERS, add
 from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.studies.granular_continuum.packings import variants
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import kind_of
@@ -41,15 +42,15 @@ def involved(run: Granular | Continuum) -> Involved | None:
     return found if len(found.fraction) and found.fraction[-1] > 0 else None
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Dissipated fraction and volume involved, where packings and blocks were hit."""
     if impacts.reference and impacts.continuum_reference:
-        drawing = _dissipated_fraction(impacts)
-        yield Picture("dissipated_fraction", "Dissipated fraction, granular and continuum", drawing)
+        draw = partial(_dissipated_fraction, impacts)
+        yield Sketch("dissipated_fraction", "Dissipated fraction, granular and continuum", draw)
         shown = _dissipating(impacts.reference, _GRANULAR_SHOWN)
         if shown:
-            drawing = _plastic_volume(shown, impacts.continuum_reference)
-            yield Picture("plastic_volume", "Volume involved, granular and continuum", drawing)
+            draw = partial(_plastic_volume, shown, impacts.continuum_reference)
+            yield Sketch("plastic_volume", "Volume involved, granular and continuum", draw)
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:
