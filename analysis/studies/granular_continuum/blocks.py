@@ -31,6 +31,13 @@ from granwave.analysis.studies.granular_continuum.impacts import (
 from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
+_SCALING = (
+    "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve on the normalised axis"
+)
+_MASS = (
+    "Continuum: mass of the punch. Curves that differ at equal input tell that the velocity matters beside the energy"
+)
+
 
 def materials(impacts: Impacts) -> list[Curve[Continuum]]:
     """The reference and the groups that differ from it in material alone, with their names."""
@@ -93,10 +100,10 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     curves = materials(impacts)
     if len(curves) > 1:  # thesis Fig. 5.10
         draw = partial(draw_scaling, curves, CONTINUUM_ENERGY, "linear")
-        yield Sketch("continuum_scaling", "Continuum: modulus and yield strength", draw)
+        yield Sketch("continuum_scaling", _SCALING, draw)
     curves = masses(impacts)
     if len(curves) > 1:
-        yield Sketch("continuum_mass", "Continuum: mass of the punch", partial(_by_mass, curves))
+        yield Sketch("continuum_mass", _MASS, partial(_by_mass, curves))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

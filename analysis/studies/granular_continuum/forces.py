@@ -34,6 +34,14 @@ _MOST_FRONTS = 4
 _BANDS = 5  # of depth
 _ROOM = 2.4  # inches: length of the horizontal axis of a panel
 _MILLI = 1e3
+_IMPULSE = (
+    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every depth, tell that force is "
+    "proportional to impulse"
+)
+_FRONT = (
+    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the largest force of its "
+    "layer tells that it gets planar"
+)
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
 
@@ -70,10 +78,10 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     found = linear(impacts.fast)
     if found is not None:
         draw = partial(_peak_force_against_impulse, found)
-        yield Sketch("peak_force_impulse", "Granular: peak force against impulse", draw)
+        yield Sketch("peak_force_impulse", _IMPULSE, draw)
     there = fronts(impacts.reference)
     if there:
-        yield Sketch("front", "Granular: the front by layer", partial(_front_by_depth, there))
+        yield Sketch("front", _FRONT, partial(_front_by_depth, there))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

@@ -22,6 +22,11 @@ from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
+_FRACTION = "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a larger share"
+_VOLUME = (
+    "Volume involved, granular and continuum. At equal dissipated fraction the curve that lies higher spreads the "
+    "dissipation over more material"
+)
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
 _COLOURS = (BLUE, SKY, "black")  # of packings
@@ -46,11 +51,11 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Dissipated fraction and volume involved, where packings and blocks were hit."""
     if impacts.reference and impacts.continuum_reference:
         draw = partial(_dissipated_fraction, impacts)
-        yield Sketch("dissipated_fraction", "Dissipated fraction, granular and continuum", draw)
+        yield Sketch("dissipated_fraction", _FRACTION, draw)
         shown = _dissipating(impacts.reference, _GRANULAR_SHOWN)
         if shown:
             draw = partial(_plastic_volume, shown, impacts.continuum_reference)
-            yield Sketch("plastic_volume", "Volume involved, granular and continuum", draw)
+            yield Sketch("plastic_volume", _VOLUME, draw)
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

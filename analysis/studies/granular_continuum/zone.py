@@ -90,7 +90,10 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     sides = {"packing": packing_zones(impacts), "continuum": continuum_zones(impacts)}
     sizes = [name for name in _SIZES if any(_in_the_figure(name, one.zone) for side in sides.values() for one in side)]
     if sizes and sides["packing"] and sum(map(len, sides.values())) > 1:
-        caption = "Size of the plastic zone: what holds 50, 90 and 99 %"
+        caption = (
+            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. Straight lines are powers "
+            "of the input; open marks reach a bound"
+        )
         yield Sketch("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
