@@ -50,7 +50,7 @@ def test_columns_in_any_order_and_comments() -> None:
 def test_radius_in_place_of_the_diameter() -> None:
     grains = parse_grains("x,y,z,radius\n0,0,0,5e-3\n0,0,0.0125,7.5e-3\n", None)
     assert grains.diameter.tolist() == [0.01, 0.015]
-    with pytest.raises(ValueError, match="found the column diameter .or radius for it. twice"):
+    with pytest.raises(ValueError, match=r"found the column diameter .or radius for it. twice"):
         parse_grains("x,y,z,radius,diameter\n0,0,0,5e-3,1e-2\n", None)
 
 
