@@ -157,7 +157,7 @@ def fit_law(
     _refuse(curve, published, radii)
     first = contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii) if fit_yield else published
     rows = bearing(curve) & (curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap)
-    most = max(1, np.count_nonzero(rows) - _FEWEST - fit_yield)
+    most = max(1, int(np.count_nonzero(rows)) - _FEWEST - fit_yield)
     names = _known(free) if free is not None else _tellable(curve, first, most)
     names += [YIELD] * fit_yield
     if np.count_nonzero(rows) < len(names) + _FEWEST:

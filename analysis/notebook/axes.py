@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
 import matplotlib as mpl
 from cycler import cycler
@@ -50,7 +51,7 @@ def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None
 @contextlib.contextmanager
 def own_style() -> Iterator[None]:
     """Apply `granwave.analysis.figures.style.STYLE`, with its colours in turn, to figures that pyplot makes."""
-    usual = {
+    usual: dict[Any, Any] = {
         "axes.prop_cycle": cycler(color=COLOURS),
         "figure.constrained_layout.use": True,
         "figure.figsize": (WIDTH, _HEIGHT),
