@@ -161,15 +161,15 @@ def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
 
 
 def why_not(run: FinishedRun) -> str:
-    """Return what keeps a run of a packing from being compared; empty where nothing does."""
+    """Return the first reason why a run of a packing cannot be compared; empty where it can."""
     reasons = {
-        "no impact": run.case.load.kind != "impact" or not run.summary.get("energy_input_J"),
         "a chain": run.case.packing.kind == "chain",
+        "no impact": run.case.load.kind != "impact" or not run.summary.get("energy_input_J"),
         "unlike grains, vacancies, strikers or bars": not run.assembly.plain,
         "friction": run.case.has_friction,
         f"law {run.case.contact.law}": run.case.contact.law != "elastoplastic",
     }
-    return " and ".join(reason for reason, there in reasons.items() if there)
+    return next((reason for reason, there in reasons.items() if there), "")
 
 
 def grouped(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> dict[Hashable, list[Impact]]:
