@@ -32,7 +32,8 @@ CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
 FIGURES_DIRECTORY, EXPORT_DIRECTORY = "figures", "export"
 FIGURES_TABLE = "figures"  # of case.toml; it changes no result, and may be edited after a run
 FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
-MORE_FIGURE_SUFFIXES = (".svg",)  # of vector images that are asked for
+NOT_DRAWN_SUFFIX = ".txt"  # of the reason why a figure could not be drawn
+MORE_FIGURE_SUFFIXES = (".svg", NOT_DRAWN_SUFFIX)  # of vector images that are asked for, and in place of all
 VIEW_FILE, FILM_FILE = "view.html", "film.{}"  # page to turn and cut the packing; film, with its form
 
 # In DUMPS.

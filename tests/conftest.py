@@ -17,6 +17,15 @@ os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
 PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}
 
 
+@pytest.fixture(autouse=True)
+def figures_that_fail(request, caplog):
+    """Fail tests in which a figure could not be made: that costs a run or a report no more than a warning."""
+    yield
+    if not request.node.get_closest_marker("failing_figures"):
+        messages = [one.getMessage() for phase in ("setup", "call") for one in caplog.get_records(phase)]
+        assert not [one for one in messages if "could not be made" in one]
+
+
 @pytest.fixture
 def lammps():
     """Factory of LAMMPS instances, which are closed at the end of the test."""
@@ -44,7 +53,9 @@ def granwave():
 
     def run(*arguments: object, cwd: Path | None = None, timeout: float = 300) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "granwave.workflows", *map(str, arguments)]
-        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+        assert "could not be made" not in done.stderr, done.stderr
+        return done
 
     return run
 

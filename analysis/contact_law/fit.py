@@ -156,9 +156,10 @@ def fit_law(
     published = contact_of(materials, radii)
     _refuse(curve, published, radii)
     first = contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii) if fit_yield else published
-    names = _known(free) if free is not None else _tellable(curve, first)
-    names += [YIELD] * fit_yield
     rows = bearing(curve) & (curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap)
+    most = max(1, int(np.count_nonzero(rows)) - _FEWEST - fit_yield)
+    names = _known(free) if free is not None else _tellable(curve, first, most)
+    names += [YIELD] * fit_yield
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
             f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, "
@@ -283,25 +284,34 @@ def _known(free: Sequence[str]) -> list[str]:
     return [name for name in LAW_CONSTANTS if name in free]
 
 
-def _tellable(curve: Curve, law: ContactLaw) -> list[str]:
-    """Return the constants that the curve can determine; a warning names the others."""
+def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
+    """Return the constants that the curve can determine, ``most`` of them; warnings name the others."""
     overlap, switch = curve.overlap / law.yield_overlap, law.constants["area_switch"]
     names = ["pressure_limit", "pressure_rate", "area_slope"]
     if np.count_nonzero(curve.loading & (overlap > switch)) >= _FEWEST:
         names += ["area_switch", "area_offset"]
     turns = np.count_nonzero(curve.turns > _SMALL_TURN * law.yield_overlap)
     names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
-    for part, why in (
-        ("area_", f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield"),
-        ("residual_", f"it is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, three tell all"),
-        ("unloading_", "there is no unloading"),
-    ):
-        stay = [name for name in LAW_CONSTANTS if name.startswith(part) and name not in names]
-        if stay and not (part == "unloading_" and turns):
-            _LOG.warning(
-                "%s: %s: %s as published", curve.source, why, f"{', '.join(stay)} stay{'s' * (len(stay) == 1)}"
-            )
-    return [name for name in LAW_CONSTANTS if name in names]
+    reasons = {
+        "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
+        "residual_": f"the curve is unloaded from {_count(turns)} only, and three tell all",
+        "unloading_": "the curve has no unloading",
+    }
+    for part, why in reasons.items():
+        _keep([name for name in LAW_CONSTANTS if name.startswith(part) and name not in names], why, curve)
+    _keep(names[most:], f"each constant needs a row beyond first yield, and {_FEWEST} more are needed", curve)
+    return [name for name in LAW_CONSTANTS if name in names[:most]]
+
+
+def _count(turns: np.intp | int) -> str:
+    return f"{turns} overlap{'' if turns == 1 else 's'}"
+
+
+def _keep(names: Sequence[str], why: str, curve: Curve) -> None:
+    """Warn of constants that are not fitted."""
+    if names:
+        stay = f"{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))} stay{'s' * (len(names) == 1)}"
+        _LOG.warning("%s: %s as published, since %s", curve.source, stay, why)
 
 
 def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:

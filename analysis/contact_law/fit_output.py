@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +70,7 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
         replace_text(directory / FIT_PAIR, pair_toml(fit, pair))
     folder = FigureFolder(directory)
     with style():
-        folder.save(fit_drawing(fit), FIGURE)
+        folder.draw(partial(fit_drawing, fit), FIGURE)
     return [directory / name for name in files] + folder.written
 
 

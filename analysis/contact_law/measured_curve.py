@@ -20,7 +20,16 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.csv_rows import read_csv_rows
 from granwave.lammps_inputs.errors import InputError
 
-NUMBERS = ("overlap_m", "force_N")
+_LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
+_FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
+_COLUMNS = {  # names of columns of overlaps and of forces, with their units in SI units
+    "overlap": {f"{name}_{unit}": size for name in ("overlap", "displacement") for unit, size in _LENGTHS.items()},
+    "force": {f"force_{unit}": size for unit, size in _FORCES.items()},
+}
+_EXPECTED = {
+    "overlap": "overlap_m, overlap_mm or overlap_um (or displacement_... for overlap_...)",
+    "force": "force_N or force_kN",
+}
 BRANCH = "branch"
 LOADING = "loading"
 _BRANCHES = re.compile(r"loading|(?:un|re)loading(?:_?\w+)?")
@@ -66,7 +75,9 @@ class Curve:
 
 
 def read_curve(path: str | Path) -> Curve:
-    """Read a curve from a CSV file with the columns overlap_m, force_N and optionally branch; others are ignored.
+    """Read a curve from a CSV file with columns of overlaps and forces, and optionally branch; others are ignored.
+
+    The names of the columns hold the units, such as overlap_um, displacement_mm and force_kN.
 
     Raises
     ------
@@ -76,20 +87,23 @@ def read_curve(path: str | Path) -> Curve:
     """
     rows, lines = _rows(Path(path))
     errors: list[str] = []
-    columns = {name: [_number(row, name, f"{path}: line {n}", errors) for n, row in rows] for name in NUMBERS}
+    names = {what: next(name for name in known if name in lines) for what, known in _COLUMNS.items()}
+    columns = {name: [_number(row, name, f"{path}: line {n}", errors) for n, row in rows] for name in names.values()}
     named = BRANCH in lines
     branch = [(row.get(BRANCH) or "").strip() for _, row in rows]
-    for (n, row), name, found in zip(rows, branch, columns["overlap_m"], strict=True):
+    for (n, row), name, found in zip(rows, branch, columns[names["overlap"]], strict=True):
         if named and not _BRANCHES.fullmatch(name):
             errors.append(
                 f"{path}: line {n}: branch: found {show(row.get(BRANCH) or '')}, "
                 "expected loading, unloading_N or reloading_N"
             )
         if found < 0:
-            errors.append(f"{path}: line {n}: overlap_m: found {found:g}, expected none below 0 (compression > 0)")
+            errors.append(
+                f"{path}: line {n}: {names['overlap']}: found {found:g}, expected none below 0 (compression > 0)"
+            )
     if errors:
         raise InputError(errors[:_FAULTS] + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS))
-    overlap, force = (np.array(columns[name]) for name in NUMBERS)
+    overlap, force = (_COLUMNS[what][names[what]] * np.array(columns[names[what]]) for what in ("overlap", "force"))
     return _curve(str(path), overlap, force, branch if named else None)
 
 
@@ -149,12 +163,13 @@ def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
     """Read the rows of a CSV file with their line numbers, and the names of its columns."""
     parsed = read_csv_rows(path)
     columns = [name.strip() for name in parsed[0][1]] if parsed else []
-    missing = [name for name in NUMBERS if name not in columns]
-    if missing:
-        raise InputError(
-            f"{path}: lacks the column{'s' * (len(missing) > 1)} {' and '.join(missing)}; "
-            f"found {', '.join(columns) if columns else 'nothing'}, expected overlap_m, force_N and perhaps branch"
-        )
+    for what, known in _COLUMNS.items():
+        there = [name for name in known if name in columns]
+        if len(there) != 1:
+            found = " and ".join(there) if there else ", ".join(columns) or "nothing"
+            raise InputError(
+                f"{path}: found {found}, expected one column {_EXPECTED[what]}: the name of a column holds its unit"
+            )
     return [(n, dict(zip(columns, cells, strict=False))) for n, cells in parsed[1:]], columns
 
 

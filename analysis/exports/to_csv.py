@@ -38,6 +38,7 @@ OUTDATED = (
 TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
 #: Columns in this order, followed by the others in the order of their names.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
+_STEP = "step"  # column of whole numbers, which result.h5 may hold as others
 _ROWS = 65_536  # formatted at once, as text takes many times the memory of numbers
 
 
@@ -116,13 +117,14 @@ def _write(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Map
         write_csv_rows(file, [header])
         for start in range(0, n_rows, _ROWS):
             rows = slice(start, start + _ROWS)
-            cells = [text for values in columns.values() for text in _cells(values, rows)]
+            cells = [text for name, values in columns.items() for text in _cells(values, rows, whole=name == _STEP)]
             write_csv_rows(file, zip(*cells, strict=True))
 
 
-def _cells(values: NDArray | h5py.Dataset, rows: slice) -> Sequence[list[object]]:
-    """Return one list of cells for each component."""
+def _cells(values: NDArray | h5py.Dataset, rows: slice, *, whole: bool) -> Sequence[list[object]]:
+    """Return one list of cells for each component, of whole numbers if all are."""
     if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
         values = values.asstr()
     part = np.asarray(values[rows])
+    part = part.astype(np.int64) if whole else part
     return [["" if cell != cell else cell for cell in column] for column in np.atleast_2d(part.T).tolist()]

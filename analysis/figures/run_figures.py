@@ -23,7 +23,7 @@ from granwave.analysis.figures.run import (
 )
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
-from granwave.analysis.figures.style import Drawing, FigureFolder, contents, style
+from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.figures import Figures
 
@@ -286,8 +286,7 @@ def painter(directory: str | Path, options: Figures) -> Iterator[Callable[[str],
     """
 
     def draw(name: str) -> dict[str, bytes] | None:
-        drawing = FIGURES[name].draw(result)
-        return None if drawing is None else contents(drawing, options.formats)
+        return files_of(partial(FIGURES[name].draw, result), name, options.formats)
 
     with Result(directory) as result, style(options.width):
         result.figure_options = options

@@ -4,14 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, LogFormatterSciNotation, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import (
+    FixedLocator,
+    LogFormatterSciNotation,
+    LogLocator,
+    NullFormatter,
+    NullLocator,
+    SymmetricalLogLocator,
+)
 from numpy.typing import NDArray
 
 _WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
@@ -21,6 +28,11 @@ _MANY, _MANY_OF_COLOURS = 1e4, 1e2  # largest over smallest value from which tic
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
 _NARROW = 30.0  # largest over smallest value up to which labels are plain numbers, if these are short
 _LEAST_PLAIN, _MOST_PLAIN = 1e-3, 1e4
+_LEAST_DECADE = 3.0  # limits of a logarithmic axis over its value: ticks at two of 1, 2 and 5 at least
+_LEAST_SPAN = 1e-3  # of an axis, over its values: labels of ticks have four digits
+_BREAK: dict[str, Any] = {
+    "ha": "center", "va": "center", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
+}  # fmt: skip
 _ROUND = (1.0, 2.0, 4.0)  # those of them that matplotlib labels anyway
 _MINUS, _TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -80,6 +92,24 @@ def plain_powers(figure: Figure) -> None:
                 change(PowersOfTen(scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh))
 
 
+def least_span(figure: Figure) -> None:
+    """Widen axes on which all values are equal or nearly so: their ticks would show one and the same number."""
+    for axes in (one for one in figure.axes if one.get_label() != _COLOUR_BAR):
+        if axes.get_autoscalex_on() and (limits := _around(axes.dataLim.intervalx, axes.get_xscale())):
+            axes.set_xlim(limits)
+        if axes.get_autoscaley_on() and (limits := _around(axes.dataLim.intervaly, axes.get_yscale())):
+            axes.set_ylim(limits)
+
+
+def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | None:
+    """Return limits of an axis around the ends of its values; None if these are apart."""
+    low, high = values.tolist()
+    if not 0 <= high - low < _LEAST_SPAN * max(abs(low), abs(high)):
+        return None
+    middle, share = 0.5 * (low + high), _LEAST_DECADE if scale == "log" else 1.05
+    return (middle / share, middle * share) if middle > 0 else (middle * share, middle / share)
+
+
 def ticks_at(axis: Axis, places: Iterable[float]) -> None:
     """Put plain numbers at these places of a logarithmic axis, and nowhere else."""
     axis.set_major_locator(FixedLocator(list(places)))
@@ -105,13 +135,25 @@ def numbered_map(axes: Axes, values: NDArray[np.float64], top: float, title: str
     axes.figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
 
 
-def spread_scales(axes: Axes, places: Iterable[float]) -> None:
-    """Put ticks at all places; scales become logarithmic where values are spread over decades, and 0 is kept."""
+def spread_scales(axes: Axes, places: Iterable[float]) -> str:
+    """Put ticks at all places; scales become logarithmic where values are spread over decades, and 0 is kept.
+
+    Returns
+    -------
+    str
+        Words for the title of the axis of places, if it is not linear; empty otherwise. Its line is then broken
+        between 0 and the first place.
+    """
     places = sorted(set(places))
     positive = [place for place in places if place > 0]
-    if len(positive) > 1 and positive[-1] >= _WIDE * positive[0]:
+    spread = len(positive) > 1 and positive[-1] >= _WIDE * positive[0]
+    if spread:
         axes.set_xscale("symlog", linthresh=positive[0], linscale=0.5)
     ticks_at(axes.xaxis, places)
+    if spread:
+        axes.xaxis.set_minor_locator(SymmetricalLogLocator(linthresh=positive[0], base=10, subs=range(1, 10)))
+    if spread and len(positive) < len(places):
+        axes.text(0.5 * positive[0], 0, "//", transform=axes.get_xaxis_transform(), fontsize=7, **_BREAK)
     low, high = axes.get_ylim()
     values = np.concatenate([np.asarray(line.get_ydata(), dtype=np.float64) for line in axes.lines])
     if values.min() > 0 and values.max() > _WIDE / 2 * values.min():
@@ -121,3 +163,10 @@ def spread_scales(axes: Axes, places: Iterable[float]) -> None:
         axes.yaxis.set_minor_formatter(NullFormatter())
     elif low < 0.5 * high:
         axes.set_ylim(0)
+    return ", logarithmic" if spread else ""
+
+
+def not_to_scale(places: Sequence[float]) -> str:
+    """Return words for the title of an axis of cells of one width, if its values are not equally spaced."""
+    steps = np.diff(places)
+    return "" if np.allclose(steps, steps[:1]) else ", not to scale"

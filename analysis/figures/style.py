@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import logging
 import re
+import traceback
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -12,7 +13,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import chain, zip_longest
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -22,14 +23,15 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
-from granwave.analysis.figures.scales import plain_powers
+from granwave.analysis.errors import MissingDataError
+from granwave.analysis.figures.scales import least_span, plain_powers
 from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.directories import refuse_other_file
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
 from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
-from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY
+from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY, NOT_DRAWN_SUFFIX
 
 logger = logging.getLogger(__name__)
 
@@ -86,6 +88,7 @@ STYLE: dict[Any, Any] = {
 }
 
 Columns = Mapping[str, ArrayLike]
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,6 +111,39 @@ class Drawing:
         if called != SPHERES:
             for text in self.figure.findobj(Text):
                 text.set_text(in_grains(text.get_text(), called))
+
+
+@dataclass(frozen=True)
+class NotDrawn:
+    """Figure, or part of a study, that could not be made, with the reason."""
+
+    what: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.what} could not be made: {self.reason}"
+
+
+def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
+    """Draw a figure; if that fails, warn and return the reason, so that the others are drawn all the same."""
+    try:
+        return draw()
+    except Exception as error:
+        return not_made(what, error)
+
+
+def not_made(what: str, error: Exception) -> NotDrawn:
+    """Warn of what could not be made, and return it with the reason.
+
+    Damaged files, full disks and lack of memory concern everything else too, and are raised.
+    """
+    if isinstance(error, GranwaveError | OSError | MemoryError) and not isinstance(error, MissingDataError):
+        raise error
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    reason = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
+    found = NotDrawn(what, " ".join(reason.split()))
+    logger.warning("%s", found)
+    return found
 
 
 _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of figures
@@ -184,6 +220,19 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
     return found | {".csv": _csv(drawing.columns)}
 
 
+def files_of(
+    draw: Callable[[], Drawing | NotDrawn | None], name: str, formats: Sequence[str] = ("pdf",)
+) -> dict[str, bytes] | None:
+    """Draw a figure; return the contents of its files as `contents`, or the reason why it could not be drawn."""
+
+    def made() -> dict[str, bytes] | NotDrawn | None:
+        drawing = draw()
+        return contents(drawing, formats) if isinstance(drawing, Drawing) else drawing
+
+    found = attempt(f"figure {name}", made)
+    return {NOT_DRAWN_SUFFIX: f"{found.reason}\n".encode()} if isinstance(found, NotDrawn) else found
+
+
 def lay_out(figure: Figure, resolution: float) -> None:
     """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout engine draws twice.
 
@@ -191,6 +240,7 @@ def lay_out(figure: Figure, resolution: float) -> None:
     """
     engine = figure.get_layout_engine()
     if engine is not None:
+        least_span(figure)
         plain_powers(figure)
         for axes in figure.axes:
             for artist in (axes.patch, *axes.spines.values()):
@@ -238,12 +288,19 @@ class FigureFolder:
         self.directory = Path(directory)
         self.written: list[Path] = []
 
-    def save(self, drawing: Drawing | None, name: str, *, formats: Sequence[str] = ("pdf",)) -> None:
+    def save(self, drawing: Drawing | NotDrawn | None, name: str, *, formats: Sequence[str] = ("pdf",)) -> None:
         """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
-        If granwave did not write an existing file of this name, warn and do not save.
+        If granwave did not write an existing file of this name, warn and do not save. In place of a figure that could
+        not be drawn its reason is saved.
         """
-        self.place(None if drawing is None else contents(drawing, formats), name)
+        self.draw(lambda: drawing, name, formats=formats)
+
+    def draw(
+        self, draw: Callable[[], Drawing | NotDrawn | None], name: str, *, formats: Sequence[str] = ("pdf",)
+    ) -> None:
+        """Draw a figure and save it."""
+        self.place(files_of(draw, name, formats), name)
 
     def place(self, files: Mapping[str, bytes] | None, name: str) -> None:
         """Do the same with the contents of files by suffix, as of `contents`."""
@@ -260,17 +317,27 @@ class FigureFolder:
         (self.directory / FIGURES_DIRECTORY).mkdir(exist_ok=True)
         for suffix, content in files.items():
             replace_bytes(self.directory / own[suffix], content)
-        self.written.append(self.directory / own[".png"])
+        if ".png" in files:
+            self.written.append(self.directory / own[".png"])
 
     def remove(self, *names: str) -> None:
         """Remove earlier figures."""
         clear(self.directory, [file for name in names for file in figure_files(name)])
 
     def names(self) -> list[str]:
-        """Return the names of the figures in the folder."""
+        """Return the names of the figures in the folder, those included that could not be drawn."""
+        return [path.stem for path in self._files() if path.suffix in (".png", NOT_DRAWN_SUFFIX)]
+
+    def not_drawn(self) -> dict[str, NotDrawn]:
+        """Return the figures that could not be drawn, by name."""
+        paths = [self.directory / path for path in self._files() if path.suffix == NOT_DRAWN_SUFFIX]
+        reasons = {path.stem: path.read_text("utf-8", "replace").strip() for path in paths if path.is_file()}
+        return {name: NotDrawn(f"figure {name}", reason) for name, reason in reasons.items()}
+
+    def _files(self) -> list[PurePosixPath]:
         marker = read_marker(self.directory)
         files = [PurePosixPath(name) for name in (marker.files if marker else ())]
-        return [path.stem for path in files if str(path.parent) == FIGURES_DIRECTORY and path.suffix == ".png"]
+        return [path for path in files if str(path.parent) == FIGURES_DIRECTORY]
 
 
 def write_csv(columns: Columns, path: Path, *, exact: bool = False) -> None:

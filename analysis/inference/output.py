@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,6 @@ def write_inference(
     shown = max(found, key=lambda one: float(one.force.max(initial=0.0)))
     folder = FigureFolder(directory)
     with style():
-        drawn = (drawings.network(shown), drawings.residuals(shown), drawings.errors(shown), drawings.modulus(shown))
-        for name, drawing in zip(FIGURES, (*drawn, noise_drawing), strict=True):
-            folder.save(drawing, name)
+        draw = (drawings.network, drawings.residuals, drawings.errors, drawings.modulus, lambda _: noise_drawing)
+        for name, one in zip(FIGURES, draw, strict=True):
+            folder.draw(partial(one, shown), name)

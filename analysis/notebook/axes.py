@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
 
+import matplotlib as mpl
+from cycler import cycler
 from matplotlib.axes import Axes
 
 from granwave.analysis.errors import MissingDataError
-from granwave.analysis.figures.style import Drawing, style
+from granwave.analysis.figures.scales import least_span
+from granwave.analysis.figures.series import COLOURS
+from granwave.analysis.figures.style import WIDTH, Drawing, NotDrawn, style
 
+_HEIGHT = 2.6  # inches, of a figure that pyplot makes
 _COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
-def draw_axes(draw: Callable[[], Drawing | None], width: float | None = None) -> Axes | list[Axes] | None:
+def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None) -> Axes | list[Axes] | None:
     """Draw a figure and hand it to pyplot, without saving it.
 
     Parameters
@@ -32,10 +39,25 @@ def draw_axes(draw: Callable[[], Drawing | None], width: float | None = None) ->
         drawing = draw()
         if drawing is None:
             return None
+        if isinstance(drawing, NotDrawn):
+            raise MissingDataError(str(drawing))
+        least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
     pyplot.figure(drawing.figure)
     found = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
     return found[0] if len(found) == 1 else found
+
+
+@contextlib.contextmanager
+def own_style() -> Iterator[None]:
+    """Apply `granwave.analysis.figures.style.STYLE`, with its colours in turn, to figures that pyplot makes."""
+    usual: dict[Any, Any] = {
+        "axes.prop_cycle": cycler(color=COLOURS),
+        "figure.constrained_layout.use": True,
+        "figure.figsize": (WIDTH, _HEIGHT),
+    }
+    with style(), mpl.rc_context(usual):
+        yield
 
 
 def no_figure(owner: str, name: str, names: Iterable[str]) -> MissingDataError:

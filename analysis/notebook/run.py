@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import html
 from collections.abc import Iterator, Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -217,12 +217,26 @@ class Run(Mapping[str, Any]):
 
     # ------------------------------------------------------------------ figures
 
-    @property
+    @cached_property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures of packings and chains, not all of which apply to each run; none of continuum runs."""
-        from granwave.analysis.figures.run_figures import FIGURES
+        """Names of the figures that apply to this run; none of continuum runs.
 
-        return () if self._is_continuum else tuple(FIGURES)
+        Those that are not in its directory yet are drawn to find out, which takes seconds once.
+        """
+        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.figures.style import Drawing, FigureFolder, attempt, style
+
+        if self._is_continuum:
+            return ()
+        folder = FigureFolder(self.directory)
+        there = set(folder.names()) - folder.not_drawn().keys()
+
+        def applies(name: str) -> bool:
+            draw = partial(FIGURES[name].draw, self.result)
+            return name in there or isinstance(attempt(f"figure {name}", draw), Drawing)
+
+        with style():
+            return tuple(filter(applies, FIGURES))
 
     def figure(self, name: str) -> Axes | list[Axes]:
         """Draw a figure, to go on with; it is not saved.
@@ -240,8 +254,8 @@ class Run(Mapping[str, Any]):
         from granwave.analysis.figures.run_figures import FIGURES
         from granwave.analysis.notebook.axes import draw_axes, no_figure
 
-        if name not in self.figures:
-            raise no_figure(self.name, name, self.figures)
+        if self._is_continuum or name not in FIGURES:
+            raise no_figure(self.name, name, () if self._is_continuum else FIGURES)
         axes = draw_axes(lambda: FIGURES[name].draw(self.result), self.result.figure_options.width)
         if axes is None:
             raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")

@@ -94,6 +94,8 @@ def log_ticks(axis: Axis, room: float | None = None) -> None:
         Length of a horizontal axis, inches, on which labels must not touch; None: not checked.
     """
     low, high = sorted(axis.get_view_interval())
+    if low <= 0:
+        return  # there are no values to label
     decades = np.log10(high / low)
     if decades >= _DECADES:
         return
@@ -112,7 +114,9 @@ def _label_each(axis: Axis, places: NDArray[np.float64], inches: NDArray[np.floa
         return False
     axis.set_major_locator(FixedLocator(places.tolist()))
     axis.set_major_formatter(FuncFormatter(lambda value, _: tick(value)))
-    axis.set_minor_locator(NullLocator())
+    logarithmic = axis.get_scale() == "log"  # shown by ticks without labels between
+    axis.set_minor_locator(LogLocator(10, subs=range(1, 10)) if logarithmic else NullLocator())
+    axis.set_minor_formatter(NullFormatter())
     return True
 
 

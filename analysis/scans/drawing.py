@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.figures.scales import not_to_scale
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.zone.marks import Mark
 from granwave.analysis.scans.axes import (
@@ -188,7 +189,7 @@ def draw_map(
     """Draw a value by two keys, in cells of equal size: (n_lines, n_columns); NaN for missing ones."""
     columns, lines = values
     annotated = max(table.shape) <= _MOST_ANNOTATED
-    of_title = 0.55 + CHARACTER * len(keys[1].title)  # which must not be longer than its axis
+    of_title = 0.55 + CHARACTER * len(keys[1].title + not_to_scale(lines))  # which must not be longer than its axis
     figure = new_figure(min(max(0.34 * len(lines) + 0.7, of_title, 1.9), 3.4))
     axes = figure.subplots()
     axes.set_facecolor(BLANK)
@@ -212,7 +213,7 @@ def draw_map(
         while axis is axes.xaxis and step < len(names) and not fit(names[::step], step * room):
             step += 1
         axis.set_ticks(range(0, len(names), step), names[::step])
-        axis.set_label_text(key.title)
+        axis.set_label_text(key.title + not_to_scale(numbers))
     axes.tick_params(length=0)
     figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
     place = [(line, spot) for line in range(len(lines)) for spot in range(len(columns))]

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figures.style import Drawing, FigureFolder, style
+from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.measures.zone.marks import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES
@@ -69,8 +70,21 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     return folder.written
 
 
-def drawings(result: ScanResult) -> dict[str, Drawing]:
-    """Return the figures of the present state of a scan, by name."""
+def drawings(result: ScanResult) -> dict[str, Drawing | NotDrawn]:
+    """Draw the figures of the present state of a scan; return them by name."""
+    found: dict[str, Drawing | NotDrawn] = {}
+    called = grains_called_in(point.summary for point in result.points if point.status == "done")
+    for name, draw in _figures(result).items():
+        drawing = attempt(f"figure {name}", draw)
+        if isinstance(drawing, Drawing):
+            drawing.call_grains(called)
+        if drawing is not None:
+            found[name] = drawing
+    return found
+
+
+def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
+    """Return functions that draw what a scan may show, by name."""
     points = result.points
     labels = physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
     free = independent_keys(labels)
@@ -81,30 +95,24 @@ def drawings(result: ScanResult) -> dict[str, Drawing]:
     done = [points[row] for row in rows]
     marks = {row: mark_of(points[row].summary) for row in rows}
     shown = [one for one in ordinates(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
-    found: dict[str, Drawing | None] = {}
+    found: dict[str, Callable[[], Drawing | None]] = {}
     for name in _abscissae(keys, free):
         x = keys[name]
         others = _others(keys, free, name)
-        for quantity in shown:
-            values = _values(points, rows, quantity.value)
-            series = _series(rows, dict(enumerate(x.values)), values, others, marks if quantity.zone else None)
-            joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others))
-            found[f"{quantity.name}_vs_{x.slug}"] = _curves(series, x, others, quantity, joined=joined)
+        joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others))
+        for one in shown:
+            draw = partial(_curves, points, rows, x, others, one, marks, joined=joined)
+            found[f"{one.name}_vs_{x.slug}"] = draw
     if not any(keys[name].numeric for name in free):
         x, others = keys[free[0]], [keys[name] for name in free[1:]]
-        for quantity in shown:
-            values = _values(points, rows, quantity.value)
-            found[f"{quantity.name}_vs_{x.slug}"] = _bars(rows, x, others, values, quantity, marks)
+        for one in shown:
+            found[f"{one.name}_vs_{x.slug}"] = partial(_bars, points, rows, x, others, one, marks)
     if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
         found |= _collapses(points, rows, _others(keys, free, "load.velocity"), marks)
     fraction = next((quantity for quantity in shown if quantity.name == "dissipated_fraction"), None)
     if fraction and len(free) == 2 and all(keys[name].numeric for name in free):
-        found["dissipated_fraction_map"] = _map(points, rows, keys[free[0]], keys[free[1]], fraction)
-    there = {name: drawing for name, drawing in found.items() if drawing is not None}
-    called = grains_called_in(point.summary for point in done)
-    for drawing in there.values():
-        drawing.call_grains(called)
-    return there
+        found["dissipated_fraction_map"] = partial(_map, points, rows, keys[free[0]], keys[free[1]], fraction)
+    return found
 
 
 def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> dict[int, float]:
@@ -200,8 +208,19 @@ def _enough(series: Sequence[Series]) -> bool:
     return sum(len(curve.x) for curve in series) >= _FEWEST
 
 
-def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Ordinate, *, joined: bool) -> Drawing | None:
+def _curves(
+    points: Sequence[PointResult],
+    rows: Sequence[int],
+    x: Key,
+    others: Sequence[Key],
+    quantity: Ordinate,
+    marks: Marks,
+    *,
+    joined: bool,
+) -> Drawing | None:
     """None where there are no curves: too few points, or many settings each at one abscissa."""
+    values = _values(points, rows, quantity.value)
+    series = _series(rows, dict(enumerate(x.values)), values, others, marks if quantity.zone else None)
     if not _enough(series) or len({place for curve in series for place in curve.x.tolist()}) < _FEWEST:
         return None
     if len(series) > _MOST_SINGLE and all(len(curve.x) == 1 for curve in series):
@@ -211,8 +230,14 @@ def _curves(series: list[Series], x: Key, others: Sequence[Key], quantity: Ordin
 
 
 def _bars(
-    rows: Sequence[int], x: Key, others: Sequence[Key], values: dict[int, float], quantity: Ordinate, marks: Marks
+    points: Sequence[PointResult],
+    rows: Sequence[int],
+    x: Key,
+    others: Sequence[Key],
+    quantity: Ordinate,
+    marks: Marks,
 ) -> Drawing | None:
+    values = _values(points, rows, quantity.value)
     categories = list(dict.fromkeys(x.values))
     places = {row: float(categories.index(x.values[row])) for row in rows}
     series = _series(rows, places, values, others, marks if quantity.zone else None)
@@ -224,13 +249,13 @@ def _bars(
 
 def _collapses(
     points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
-) -> dict[str, Drawing | None]:
-    """Draw the collapse of materials on normalised axes (thesis 5.3)."""
+) -> dict[str, Callable[[], Drawing | None]]:
+    """Return functions that draw the collapse of materials on normalised axes (thesis 5.3)."""
     velocity = _values(points, rows, value_of("velocity_normalised"))
     energy = _values(points, rows, value_of("energy_input_normalised"))
     dissipated = _values(points, rows, value_of("dissipated_fraction"))
     plastic = _values(points, rows, plastic_spheres)
-    drawings: dict[str, Drawing | None] = {}
+    found: dict[str, Callable[[], Drawing | None]] = {}
     for name, x, y, titles, columns in (
         (
             "collapse_dissipated_fraction",
@@ -249,8 +274,8 @@ def _collapses(
     ):
         series = _series(rows, x, y, others, marks if y is plastic else None)
         if _enough(series):
-            drawings[name] = draw_curves(series, *titles, others, columns, joined=False, chosen=False)
-    return drawings
+            found[name] = partial(draw_curves, series, *titles, others, columns, joined=False, chosen=False)
+    return found
 
 
 def _map(points: Sequence[PointResult], rows: Sequence[int], x: Key, y: Key, quantity: Ordinate) -> Drawing | None:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import logging
-import traceback
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -15,10 +14,8 @@ from granwave.analysis.studies.study_file import is_study_file, load_study
 
 if TYPE_CHECKING:
     from granwave.analysis.document.model import Note, Table
-    from granwave.analysis.figures.style import Drawing
+    from granwave.analysis.figures.style import Drawing, NotDrawn
     from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun
-
-_LOG = logging.getLogger(__name__)
 
 Kind = Literal["source", "theory", "verification", "alone"]
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
@@ -123,6 +120,15 @@ class Picture:
 
 
 @dataclasses.dataclass(frozen=True)
+class Sketch:
+    """Figure of a study that is yet to be drawn; where that fails, the study goes on with the next."""
+
+    name: str
+    caption: str
+    draw: Callable[[], Drawing]
+
+
+@dataclasses.dataclass(frozen=True)
 class Study:
     """Result of a study.
 
@@ -142,6 +148,8 @@ class Study:
         Of its own, with notes on them.
     verdict
         What it comes to, in sentences for the top of the report.
+    failed
+        What of it could not be drawn or computed.
     """
 
     name: str
@@ -151,6 +159,7 @@ class Study:
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table | Note, ...] = ()
     verdict: tuple[str, ...] = ()
+    failed: tuple[NotDrawn, ...] = ()
 
     @property
     def has_source(self) -> bool:
@@ -182,47 +191,63 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
         return [
             study
             for name, module in modules.items()
-            for study in _make(name, module, runs[name], (undone or {}).get(name, ()))
+            for study in _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
         ]
 
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
-    if is_study_file(name):
-        try:
-            yield from _groups(Path(name).stem, module, runs, undone)
-        except Exception as error:  # in code of the user's
-            line = traceback.extract_tb(error.__traceback__)[-1]
-            fault = f"{type(error).__name__}: {error} ({Path(line.filename).name}, line {line.lineno})"
-            _LOG.warning("%s: the study failed: %s", name, fault)
-            yield Study(Path(name).stem, module.TITLE, f"The study failed: {fault}")
-    else:
-        yield from _groups(name, module, runs, undone)
-
-
-def _groups(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
-    def parts(which: str, *arguments: Any) -> tuple[Any, ...]:
-        return tuple(getattr(module, which)(*arguments)) if hasattr(module, which) else ()
-
-    def named(picture: Picture, study: str, number: int) -> Picture:
-        if not picture.name or picture.name.startswith("_"):
-            return dataclasses.replace(picture, name=study.replace("-", "_") + picture.name)
-        return dataclasses.replace(picture, name=f"{picture.name}_{number}") if numbered else picture
+    def named(picture: str, study: str, number: int) -> str:
+        if not picture or picture.startswith("_"):
+            return study.replace("-", "_") + picture
+        return f"{picture}_{number}" if numbered else picture
 
     for number, group in enumerate(groups, start=1):
         word = module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else "")
+        failed: list[NotDrawn] = []
+        parts = partial(_part, module, word, failed)
         yield Study(
             name + f"-{number}" if numbered else word,
             module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
             module.text(group) if hasattr(module, "text") else module.TEXT,
-            parts("rows", group),
-            tuple(named(picture, word, number) for picture in parts("pictures", group)),
-            parts("tables", group),
-            parts("verdict", group) + parts("missing", group, undone),
+            tuple(parts("rows", group)),
+            tuple(_pictures(parts("pictures", group), partial(named, study=word, number=number), failed)),
+            tuple(parts("tables", group)),
+            (*parts("verdict", group), *parts("missing", group, undone)),
+            tuple(failed),
         )
+
+
+def _part(module: Any, study: str, failed: list[NotDrawn], which: str, *arguments: Any) -> Iterator[Any]:
+    """Iterate over a part of a study, such as its rows, up to where it fails."""
+    from granwave.analysis.figures.style import not_made
+
+    if not hasattr(module, which):
+        return
+    number = 0
+    try:
+        for number, one in enumerate(getattr(module, which)(*arguments), start=1):  # noqa: B007
+            yield one
+    except Exception as error:
+        failed.append(not_made(f"{which} of the study {study}, from number {number + 1} on,", error))
+
+
+def _pictures(
+    planned: Iterable[Picture | Sketch], named: Callable[[str], str], failed: list[NotDrawn]
+) -> Iterator[Picture]:
+    """Draw what is yet to be drawn, and give the pictures the names of their files."""
+    from granwave.analysis.figures.style import NotDrawn, attempt
+
+    for one in planned:
+        name = named(one.name)
+        drawing = attempt(f"figure {name}", one.draw) if isinstance(one, Sketch) else one.drawing
+        if isinstance(drawing, NotDrawn):
+            failed.append(drawing)
+        else:
+            yield Picture(name, one.caption, drawing)
 
 
 def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:

@@ -6,26 +6,26 @@ above zero: the dent. When the spheres meet again, they find it there, and come 
 This needs no simulation: the law is the one that the LAMMPS style uses, called from Python.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-from granwave.analysis.figures.style import BLUE, GREY, new_figure, style
-from granwave.lammps_inputs import sphere_contact
-from granwave.workflows import load_case
+import granwave as gw
 
-law = sphere_contact(load_case("fcc-small"))
-unit = law.yield_overlap
+sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
+contact = ("elastoplastic", [sphere, sphere])
+unit, yield_force = gw.contact_yield(*contact)
 
-with style():
-    figure = new_figure(2.8)
-    axes = figure.subplots()
+with gw.style():
+    figure, axes = plt.subplots(figsize=(3.4, 2.8))
     overlap = np.linspace(0, 100 * unit, 400)
-    axes.plot(overlap * 1e6, law.loading_force(overlap), color=GREY, label="loading")
+    axes.plot(overlap * 1e6, gw.contact_force(*contact, overlap), color="C5", label="loading")
     for largest in (20 * unit, 40 * unit, 70 * unit, 100 * unit):
-        back = np.linspace(law.residual_overlap(largest), largest, 200)
-        force = law.force(back, np.full_like(back, largest))
-        axes.plot(back * 1e6, force, color=BLUE, label="unloading and reloading" if largest == 20 * unit else None)
+        back = np.linspace(0, largest, 800)
+        force = gw.contact_force(*contact, back, peak_overlap=largest)
+        label = "unloading and reloading" if largest == 20 * unit else None
+        axes.plot(back[force > 0] * 1e6, force[force > 0], color="C0", label=label)
     axes.set(xlabel="overlap (um)", ylabel="force (N)", xlim=(0, None), ylim=(0, None))
     axes.legend()
     figure.savefig("picture.png", dpi=150)
 
-print(f"first yield at an overlap of {unit * 1e6:.3f} um and a force of {law.yield_force:.3f} N")
+print(f"first yield at an overlap of {unit * 1e6:.3f} um and a force of {yield_force:.3f} N")

@@ -7,19 +7,13 @@ lattice.
 The pictures are two of those that `granwave run` draws by itself.
 """
 
-import shutil
+import granwave as gw
 
-from granwave.analysis import draw_figures
-from granwave.workflows import load_case, run_case
+run = gw.run("fcc-small", {"packing.size": [16, 16, 8], "run.end_time": 4e-4}, directory="run", force=True)
+for name, file in (("packing_3d", "picture.png"), ("peak_force_principal", "section.png")):
+    run.figure(name).figure.savefig(file, dpi=300)
 
-case = load_case("fcc-small", {"packing.size": [16, 16, 8], "run.end_time": 4e-4})
-outcome = run_case(case, "run", force=True, figures=False)
-draw_figures("run", names=("packing_3d", "peak_force_principal"))
-shutil.copy("run/figures/packing_3d.png", "picture.png")
-shutil.copy("run/figures/peak_force_principal.png", "section.png")
-
-summary = outcome.summary
-print(f"spheres                 {summary['n_spheres']}")
-print(f"largest contact force   {summary['peak_force_N']:.1f} N")
-print(f"dissipated              {summary['dissipated_fraction']:.3f} of the energy put in")
-print(f"contacts that yielded   {summary['n_plastic_contacts']}")
+print(f"spheres                 {run['n_spheres']}")
+print(f"largest contact force   {run['peak_force_N']:.1f} N")
+print(f"dissipated              {run['dissipated_fraction']:.3f} of the energy put in")
+print(f"contacts that yielded   {run['n_plastic_contacts']}")

@@ -4,8 +4,9 @@ Nineteen beads of brass and one of aluminium transmit a pulse of force to an ela
 depends on the place of the odd bead: near the struck end it helps, near the bar it hinders.
 """
 
-from granwave.analysis.figures.style import BLUE, GREY, new_figure, style
-from granwave.workflows import load_case, run_case
+import matplotlib.pyplot as plt
+
+import granwave as gw
 
 places = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 20]
 
@@ -13,18 +14,17 @@ places = [1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 20]
 def transmitted(material: str, place: int) -> float:
     """Return the energy in the bar at the end, J."""
     changes = {"replace.1.material": material, "replace.1.index": place, "output.history": 0}
-    outcome = run_case(load_case("intruder", changes), "run", force=True, figures=False)
-    return outcome.summary["energy_bar_J"]
+    run = gw.run("intruder", changes, directory="run", force=True)
+    return run["energy_bar_J"]
 
 
 energies = [transmitted("aluminium", place) for place in places]
 brass = transmitted("brass", 1)
 
-with style():
-    figure = new_figure(2.6)
-    axes = figure.subplots()
-    axes.plot(places, energies, "o-", color=BLUE, markersize=3, label="aluminium among brass")
-    axes.axhline(brass, color=GREY, linestyle="--", label="brass alone")
+with gw.style():
+    figure, axes = plt.subplots()
+    axes.plot(places, energies, "o-", color="C0", markersize=3, label="aluminium among brass")
+    axes.axhline(brass, color="C5", linestyle="--", label="brass alone")
     axes.set(xlabel="place of the aluminium bead, from the struck end", ylabel="energy in the bar (J)")
     axes.legend()
     figure.savefig("picture.png", dpi=150)

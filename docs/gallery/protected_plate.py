@@ -4,20 +4,20 @@ A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak re
 the largest force on the plate is than for the same impact directly on the plate. Friction helps, and so does height.
 """
 
-from granwave.analysis.figures.style import BLUE, ORANGE, new_figure, style
-from granwave.workflows import load_case, run_case
+import matplotlib.pyplot as plt
+
+import granwave as gw
 
 LAYERS = (2, 4, 6, 8)
 
-with style():
-    figure = new_figure(2.6)
-    axes = figure.subplots()
-    for friction, colour in ((0.0, BLUE), (0.3, ORANGE)):
+with gw.style():
+    figure, axes = plt.subplots()
+    for friction, colour in ((0.0, "C0"), (0.3, "C1")):
         reductions = []
         for layers in LAYERS:
             changes = {"packing.size": [10, 10, layers], "contact.friction": friction}
-            outcome = run_case(load_case("protected-target", changes), "run", force=True, figures=False)
-            reductions.append(outcome.summary["peak_reduction"])
+            run = gw.run("protected-target", changes, directory="run", force=True)
+            reductions.append(run["peak_reduction"])
         axes.plot(LAYERS, reductions, "o-", color=colour, markersize=3, label=f"friction {friction:g}")
         print(f"friction {friction:g}: peak reduction", ", ".join(f"{value:.2f}" for value in reductions))
     axes.set(xlabel="layers of spheres", ylabel="peak reduction", ylim=(0, None))

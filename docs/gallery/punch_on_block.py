@@ -6,16 +6,12 @@ so that it takes seconds. What yields most lies at the edge of the punch, and a 
 
 import shutil
 
-from granwave.workflows import library
-from granwave.workflows.finite_elements.punch import ContinuumCase, run_continuum
-from granwave.workflows.finite_elements.punch.figures import draw_figures
+import granwave as gw
 
 changes = {"run.elements": 4000, "run.end_time": 6e-5}
-case = ContinuumCase.load(library.find("half-space"), changes)
-summary = run_continuum(case, "run", force=True, figures=False)
-draw_figures("run")
+run = gw.run("half-space", changes, directory="run", force=True, figures=True)
 shutil.copy("run/figures/plastic_strain.png", "picture.png")
 shutil.copy("run/figures/energies.png", "energies.png")
 
-print(f"elements     {summary['n_elements']}")
-print(f"dissipated   {summary['dissipated_fraction']:.3f} of the energy put in")
+print(f"elements     {run['n_elements']}")
+print(f"dissipated   {run['dissipated_fraction']:.3f} of the energy put in")

@@ -5,8 +5,9 @@ less, and more force reaches the bottom. Each run takes its dents from the direc
 a packing that forgets dents during a hit, where the undeformed spheres part, and has all dents again before the next.
 """
 
-from granwave.analysis.figures.style import BLUE, ORANGE, new_figure, style
-from granwave.workflows import load_case, run_case
+import matplotlib.pyplot as plt
+
+import granwave as gw
 
 HITS = 5
 GAPS = {"kept": 0.1, "forgotten": 1e-9}  # diameters: a dent is forgotten beyond this gap
@@ -17,16 +18,15 @@ for dents, gap in GAPS.items():
         changes = {"packing.size": [10, 10, 6], "run.end_time": 4e-4, "boundary.forget_gap": gap}
         if hit > 1:
             changes["contact.initial_overlap"] = f"{dents}-{hit - 1}"
-        outcome = run_case(load_case("fcc-small", changes), f"{dents}-{hit}", force=True, figures=False)
-        lost[dents].append(outcome.summary["dissipated_fraction"])
-        passed[dents].append(outcome.summary["wall_peak_force_N"])
+        run = gw.run("fcc-small", changes, directory=f"{dents}-{hit}", force=True)
+        lost[dents].append(run["dissipated_fraction"])
+        passed[dents].append(run["wall_peak_force_N"])
         share, force = lost[dents][-1], passed[dents][-1]
         print(f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom")
 
-with style():
-    figure = new_figure(2.4, width=5.6)
-    left, right = figure.subplots(1, 2)
-    for (dents, shares), line, colour in zip(lost.items(), ("o-", "^--"), (BLUE, ORANGE), strict=True):
+with gw.style():
+    figure, (left, right) = plt.subplots(1, 2, figsize=(5.6, 2.4))
+    for (dents, shares), line, colour in zip(lost.items(), ("o-", "^--"), ("C0", "C1"), strict=True):
         left.plot(range(1, HITS + 1), shares, line, color=colour, markersize=4, label=f"dents {dents}")
         right.plot(range(1, HITS + 1), passed[dents], line, color=colour, markersize=4)
     left.set(xlabel="hit", ylabel="share dissipated", ylim=(0, 1))

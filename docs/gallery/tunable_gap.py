@@ -4,10 +4,10 @@ Steel and aluminium beads in turn have two bands with a gap between them. A stat
 moves both edges, by the power 1/6; inside the gap waves fall from cell to cell.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import granwave as gw
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, new_figure, style
 
 lighter = [{"index": list(range(2, 41, 2)), "material": "aluminium"}]
 forces = np.geomspace(1, 100, 5)
@@ -20,13 +20,12 @@ for force in forces:
     print(f"{force:6.1f} N   gap {edges[-1][0]:6.0f} to {edges[-1][1]:6.0f} Hz   attenuation {decay[-1]:.2f} a cell")
 
 below, above, top = np.array(edges).T / 1e3
-with style():
-    figure = new_figure(2.6)
-    axes = figure.subplots()
-    axes.fill_between(forces, 0, below, color=BLUE, alpha=0.3, lw=0, label="acoustic band")
-    axes.fill_between(forces, above, top, color=ORANGE, alpha=0.3, lw=0, label="optical band")
+with gw.style():
+    figure, axes = plt.subplots()
+    axes.fill_between(forces, 0, below, color="C0", alpha=0.3, lw=0, label="acoustic band")
+    axes.fill_between(forces, above, top, color="C1", alpha=0.3, lw=0, label="optical band")
     for edge in (below, above, top):
-        axes.plot(forces, edge[-1] * (forces / forces[-1]) ** (1 / 6), color=GREY, lw=0.8)
+        axes.plot(forces, edge[-1] * (forces / forces[-1]) ** (1 / 6), color="C5", lw=0.8)
     axes.set(xscale="log", xlabel="static force (N)", ylabel="frequency (kHz)", xlim=(1, 100), ylim=(0, None))
     axes.legend(loc="upper left")
     figure.savefig("picture.png", dpi=150)

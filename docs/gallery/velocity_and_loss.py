@@ -5,24 +5,22 @@ contacts take. The abscissa is the velocity in units in which materials and diam
 `velocity_normalised` in `summary.json`.
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
-from granwave.analysis.figures.style import BLUE, ORANGE, new_figure, style
-from granwave.workflows import load_case, run_case
+import granwave as gw
 
 velocities = np.geomspace(0.1, 20, 7)
 shares = {}
 for material in ("brass", "steel"):
     for velocity in velocities:
         changes = {"packing.size": [10, 10, 6], "run.end_time": 2e-4, "load.velocity": velocity, "material": material}
-        outcome = run_case(load_case("fcc-small", changes), "run", force=True, figures=False)
-        summary = outcome.summary
-        shares.setdefault(material, []).append((summary["velocity_normalised"], summary["dissipated_fraction"]))
+        run = gw.run("fcc-small", changes, directory="run", force=True)
+        shares.setdefault(material, []).append((run["velocity_normalised"], run["dissipated_fraction"]))
 
-with style():
-    figure = new_figure(2.6)
-    axes = figure.subplots()
-    for (material, points), colour, mark in zip(shares.items(), (BLUE, ORANGE), "os", strict=True):
+with gw.style():
+    figure, axes = plt.subplots()
+    for (material, points), colour, mark in zip(shares.items(), ("C0", "C1"), "os", strict=True):
         normalised, share = np.array(points).T
         axes.semilogx(normalised, share, color=colour, marker=mark, markersize=3, label=material)
         print(f"{material:6}  share lost at 0.1 m/s {share[0]:.3f}, at 20 m/s {share[-1]:.3f}")

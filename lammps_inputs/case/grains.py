@@ -38,6 +38,7 @@ _VELOCITY = ("vx", "vy", "vz")
 _NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
 COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
+_RADIUS = "radius"  # column in place of the diameter
 _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
 _SIZES = ("diameter", "length")
 _UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
@@ -182,7 +183,8 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
     rows = csv_rows(text)
     if not rows:
         raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
-    names = _column_names([name.strip() for name in rows[0][1]], rows[0][0], diameter)
+    heads = [name.strip() for name in rows[0][1]]
+    names = _column_names(["diameter" if name == _RADIUS else name for name in heads], rows[0][0], diameter)
     values: dict[str, list[Any]] = {name: [] for name in names}
     places = [f"line {number}" for number, _ in rows[1:]]
     for place, (number, row) in zip(places, rows[1:], strict=True):
@@ -190,6 +192,8 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
             raise ValueError(f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
         for name, value in zip(names, row, strict=True):
             values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, place))
+    if _RADIUS in heads:
+        values["diameter"] = [2 * radius for radius in values["diameter"]]
     grains = _grains(values, places, diameter)
     grains.lines = [number for number, _ in rows[1:]]
     return grains
@@ -200,7 +204,8 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
         if name not in COLUMNS:
             raise ValueError(f"line {line}: found a column {show(name)}, expected names among {', '.join(COLUMNS)}")
         if names.count(name) > 1:
-            raise ValueError(f"line {line}: found the column {name} twice")
+            either = " (or radius for it)" if name == "diameter" else ""
+            raise ValueError(f"line {line}: found the column {name}{either} twice")
     needed = _PLACE if diameter is not None else (*_PLACE, "diameter")
     missing = [name for name in needed if name not in names]
     if missing:

@@ -13,6 +13,7 @@ PAGE = ROOT / "docs" / "howto" / "more-questions.md"
 QUESTIONS = {
     "units": ["SI units", "granwave keys", "peak_force_N"],
     "into pandas": ["run.contact_forces", "run.contacts", "granwave export", "output.contact_forces"],
+    "Which id": ["run.spheres", "granwave write", "data.granwave", "[[hold]]"],
     "damping": ["contact.loss", "restitution", "losses.md"],
     "my experiment": ["run.walls", "measured.csv", "[[sensor]]"],
     "error of the results": ["run.energy_tolerance", "replicates", "../explanation/limits.md", "packing-size.md"],

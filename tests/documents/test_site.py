@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import subprocess
 import sys
@@ -53,6 +54,14 @@ def test_every_script_of_the_gallery_has_a_title_and_a_text():
     for script in studies.scripts():
         title, text, code = studies.parts_of(script)
         assert title and not title.endswith(".") and text and "picture.png" in code, script.name
+
+
+def test_scripts_of_the_gallery_import_the_public_door_alone():
+    for script in gallery().scripts():
+        for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
+            names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not [name for name in names if name.startswith("granwave.")], script.name
 
 
 @pytest.mark.validation

@@ -48,6 +48,13 @@ def test_columns_in_any_order_and_comments() -> None:
     assert (grains.diameter.tolist(), grains.material) == ([0.01, 0.02], ("steel", ""))
 
 
+def test_radius_in_place_of_the_diameter() -> None:
+    grains = parse_grains("x,y,z,radius\n0,0,0,5e-3\n0,0,0.0125,7.5e-3\n", None)
+    assert grains.diameter.tolist() == [0.01, 0.015]
+    with pytest.raises(ValueError, match=r"found the column diameter .or radius for it. twice"):
+        parse_grains("x,y,z,radius,diameter\n0,0,0,5e-3,1e-2\n", None)
+
+
 def test_text_holds_every_bit() -> None:
     rng = np.random.default_rng(1)
     lines = [",".join(map(repr, row)) for row in np.abs(rng.normal(size=(20, 7))).tolist()]

@@ -10,7 +10,8 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 import granwave as gw
-from granwave.lammps_inputs.contact.law import pair_contact
+from granwave.lammps_inputs import material
+from granwave.lammps_inputs.contact.law import contact_of, pair_contact
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30}
 MODULUS = 115e9 / (1 - 0.3**2)  # one brass body on a rigid one, Pa
@@ -73,6 +74,14 @@ def test_crossed_cylinders_follow_the_elliptic_integrals():
         lower, upper = (m, upper) if ratio < high / low else (lower, m)
     stiff = 2 * np.pi * (MODULUS / 2) / 3 * ellipk(m) ** -1.5 * np.sqrt((ellipk(m) - ellipe(m)) / (m * low / 2))
     assert gw.contact_force("hertz", [thin, thick], 1e-6) == pytest.approx(stiff * 1e-9, rel=1e-7)
+
+
+def test_first_yield():
+    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as runs take them."""
+    sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
+    law = contact_of([material("brass")], [0.005])
+    assert gw.contact_yield("elastoplastic", [sphere, sphere]) == (law.yield_overlap, law.yield_force)
+    assert gw.contact_yield("hertz", [sphere, "plane"]) == (math.inf, math.inf)
 
 
 def test_power_is_what_it_says():

@@ -31,6 +31,7 @@ def figures(options: argparse.Namespace, _: Arguments) -> int:
     ):
         # loaded while the helpers load them too
         from granwave.analysis.figures.run_figures import draw_figures
+        from granwave.analysis.figures.style import FigureFolder
         from granwave.analysis.result.reader import Result
 
         with Result(options.directory) as result:
@@ -38,6 +39,9 @@ def figures(options: argparse.Namespace, _: Arguments) -> int:
         drawn = draw_figures(options.directory, names=wanted, helpers=others, options=chosen)
     for path in drawn:
         print(path)
+    failed = FigureFolder(options.directory).not_drawn()
+    if failed.keys() & set(wanted or failed):
+        return 1
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
         raise InputError(f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind")
     return 0

@@ -6,8 +6,9 @@ run["peak_force_N"], run.contacts, run.fields, run.figure("energies")
 
 from __future__ import annotations
 
+import contextlib
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
-from granwave.workflows.python.contacts import contact_energy, contact_force, contact_overlap, contact_stiffness
+from granwave.workflows.python.contacts import (
+    contact_energy,
+    contact_force,
+    contact_overlap,
+    contact_stiffness,
+    contact_yield,
+)
 from granwave.workflows.python.inference import InferredForces, infer
 from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
 from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
@@ -48,11 +55,13 @@ __all__ = [
     "contact_force",
     "contact_overlap",
     "contact_stiffness",
+    "contact_yield",
     "infer",
     "load",
     "modes",
     "run",
     "scan",
+    "style",
     "transmission",
 ]
 
@@ -161,6 +170,18 @@ def run(
     if mpi.is_first() and (warning := zone_warning(loaded.summary)):
         logger.warning("%s: %s", loaded.name, warning)
     return loaded
+
+
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Draw figures of matplotlib as granwave's within a ``with`` block: of one column, with its fonts and colours.
+
+    Settings are restored at its end. ``figsize`` of ``pyplot.subplots`` changes the size, inches.
+    """
+    from granwave.analysis.notebook.axes import own_style
+
+    with own_style():
+        yield
 
 
 def scan(

@@ -6,12 +6,14 @@ gw.contact_force("hertz", [{"shape": "sphere", "diameter": 0.01, "material": "st
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.single import contact_between_bodies
 from granwave.lammps_inputs.errors import InputError
@@ -152,6 +154,30 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     found = np.where(wanted > 0, high, 0.0)
     _warn_beyond(contact, law, found)
     return _given(found)
+
+
+def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[float, float]:
+    """Return overlap alpha_y and force F_y at first yield, the units of normalised results.
+
+    Parameters
+    ----------
+    law, bodies, options
+        As in `contact_force`.
+
+    Returns
+    -------
+    tuple of float
+        Overlap (m) and force (N); infinite for laws that do not yield.
+
+    Raises
+    ------
+    InputError
+        As of `contact_force`.
+    """
+    contact = _contact(law, bodies, options)
+    if law not in LAWS or not LAWS[law].yields:
+        return math.inf, math.inf
+    return float(contact.yield_overlap), float(contact.yield_force)
 
 
 def _contact(law: str, bodies: Sequence[Body], options: Mapping[str, Any]) -> ContactLaw:

@@ -72,7 +72,7 @@ def write_output(
         folder = FigureFolder(directory)
         with style():
             for figure, draw in figures.items():
-                folder.save(draw(), figure)
+                folder.draw(draw, figure)
     return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
 
 

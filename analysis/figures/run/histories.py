@@ -188,7 +188,7 @@ def probes(result: Result) -> Drawing | None:
         if len(curves) <= 2 * len(_COLOURS):
             axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
     time_axis(stack[-1], time)
-    units = {name: result.unit(f"probes/{name}").replace(" ", "_").replace("-", "") for name in names}
+    units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
     return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
 
 

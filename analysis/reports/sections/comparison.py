@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from granwave.analysis.document.cells import named
-from granwave.analysis.document.model import Block, Gallery, Note, Section
+from granwave.analysis.document.model import Block, Note, Section
 from granwave.analysis.figures.style import style
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.sections.studies import pictures_of, row_tables
@@ -25,10 +25,10 @@ def comparison_section(inputs: Inputs) -> Section:
     blocks: list[Block] = []
     runs = _compared(inputs)
     for study in _studies(runs):
-        if study.pictures:
+        if study.pictures or study.failed:
             with style():
-                gallery = Gallery(pictures_of(study, inputs, SLUG))
-            blocks += [Note(study.text), gallery, *row_tables(study), *study.tables]
+                pictures = pictures_of(study, inputs, SLUG)
+            blocks += [Note(study.text), *pictures, *row_tables(study), *study.tables]
     if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
         blocks.append(Note(f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"))
     if blocks and (others := _left_out(runs)):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 
@@ -24,13 +25,14 @@ from granwave.analysis.figures.style import (
     PURPLE,
     SKY,
     Drawing,
+    FigureFolder,
     legend_above,
     new_figure,
     style,
 )
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.values import as_label
-from granwave.analysis.quantities import readable
+from granwave.analysis.quantities import SCAN_FIGURES, readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.figures import FILM_FORMATS
@@ -60,9 +62,18 @@ _CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {
     "modulus": "Misfit against Young's modulus",
     "noise": "Error of the forces against the noise of the measurement",
     # those of scans last
-    "collapse_dissipated_fraction": "Dissipated fraction against normalised velocity, of all materials",
-    "collapse_plastic_volume": "Plastic zone against normalised input energy, of all materials",
-    "dissipated_fraction_map": "Dissipated fraction by both of what varies",
+    "collapse_dissipated_fraction": (
+        "Dissipated fraction against normalised velocity, of all materials. Where similarity holds, all points lie on "
+        "one curve"
+    ),
+    "collapse_plastic_volume": (
+        "Plastic zone against normalised input energy, of all materials. Where similarity holds, all points lie on one "
+        "curve"
+    ),
+    "dissipated_fraction_map": (
+        "Dissipated fraction by both of what varies, a cell each. Colours that change along one side only tell that "
+        "the other key hardly matters"
+    ),
 }
 _LOOK = {  # the rest of a caption: what to look for
     "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of long waves. On the "
@@ -117,7 +128,8 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
         left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
         left_out |= set(above) if isinstance(item, Scan) else of_other_kinds(item)
         name, label = f"{number}-{item.label}", f"{what} {item.label}"
-        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item))
+        seen = partial(_seen, item)
+        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item), seen=seen)
         parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
         if parts:
             title = f"Figures of {what} {item.label}"
@@ -211,6 +223,18 @@ def _caption(stem: str, labels: Mapping[str, str]) -> str:
     return f"{name} against {labels.get(key, readable(key).lower())}" if against else readable(stem)
 
 
+def _seen(item: Run | Scan, stem: str) -> str:
+    """Return what a figure of a scan shows, in a sentence to go after its caption; empty for other figures."""
+    what, against, _ = stem.partition(_AGAINST)
+    if not against or not isinstance(item, Scan) or what not in SCAN_FIGURES:
+        return ""
+    values = item.means.values.get(SCAN_FIGURES[what], [])
+    if len(values) < 2 or None in values:
+        return ""
+    sentence = item.means.sentence(SCAN_FIGURES[what]).partition(": ")[2]
+    return f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
+
+
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     """Return the pictures of the points of a scan, in folded groups, up to `POINTS_BUDGET`."""
     blocks: list[Block] = []
@@ -255,6 +279,7 @@ def _pictures(
     left_out: Collection[str] = (),
     *,
     called: str,
+    seen: Callable[[str], str] | None = None,
 ) -> tuple[Gallery | Note, ...]:
     """Return the PNG figures of a directory, in the order of the figures of a run, followed by others by name."""
     order = list(_CAPTIONS)
@@ -267,11 +292,12 @@ def _pictures(
         if path.stem in left_out:
             continue
         try:
-            figures.append(_picture(path, inputs, name, what, width, labels, called=called))
+            figures.append(_picture(path, inputs, name, what, width, labels, called=called, seen=seen))
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
     gallery = (Gallery(tuple(figures)),) if figures else ()
-    return (*gallery, *damaged)
+    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(directory).not_drawn().values()]
+    return (*gallery, *damaged, *failed)
 
 
 def _called(item: Run | Scan) -> str:
@@ -281,9 +307,23 @@ def _called(item: Run | Scan) -> str:
 
 
 def _picture(
-    path: Path, inputs: Inputs, name: str, what: str, width: int, labels: Mapping[str, str], *, called: str
+    path: Path,
+    inputs: Inputs,
+    name: str,
+    what: str,
+    width: int,
+    labels: Mapping[str, str],
+    *,
+    called: str,
+    seen: Callable[[str], str] | None = None,
 ) -> Figure:
-    """Return a reduced picture, with its data; raise as `shrunk`."""
+    """Return a reduced picture, with its data; raise as `shrunk`.
+
+    Parameters
+    ----------
+    seen
+        Function of the name of a figure that gives what goes after its caption.
+    """
     png, size, inches = shrunk(path, width)
     caption = in_grains(_caption(path.stem, labels), called)
     look = in_grains(_LOOK.get(path.stem, ""), called)
@@ -291,8 +331,8 @@ def _picture(
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
     alt = f"{caption}: {what}"
-    text = caption if alone else alt
-    return Figure(_slug(f"{name}-{path.stem}"), f"{text}. {look}" if look else text, alt, png, size, link, inches)
+    shown = (caption if alone else alt) + (f". {look}" if look else "") + (seen(path.stem) if seen else "")
+    return Figure(_slug(f"{name}-{path.stem}"), shown, alt, png, size, link, inches)
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:

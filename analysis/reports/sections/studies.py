@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.document.cells import BLANK, percent, significant, value_cell
 from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.document.pictures import picture_of
+from granwave.analysis.figures.style import NotDrawn, attempt
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.inputs import Inputs, Run
@@ -55,7 +57,8 @@ def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
     study = _with_main_picture(found, inputs)
     if study is None:
         return None
-    return pictures_of(dataclasses.replace(study, pictures=study.pictures[:1]), inputs, SLUG)[0]
+    first = pictures_of(dataclasses.replace(study, pictures=study.pictures[:1], failed=()), inputs, SLUG)[0]
+    return first.figures[0] if isinstance(first, Gallery) else None
 
 
 def _with_main_picture(found: Sequence[Study], inputs: Inputs) -> Study | None:
@@ -161,8 +164,7 @@ def _group(study: Study, inputs: Inputs, new: bool) -> Group:
     blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
     blocks += row_tables(study)
     blocks += study.tables
-    if study.pictures:
-        blocks.append(Gallery(pictures_of(study, inputs, SLUG)))
+    blocks += pictures_of(study, inputs, SLUG)
     return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
 
 
@@ -179,23 +181,25 @@ def row_tables(study: Study) -> list[Table | Note]:
     return blocks
 
 
-def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Figure, ...]:
-    """Pictures of a study, with links to their data where it was saved.
+def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | Note, ...]:
+    """Pictures of a study, with links to their data where it was saved, and what of it could not be made.
 
     Parameters
     ----------
     section
         Slug of the section, before the names of their files.
     """
-    figures = []
+    figures, failed = list[Figure](), list(study.failed)
     folders = [inputs.base] + [item.directory for item in inputs.items if len(inputs.items) == 1]
     for picture in study.pictures:
         name = f"{FIGURES_DIRECTORY}/{picture.name}.csv"
         data = next((folder / name for folder in folders if (folder / name).is_file()), None)
         link = inputs.link(data, name) if data else None
         slug = f"{section}-{picture.name.replace('_', '-')}"
-        figures.append(picture_of(picture.drawing, slug, picture.caption, link))
-    return tuple(figures)
+        figure = attempt(f"figure {picture.name}", partial(picture_of, picture.drawing, slug, picture.caption, link))
+        failed.append(figure) if isinstance(figure, NotDrawn) else figures.append(figure)
+    gallery = (Gallery(tuple(figures)),) if figures else ()
+    return (*gallery, *(Note(f"The {one}.", "bad") for one in failed))
 
 
 def _columns(theory: str) -> tuple[Column, ...]:

@@ -120,6 +120,8 @@ def verdict(runs: Sequence[PushedRun]) -> Iterator[str]:
         if not run.yields or twin is None or any(last not in one.pulses[0] for one in (run, twin)):
             continue
         (mine, theirs) = ([float(force[one.pulses[0] == last][0]) for force in one.pulses[1:]] for one in (run, twin))
+        if not theirs[0]:
+            continue  # the runs ended before the pulse
         yield (
             f"a = {run.a:.2g}: at contact {last} yielding leaves {percent(100 * mine[0] / theirs[0]).lstrip('+')} of "
             "the first pulse "

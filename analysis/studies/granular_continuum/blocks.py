@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Hashable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 from granwave.analysis.document.cells import percent
@@ -27,8 +28,15 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     rising,
     substances,
 )
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
+
+_SCALING = (
+    "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve on the normalised axis"
+)
+_MASS = (
+    "Continuum: mass of the punch. Curves that differ at equal input tell that the velocity matters beside the energy"
+)
 
 
 def materials(impacts: Impacts) -> list[Curve[Continuum]]:
@@ -85,17 +93,17 @@ def collapse(impacts: Impacts) -> list[Difference]:
     ]
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Scaling and mass of the punch, where more than one substance or mass was run."""
     if not impacts.continuum_reference:
         return
     curves = materials(impacts)
     if len(curves) > 1:  # thesis Fig. 5.10
-        drawing = draw_scaling(curves, CONTINUUM_ENERGY, "linear")
-        yield Picture("continuum_scaling", "Continuum: modulus and yield strength", drawing)
+        draw = partial(draw_scaling, curves, CONTINUUM_ENERGY, "linear")
+        yield Sketch("continuum_scaling", _SCALING, draw)
     curves = masses(impacts)
     if len(curves) > 1:
-        yield Picture("continuum_mass", "Continuum: mass of the punch", _by_mass(curves))
+        yield Sketch("continuum_mass", _MASS, partial(_by_mass, curves))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

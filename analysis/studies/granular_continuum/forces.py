@@ -6,6 +6,7 @@ Thesis 5.2 and 5.3.1. The impulse is the momentum of the struck spheres.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +23,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
 from granwave.analysis.studies.granular_continuum.impacts import Granular, Impacts
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 
@@ -33,6 +34,14 @@ _MOST_FRONTS = 4
 _BANDS = 5  # of depth
 _ROOM = 2.4  # inches: length of the horizontal axis of a panel
 _MILLI = 1e3
+_IMPULSE = (
+    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every depth, tell that force is "
+    "proportional to impulse"
+)
+_FRONT = (
+    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the largest force of its "
+    "layer tells that it gets planar"
+)
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
 
@@ -64,15 +73,15 @@ def fronts(runs: Sequence[Granular]) -> list[tuple[float, Front]]:
     return found
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Peak force against impulse, and the front, of the reference."""
     found = linear(impacts.fast)
     if found is not None:
-        drawing = _peak_force_against_impulse(found)
-        yield Picture("peak_force_impulse", "Granular: peak force against impulse", drawing)
+        draw = partial(_peak_force_against_impulse, found)
+        yield Sketch("peak_force_impulse", _IMPULSE, draw)
     there = fronts(impacts.reference)
     if there:
-        yield Picture("front", "Granular: the front by layer", _front_by_depth(there))
+        yield Sketch("front", _FRONT, partial(_front_by_depth, there))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

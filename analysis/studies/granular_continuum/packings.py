@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -28,9 +29,21 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     rising,
     substances,
 )
-from granwave.analysis.studies.study import Picture, Row
+from granwave.analysis.studies.study import Row, Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
+_SCALING = (
+    "Granular: diameter, density, modulus and yield strength. Where similarity holds, all points lie on the curve of "
+    "the reference on the normalised axis"
+)
+_VELOCITY = (
+    "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast impacts; the fraction "
+    "tends to 1"
+)
+_AREA = (
+    "Granular: number of struck spheres. Points beside the curve of one sphere tell that the loading area matters at "
+    "equal input"
+)
 SOURCE_FIT = (9.45e3, -3.04e3, 5.00e3)  # D0, D1, D2 as thesis 5.17 prints them
 _POWERS_OF_TEN = (1e-3, 1e-3, 1e-4)  # chosen so that they fit the units in which the input is v0^2/2
 _FEWEST_FITTED = 5
@@ -100,21 +113,21 @@ def area_table(curves: Mapping[int, Sequence[Granular]]) -> list[tuple[float, di
     return rows
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Scaling, velocity and loading area, as far as they were varied."""
     if not impacts.reference:
         return
     curves = variants(impacts)
     if len(curves) > 1:  # thesis Fig. 5.5
-        drawing = draw_scaling(curves, GRANULAR_ENERGY, "log")
-        yield Picture("granular_scaling", "Granular: diameter, density, modulus and yield strength", drawing)
+        draw = partial(draw_scaling, curves, GRANULAR_ENERGY, "log")
+        yield Sketch("granular_scaling", _SCALING, draw)
     fit = quadratic_fit(impacts)
     if fit is not None:
-        drawing = _against_velocity(impacts.reference, fit)
-        yield Picture("granular_velocity", "Granular: dissipation against velocity", drawing)
+        draw = partial(_against_velocity, impacts.reference, fit)
+        yield Sketch("granular_velocity", _VELOCITY, draw)
     areas = by_area(impacts)
     if len(areas) > 1:
-        yield Picture("loading_area", "Granular: number of struck spheres", _loading_area(areas))
+        yield Sketch("loading_area", _AREA, partial(_loading_area, areas))
 
 
 def rows(impacts: Impacts) -> Iterator[Row]:

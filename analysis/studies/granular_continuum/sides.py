@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 from granwave.analysis.document.model import Cell, Column, Table
@@ -15,12 +16,17 @@ from granwave.analysis.studies.granular_continuum.blocks import masses
 from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKERS, add
 from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
 from granwave.analysis.studies.granular_continuum.packings import variants
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
+_FRACTION = "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a larger share"
+_VOLUME = (
+    "Volume involved, granular and continuum. At equal dissipated fraction the curve that lies higher spreads the "
+    "dissipation over more material"
+)
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
 _COLOURS = (BLUE, SKY, "black")  # of packings
@@ -41,15 +47,15 @@ def involved(run: Granular | Continuum) -> Involved | None:
     return found if len(found.fraction) and found.fraction[-1] > 0 else None
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Dissipated fraction and volume involved, where packings and blocks were hit."""
     if impacts.reference and impacts.continuum_reference:
-        drawing = _dissipated_fraction(impacts)
-        yield Picture("dissipated_fraction", "Dissipated fraction, granular and continuum", drawing)
+        draw = partial(_dissipated_fraction, impacts)
+        yield Sketch("dissipated_fraction", _FRACTION, draw)
         shown = _dissipating(impacts.reference, _GRANULAR_SHOWN)
         if shown:
-            drawing = _plastic_volume(shown, impacts.continuum_reference)
-            yield Picture("plastic_volume", "Volume involved, granular and continuum", drawing)
+            draw = partial(_plastic_volume, shown, impacts.continuum_reference)
+            yield Sketch("plastic_volume", _VOLUME, draw)
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:

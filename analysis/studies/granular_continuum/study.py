@@ -9,7 +9,7 @@ from granwave.analysis.document.model import Note, Table
 from granwave.analysis.studies.granular_continuum import blocks, forces, packings, printed, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect, energy_unit
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Picture, Row
+from granwave.analysis.studies.study import Row, Sketch
 
 TITLE = "Comparison"
 _PARTS = (sides, zone, packings, forces, blocks)
@@ -47,7 +47,7 @@ def text(impacts: Impacts) -> str:
     return " ".join(parts)
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Pictures of all parts."""
     for part in _PARTS:
         yield from part.pictures(impacts)

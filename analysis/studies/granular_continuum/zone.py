@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.granular_continuum.curves import GRANULAR_ENERGY
 from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum, Granular, Impacts, energy_unit
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
 _ROOM = 1.6  # inches: length of the horizontal axis of a panel
@@ -84,12 +85,16 @@ def continuum_zones(impacts: Impacts) -> list[RunZone]:
     return list(filter(None, map(zone_of, impacts.continuum_reference)))
 
 
-def pictures(impacts: Impacts) -> Iterator[Picture]:
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Sizes against energy, of packings and beside them of blocks."""
     sides = {"packing": packing_zones(impacts), "continuum": continuum_zones(impacts)}
-    if sides["packing"] and sum(map(len, sides.values())) > 1:
-        caption = "Size of the plastic zone: what holds 50, 90 and 99 %"
-        yield Picture("plastic_zone", caption, _zone_sizes(sides))
+    sizes = [name for name in _SIZES if any(_in_the_figure(name, one.zone) for side in sides.values() for one in side)]
+    if sizes and sides["packing"] and sum(map(len, sides.values())) > 1:
+        caption = (
+            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. Straight lines are powers "
+            "of the input; open marks reach a bound"
+        )
+        yield Sketch("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
@@ -132,13 +137,18 @@ def _size(value: float, tone: Tone, before: str = "") -> Cell:
     return value_cell(None) if math.isnan(value) else Cell(before + show(float(f"{value:.4g}")), value, tone)
 
 
-def _zone_sizes(sides: Mapping[str, Sequence[RunZone]]) -> Drawing:
+def _in_the_figure(name: str, zone: Zone) -> bool:
+    """Return True if a size has a value above 0; one layer of spheres has no depth."""
+    return any(value > 0 for value in getattr(zone, name))
+
+
+def _zone_sizes(sides: Mapping[str, Sequence[RunZone]], sizes: Sequence[str]) -> Drawing:
     """Depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the input energy."""
-    figure, *axes_of_sizes = panels(3.1, 3)
-    for axes, (name, title) in zip(axes_of_sizes, _SIZES.items(), strict=True):
+    figure, *axes_of_sizes = panels(3.1, len(sizes))
+    for axes, name in zip(axes_of_sizes, sizes, strict=True):
         for what, zones in sides.items():
             _curves(axes, name, zones, *_LOOKS[what])
-        label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", title, log="xy")
+        label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", _SIZES[name], log="xy")
         log_ticks(axes.xaxis, _ROOM)
         log_ticks(axes.yaxis)
         _axis_of_contacts(axes, sides["packing"][0])

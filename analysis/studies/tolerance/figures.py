@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from granwave.analysis.figures.packings.convergence import convergence
-from granwave.analysis.figures.scales import numbered_map, spread_scales
+from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales
 from granwave.analysis.figures.series import legend_outside
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.studies.tolerance.packings import Packing
@@ -47,12 +47,12 @@ def against(packing: Packing, axis: Axis) -> Drawing | None:
         for n, base in enumerate(bases):
             label = ", ".join(f"{other.words} {other.show(other.of(base))}" for other in others)
             points += _curve(axes, packing, quantity, axis, packing.along(axis, base), n, label)
-        spread_scales(axes, [axis.of(setting) for setting in settings])
+        scale = spread_scales(axes, [axis.of(setting) for setting in settings])
         axes.set_ylabel(quantity.title, fontsize=7)
     for axes in panels[len(quantities) :]:
         axes.set_axis_off()
     for axes in panels[max(0, len(quantities) - _ACROSS) : len(quantities)]:
-        axes.set_xlabel(axis.title)
+        axes.set_xlabel(axis.title + scale)
         axes.tick_params(labelbottom=True)
     if len(bases) > 1:
         legend_outside(figure, min(len(bases), 4), fontsize=7)
@@ -83,10 +83,10 @@ def left_of_ideal(packing: Packing, across: Axis, up: Axis) -> Drawing | None:
         axes.set_xticks(np.arange(len(columns)) + 0.5, [f"{value:g}" for value in columns])
         axes.set_yticks(np.arange(len(lines)) + 0.5, [f"{value:g}" for value in lines])
         axes.tick_params(which="both", length=0)
-        axes.set_xlabel(across.title)
+        axes.set_xlabel(across.title + not_to_scale(columns))
         axes.set_title(quantity.words.capitalize())
         table[f"{quantity.name}_over_ideal"] = shares / 100
-    panels[0].set_ylabel(up.title)
+    panels[0].set_ylabel(up.title + not_to_scale(lines))
     return Drawing(figure, table)
 
 

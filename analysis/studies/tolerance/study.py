@@ -56,16 +56,19 @@ def pictures(packing: Packing) -> Iterator[Picture]:
         if drawing is not None:
             random = any(packing.random(setting) for setting in packing.tried(axis))
             what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
-            yield Picture(f"_{axis.name}", f"Against {axis.words}: {what}{_told(packing)}", drawing)
+            seen = "An imperfection matters from where a band leaves the value at 0, which is the ideal packing's"
+            yield Picture(f"_{axis.name}", f"Against {axis.words}: {what}{_told(packing)}. {seen}", drawing)
     for across, up in itertools.combinations(packing.axes, 2):
         drawing = figures.left_of_ideal(packing, across, up)
         if drawing is not None:
             caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
-            yield Picture(f"_{across.name}_{up.name}", caption + _told(packing), drawing)
+            seen = "Numbers that change along rows and columns alike tell that both imperfections matter"
+            yield Picture(f"_{across.name}_{up.name}", f"{caption}{_told(packing)}. {seen}", drawing)
     drawing = figures.seeds(packing)
     if drawing is not None:
         caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
-        yield Picture("_seeds", caption + _told(packing), drawing)
+        seen = "Where the curves have fallen to the precision that is wanted, there are seeds enough"
+        yield Picture("_seeds", f"{caption}{_told(packing)}. {seen}", drawing)
 
 
 def tables(packing: Packing) -> Iterator[Table]:

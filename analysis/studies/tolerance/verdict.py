@@ -77,13 +77,19 @@ def _at_worst(packing: Packing) -> Iterator[str]:
         found = {s: left for s in packing.settings if (left := packing.left(quantity, s)) and s != IDEAL}
         if not found:
             continue
-        worst = min(found, key=lambda setting: found[setting].mean)
+        worst, best = (choose(found, key=lambda setting: found[setting].mean) for choose in (min, max))
         if found[worst].mean >= 1 or _differ(packing, quantity, IDEAL, worst) is False:
-            parts.append(f"the {quantity.words} nowhere {_worse(quantity)}")
+            parts.append(f"{_from_to(packing, quantity, best)} and is nowhere {_worse(quantity)}")
         else:
-            parts.append(f"the {quantity.words} at worst {_share(packing, quantity, worst)}, at {told(worst)}")
+            parts.append(_from_to(packing, quantity, worst, " at worst"))
     if parts:
-        yield f"Against the ideal packing's: {'; '.join(parts)}."
+        yield f"Against the ideal packing {'; '.join(parts)}."
+
+
+def _from_to(packing: Packing, quantity: Quantity, setting: Setting, how: str = "") -> str:
+    """Say how far a quantity goes from that of the ideal packing: ``from 1680 N to 1010 N (60 %, at ...)``."""
+    values = f"from {_value(packing, quantity, IDEAL)} to {_value(packing, quantity, setting)}"
+    return f"the {quantity.words} goes {values}{how} ({_share(packing, quantity, setting)}, at {told(setting)})"
 
 
 def _of_axis(packing: Packing, quantity: Quantity, axis: Axis, along: Sequence[Setting]) -> str:

@@ -265,14 +265,15 @@ GOOD = "overlap_m,force_N\n" + "".join(f"{a * LENGTH},{float(LAW.loading_force(a
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("overlap_m,F\n1,2\n", r"lacks the column force_N; found overlap_m, F"),
-        ("", r"lacks the columns overlap_m and force_N; found nothing"),
+        ("overlap_m,F\n1,2\n", r"found overlap_m, F, expected one column force_N or force_kN"),
+        ("", r"found nothing, expected one column overlap_m, overlap_mm"),
+        ("overlap_m,overlap_mm,force_N\n1,2,3\n", r"found overlap_m and overlap_mm, expected one column"),
         (GOOD + "x,3\n", r'line 42: overlap_m: found "x", expected a number'),
         (GOOD + "1e-6,nan\n", r'line 42: force_N: found "nan"'),
         (GOOD + "1e-6\n", r'line 42: force_N: found "", expected a number'),
         (GOOD + "-1e-6,3\n", r"line 42: overlap_m: found -1e-06, expected none below 0"),
         ("branch,overlap_m,force_N\nup,1e-6,2\n", r'line 2: branch: found "up", expected loading, unloading_N'),
-        ("\n".join(GOOD.splitlines()[:9]), r"6 rows lie beyond first yield, expected at least 8"),
+        ("\n".join(GOOD.splitlines()[:7]), r"4 rows of loading lie beyond first yield at .*, expected 5 or more"),
         ("overlap_m,force_N\n1e-6,3\n", r"does not pass first yield"),
         ("overlap_m,force_N\n", r"does not pass first yield"),
         (GOOD.replace("overlap_m,force_N", "overlap_m,force_N,", 1).replace("e-0", "e+0"), r"more than the radius 0.005 m; are"),
@@ -285,6 +286,23 @@ def test_wrong_curves(tmp_path, text, message):
         fit(options(tmp_path / "c.csv", tmp_path / "out"))
     assert len(refused.value.errors) == 1 and "c.csv" in refused.value.errors[0]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("length", "force", "factors"),
+    [("overlap_mm", "force_kN", (1e3, 1e-3)), ("displacement_um", "force_N", (1e6, 1.0))],
+)
+def test_eight_points_in_other_units(tmp_path, caplog, length, force, factors):
+    """A constant of them is fitted; those that stay are said before the reason."""
+    overlap = LENGTH * np.arange(1, 9) * 5.0
+    rows = zip(factors[0] * overlap, factors[1] * LAW.loading_force(overlap), strict=True)
+    (tmp_path / "c.csv").write_text(f"{length},{force}\n" + "".join(f"{a:.15g},{f:.15g}\n" for a, f in rows))
+    curve = read_curve(tmp_path / "c.csv")
+    assert curve.overlap == pytest.approx(overlap) and curve.force == pytest.approx(LAW.loading_force(overlap))
+    with caplog.at_level(logging.WARNING, "granwave"):
+        found = fit_law(curve, [BRASS], [R])
+    assert all(one.rms < 0.1 for one in found.misfit)
+    assert "unloading_exponent stays as published, since the curve has no unloading" in caplog.text
 
 
 @pytest.mark.parametrize(

@@ -117,6 +117,8 @@ def test_csv_of_probes_has_units(periodic, tmp_path):
     with Result(periodic) as result:
         assert equal(table["sphere_12_vz_m_s"], result["probes/sphere_12_vz"])
         assert equal(table["contact_7_23_overlap_m"], result["probes/contact_7_23_overlap"])
+    steps = [line.split(",")[0] for line in (tmp_path / "probes.csv").read_text().splitlines()]
+    assert steps[0] == "step" and all(step.isdecimal() for step in steps[1:])  # 16, not 16.0
 
 
 def test_csv_of_a_chain_and_its_bar(chain, tmp_path):

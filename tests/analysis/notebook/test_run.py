@@ -156,7 +156,14 @@ def test_figures_are_handed_over(run, directory):
     assert energy.xaxis.get_major_ticks()[0].get_tickdir() == "in"  # the style lasts
     assert len(pyplot.get_fignums()) == 2 and not (directory / "figures").exists()
     assert dict(mpl.rcParams) == before
-    assert {"energies", "bars"} <= set(run.figures)
+
+
+def test_figures_that_apply_are_listed(run):
+    """Those of a packing; each of them is drawn."""
+    assert {"energies", "peak_force_principal"} <= set(run.figures)
+    assert not {"bars", "force_map", "transmission"} & set(run.figures)
+    assert all(run.figure(name) is not None for name in run.figures if not name.startswith("packing_3d"))
+    pyplot.close("all")
 
 
 @pytest.mark.parametrize(

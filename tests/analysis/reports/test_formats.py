@@ -145,6 +145,16 @@ def test_pdf_is_the_page_on_paper(runs, tmp_path):
     )
 
 
+def test_tables_of_a_pdf_fill_its_page():
+    """The grounds of the heads of their columns reach from margin to margin, as the line below a title does."""
+    table = Table("Two", (Column("A", key=True), Column("B", numeric=True)), ((Cell("x"), Cell("1")),))
+    drawn = objects(pdf_writer.pdf_file(Report("R", "", (Section("S", "s", (table,)),))))
+    boxes = [tuple(map(float, box)) for box in re.findall(rb"([\d.]+) ([\d.]+) ([\d.]+) ([\d.]+) re f", drawn)]
+    page = max(width for _, _, width, height in boxes if height < 1)
+    heads = [(left, left + width) for left, _, width, height in boxes if 5 < height < 20]
+    assert max(right for _, right in heads) - min(left for left, _ in heads) == pytest.approx(page, abs=1)
+
+
 def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
     """A picture from the disk or the network would stay out, even if a text got past the escapes."""
     secret = tmp_path / "secret.png"

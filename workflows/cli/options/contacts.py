@@ -55,7 +55,10 @@ def add_fit(verbs: argparse._SubParsersAction) -> None:
         verbs, "fit", commands.fit, "fit the contact law's constants to a measured or computed curve"
     )
     parser.add_argument(
-        "curve", type=input_name, metavar="CURVE.csv", help="columns overlap_m, force_N, perhaps branch"
+        "curve",
+        type=input_name,
+        metavar="CURVE.csv",
+        help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch",
     )
     parser.add_argument(
         "--material", nargs="+", default=["brass"], metavar="M", help="one or two: a name, or FILE.toml:NAME"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -189,7 +190,7 @@ def draw_figures(directory: str | Path) -> list[Path]:
     result, folder = ContinuumResult(directory), FigureFolder(directory)
     with style():
         for name, draw in FIGURES.items():
-            folder.save(draw(result), name)
+            folder.draw(partial(draw, result), name)
     return folder.written
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -301,7 +302,7 @@ def draw_figures(directory: str | Path) -> list[Path]:
     }
     with style():
         for name, draw in drawn.items():
-            folder.save(draw(result), name)
+            folder.draw(partial(draw, result), name)
     return folder.written
 
 
