@@ -15,7 +15,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.summary_table import Row, explanation, lines, summary_rows
-from granwave.lammps_inputs.run_directory import RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
 from granwave.lammps_inputs.run_state import read_summary
 
 if TYPE_CHECKING:
@@ -135,7 +135,11 @@ class Run(Mapping[str, Any]):
 
     @property
     def case(self) -> Case:
-        """Case that was run."""
+        """Case that was run; from its case.toml where result.h5 was removed."""
+        if not (self.directory / RESULT_FILE).exists():
+            from granwave.lammps_inputs.load_case import load_case
+
+            return load_case(self.directory / CASE_FILE)
         return self.result.case
 
     # ------------------------------------------------------------------ tables
