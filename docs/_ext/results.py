@@ -2,10 +2,10 @@
 
     python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
 
-Suites that are not named are run if their rows are stale: made by another version, or of scans, cases or studies that
-have changed since. Runs are kept in DIR (``build/results``), and a second call goes on with what is there. With
-``--no-run`` all runs that are there are collected, and none is made; with ``--check`` stale rows are named, and nothing
-is written.
+Suites are those of the package and of ``reproductions``. Suites that are not named are run if their rows are stale: made
+by another version, or of scans, cases or studies that have changed since. Runs are kept in DIR (``build/results``), and
+a second call goes on with what is there. With ``--no-run`` all runs that are there are collected, and none is made;
+with ``--check`` stale rows are named, and nothing is written.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Suite:
     command
         Subcommand of granwave.
     names
-        Built-in suite or scan, or cases.
+        Built-in suite or scan, or cases; or the path of a suite file.
     studies
         Studies of all runs, in addition to those that scans name.
     comparison
@@ -69,9 +69,22 @@ class Suite:
     comparison: bool = False
 
 
+def reproductions() -> dict[str, Suite]:
+    """Suites of the folder ``reproductions``: each file's name, with its first line, a comment, as title."""
+    files = [
+        path for path in sorted((results_table.ROOT / "reproductions").rglob("*.toml")) if "scans" in read_toml(path)
+    ]
+    titles = [path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for path in files]
+    return {
+        str(read_toml(path)["name"]): Suite(title, "scan", (str(path.relative_to(results_table.ROOT)),))
+        for path, title in zip(files, titles, strict=True)
+    }
+
+
 SUITES = {
     "fcc-impact": Suite("The reference impact", "run", ("fcc-impact",)),
     "sphere-contacts": Suite("The contact law", "scan", ("sphere-contacts",)),
+    **reproductions(),
     "chains": Suite("Chains", "scan", ("chains",)),
     "square": Suite("Square packings", "scan", ("square",)),
     "square-defects": Suite("Square packings that are not ideal", "scan", ("square-defects",)),
@@ -92,22 +105,36 @@ SUITES = {
 
 def run(suite: Suite, runs: Path) -> bool:
     """Run what is not yet done; True if all is."""
+    command = [sys.executable, "-m", "granwave.workflows", suite.command]
     done = [
-        subprocess.run(
-            [sys.executable, "-m", "granwave.workflows", suite.command, name, "-o", str(runs / name), "--resume"]
-        )
-        for name in suite.names
+        subprocess.run([*command, name, "-o", str(runs / folder), "--resume"], cwd=results_table.ROOT)
+        for name, folder in zip(suite.names, _folders(suite), strict=True)
     ]
     return all(one.returncode == 0 for one in done)
 
 
+def _folders(suite: Suite) -> list[str]:
+    """Return the directories of a suite's runs."""
+    return [str(read_toml(results_table.ROOT / name)["name"]) if _is_path(name) else name for name in suite.names]
+
+
+def _is_path(name: str) -> bool:
+    return name.endswith(".toml")
+
+
+def _study_files(suite: Suite) -> list[Path]:
+    """Return the scripts beside the files of a suite."""
+    folders = [(results_table.ROOT / name).parent for name in suite.names if _is_path(name)]
+    return [path for folder in folders for path in sorted(folder.glob("*.py"))]
+
+
 def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
     """Results of a suite as they are stored; None if nothing of it was run."""
-    folders = [runs / name for name in suite.names]
+    folders = [runs / folder for folder in _folders(suite)]
     if not all(folder.is_dir() for folder in folders):
         return None
     try:
-        inputs = read_inputs(folders, runs)
+        inputs = read_inputs(folders, runs, [str(path) for path in _study_files(suite)])
     except InputError as error:
         print("\n".join(error.errors), file=sys.stderr)
         return None
@@ -134,7 +161,8 @@ def _complete(suite: Suite, inputs: Inputs) -> bool:
     done = {point.result.id for scan in inputs.scans for point in scan.points if point.run}
     scans = []
     for name in suite.names:
-        scans += load_suite(name, here=False).scans if is_suite(name) else [load_scan(name, here=False)]
+        file = results_table.ROOT / name if _is_path(name) else name
+        scans += load_suite(file, here=False).scans if is_suite(file) else [load_scan(file, here=False)]
     return all(point.id in done for scan in scans for point in scan.points)
 
 
@@ -148,7 +176,7 @@ def digests(suite: Suite) -> dict[str, str]:
         for path in paths
         for file in ([path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py"))
     }
-    code = [_code(file) for file in sorted(files)]
+    code = [_code(file) for file in [*sorted(files), *_study_files(suite)]]
     return {"runs": _digest(tables), "studies": _digest([code, source_values()["values"]])}
 
 
@@ -164,7 +192,7 @@ def studies_named(suite: Suite) -> set[str]:
 def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
     """Iterate over the content of the scan and case files of a suite."""
     kind = library.SCANS if suite.command == library.SCAN else library.CASES
-    files = [library.find(name, kind) for name in suite.names]
+    files = [results_table.ROOT / name if _is_path(name) else library.find(name, kind) for name in suite.names]
     for file in files:
         table = read_toml(file)
         yield table
@@ -199,7 +227,7 @@ def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> di
             why = f"run by granwave {'/'.join(suite['versions']['granwave'])}, and this is {granwave.__version__}"
         elif not suite["complete"]:
             why = "not all of its runs are done"
-        elif suite["digests"]["runs"] != now["runs"]:
+        elif suite.get("digests", {}).get("runs") != now["runs"]:
             why = "its scans or cases have changed since"
         elif suite["digests"] != now:
             found[name] = (
