@@ -23,7 +23,6 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
-from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures.scales import least_span, plain_powers
 from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.directories import refuse_other_file
@@ -137,7 +136,7 @@ def not_made(what: str, error: Exception) -> NotDrawn:
 
     Damaged files, full disks and lack of memory concern everything else too, and are raised.
     """
-    if isinstance(error, GranwaveError | OSError | MemoryError) and not isinstance(error, MissingDataError):
+    if isinstance(error, GranwaveError | OSError | MemoryError):
         raise error
     place = traceback.extract_tb(error.__traceback__)[-1]
     reason = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"

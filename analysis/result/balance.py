@@ -29,4 +29,4 @@ def misfit(ledger: Mapping[str, Any]) -> Any:
 
 def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
     """Return the magnitude of the input without the kinetic energy of the moved grains, of mass ``moved`` (kg), J."""
-    return abs(ledger["input"] - moved * ledger["struck_velocity"] ** 2 / 2)
+    return abs(ledger["input"] - moved * ledger["struck_velocity"] ** 2 / 2) if moved else abs(ledger["input"])

@@ -9,8 +9,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from granwave.analysis.errors import MissingDataError
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
-from granwave.analysis.studies.study_file import is_study_file, load_study
+from granwave.analysis.studies.study_file import is_loaded, is_study_file, load_study
 
 if TYPE_CHECKING:
     from granwave.analysis.document.model import Note, Table
@@ -232,6 +233,8 @@ def _part(module: Any, study: str, failed: list[NotDrawn], which: str, *argument
         for number, one in enumerate(getattr(module, which)(*arguments), start=1):  # noqa: B007
             yield one
     except Exception as error:
+        if isinstance(error, MissingDataError) and is_loaded(module):  # a name that no run has, in code of the user's
+            error = KeyError(str(error)).with_traceback(error.__traceback__)
         failed.append(not_made(f"{which} of the study {study}, from number {number + 1} on,", error))
 
 

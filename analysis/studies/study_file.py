@@ -28,17 +28,24 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.errors import InputError
 
 SUFFIX = ".py"
 _PARTS = ("rows", "pictures")
+_PREFIX = "study_"  # of the name of a module that was loaded from a file
 
 
 def is_study_file(name: str) -> bool:
     """True for the path of a study's file, as against the name of a built-in study."""
     return name.endswith(SUFFIX)
+
+
+def is_loaded(module: Any) -> bool:
+    """True for a study that was loaded from a file of the user's."""
+    return str(getattr(module, "__name__", "")).startswith(_PREFIX)
 
 
 def find_studies(names: Sequence[str], directory: Path) -> tuple[list[str], list[str]]:
@@ -90,7 +97,7 @@ def load_study(path: str) -> ModuleType:
 def _load(file: Path, changed: int) -> ModuleType:
     """Load a file anew when it has changed, as in a notebook."""
     path = str(file)
-    spec = importlib.util.spec_from_file_location(f"study_{file.stem}", file)
+    spec = importlib.util.spec_from_file_location(f"{_PREFIX}{file.stem}", file)
     if spec is None or spec.loader is None:
         raise InputError(f"{path}: cannot be loaded, expected the Python file of a study")
     module = importlib.util.module_from_spec(spec)

@@ -16,6 +16,7 @@ from granwave.analysis.lammps_output.dumps import read_frames
 from granwave.workflows import run_case
 from granwave.workflows.run import driver
 from tests.helpers import synthetic
+from tests.helpers.checksums import without_checksums
 
 MAGIC = b"DUMPCUSTOM"
 STEP, ROWS, BOX, N_COLUMNS = 26, 34, 70, 118  # places in the header: 8 + 10 bytes of the name, byte order, revision
@@ -39,7 +40,7 @@ def runs(tmp_path_factory):
 @pytest.fixture
 def run(runs, tmp_path):
     shutil.copytree(runs["binary"], tmp_path / "run")
-    return tmp_path / "run"
+    return without_checksums(tmp_path / "run")
 
 
 def test_one_dump_of_snapshots_in_the_form_asked_for(runs):

@@ -17,10 +17,10 @@ from granwave.analysis import MissingOutputError, OutputFormatError, Result, ana
 from granwave.analysis.exports.export import export
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import read_marker
 from granwave.workflows import run_case
 from tests.helpers import synthetic
 from tests.helpers.chain_cases import PULSE, case_of
+from tests.helpers.checksums import without_checksums
 from tests.helpers.export_inputs import write_walled_run
 
 Damage = Callable[[Path], object]
@@ -45,14 +45,6 @@ def chain(tmp_path_factory):
     bar = {"length": 0.4, "area": 127e-6, "elements": 20, "material": "steel"}
     run_case(case_of(6, load=PULSE, bar=bar, run={"end_time": 8e-5, "frames": 3}), directory, figures=False)
     return without_checksums(directory)
-
-
-def without_checksums(directory: Path) -> Path:
-    """Remove sizes and checksums of the output from the marker, as if LAMMPS had been run by hand."""
-    marker = read_marker(directory)
-    marker.files = dict.fromkeys(marker.files)
-    marker.write(directory)
-    return directory
 
 
 def edited(line: int, edit: Callable[[list[str]], list[str]]) -> Damage:

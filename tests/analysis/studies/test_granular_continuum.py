@@ -24,6 +24,7 @@ from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import RUN
+from granwave.lammps_inputs.run_state import note_files
 from granwave.workflows import library, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.scanning.suite import load_suite, run_suite
@@ -78,6 +79,7 @@ def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path
         shutil.copytree(point, tmp_path / "bad")
     values = json.loads((tmp_path / "bad" / "summary.json").read_text())
     (tmp_path / "bad" / "summary.json").write_text(json.dumps(values | {"end_reason": "refused"}))
+    note_files(tmp_path / "bad", ["summary.json"])
     inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
     assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
     section = comparison.comparison_section(inputs)

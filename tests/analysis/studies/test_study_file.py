@@ -107,7 +107,9 @@ def test_a_file_that_is_no_study_is_refused_before_anything_runs(tmp_path: Path,
 def test_a_study_that_fails_costs_no_report(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """It is named with the line of its fault."""
     (tmp_path / "bad.py").write_text('"""Bad."""\ndef rows(runs):\n    return [1 / 0]\n')
+    (tmp_path / "misspelt.py").write_text('"""Misspelt."""\ndef rows(runs):\n    yield runs[0]["peak_forc_N"]\n')
     run = write_run(tmp_path / "run", figures=False)
-    text = write_report([run], tmp_path / "r.md", [str(tmp_path / "bad.py")]).read_text(encoding="utf-8")
+    text = write_report([run], tmp_path / "r.md", [str(tmp_path / "bad.py"), str(tmp_path / "misspelt.py")])
     fault = "rows of the study bad, from number 1 on, could not be made: ZeroDivisionError: division by zero (bad.py, line 3)"
-    assert fault in text and fault in caplog.text
+    assert fault in text.read_text(encoding="utf-8") and fault in caplog.text
+    assert "did you mean peak_force_N?" in caplog.text
