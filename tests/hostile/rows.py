@@ -49,6 +49,7 @@ class Row:
     granwave: str = ""
     shell: str = ""
     prepared: Sequence[str] = ()
+    unchecked: bool = False
     lose: Sequence[str] = ()
     cut: Sequence[str] = ()
     files: Mapping[str, str] = dataclasses.field(default_factory=dict)

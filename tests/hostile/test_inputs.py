@@ -12,6 +12,7 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.scan_file import load_scan
+from tests.helpers.checksums import without_checksums
 from tests.hostile import places
 from tests.hostile.rows import Row, damage, entries_of, judge, parameters, read_rows, run_row
 
@@ -77,6 +78,8 @@ def test_input(row: Row, folder: Path, results: Callable[[str], Path], capfd: py
     for name in row.prepared:
         if name in RESULTS:
             shutil.copytree(results(name), folder / name)
+            if row.unchecked:
+                without_checksums(folder / name)
         else:
             places.PLACES[name](folder)
     damage(row, folder)

@@ -176,16 +176,13 @@ def test_wall(lammps):
 AGAIN = "fix motion all nve\ncompute ep all pair gran/hysteretic\nthermo_style custom step pe c_ep[1]\nrun 19200"
 
 
-@pytest.mark.parametrize(("style", "format"), [(STYLE, 2), ("elastoplastic 115e9 0.3 550e6", 1)])
-def test_restart(lammps, tmp_path, style, format):
-    """Constants are stored; a file without any has the format of earlier versions."""
+@pytest.mark.parametrize("style", [STYLE, "elastoplastic 115e9 0.3 550e6"])
+def test_restart(lammps, tmp_path, style):
+    """Constants are stored."""
     lmp = lammps()
     collide(lmp, steps=800, style=style)
     lmp.command(f"write_restart {tmp_path}/half.restart")
     lmp.command("run 19200")
-    data = (tmp_path / "half.restart").read_bytes()
-    at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
-    assert int.from_bytes(data[at : at + 4], "little") == format
     again = lammps()
     again.commands_string(f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n{AGAIN}")
     for formula in ("vz[1]", "vz[2]", "c_ep[1]"):

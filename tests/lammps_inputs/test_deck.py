@@ -234,7 +234,7 @@ class TestScript:
         for line in [
             r"^newton +off$",
             r"^boundary +m m m$",
-            r"^pair_style +gran/hysteretic 0.001$",
+            r"^pair_style +gran/hysteretic 0.001 forgotten list",
             r"^pair_coeff +1 1 elastoplastic 1.15e\+11 0.3 5.5e\+08 variant continuous yield_factor 1.6$",
             r"^fix +bottom all wall/gran/hysteretic zplane NULL 0.029\d+ elastoplastic 1.15e\+11 0.3 ",
             r"^fix +motion all nve$",

@@ -123,6 +123,7 @@ def write(options: argparse.Namespace, _: Arguments) -> int:
         earlier = results_in(directory)
         deck = write_deck(case, options.directory)  # whole or not at all; only then is removed what was there
         clear(directory, set(earlier) - set(deck.written))
+        deck.dumps.mkdir(exist_ok=True)
         claim(directory, deck_files(assemble(case), deck.schedule))
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"

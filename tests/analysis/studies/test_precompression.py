@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -291,7 +292,7 @@ def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
     inputs = read_inputs([tmp_path / "hit1", tmp_path / "hit2"], tmp_path / "report.html")
     assert studies_of(inputs) == []
     assert "repeated-hits" in [study.name for study in studies_of(inputs, ["repeated-hits"])]
-    points = tuple(Point(None, "", one) for one in inputs.runs)
+    points = tuple(Point(SimpleNamespace(labels={}), "", one) for one in inputs.runs)
     scans = (Scan("dents", None, points, ("preconditioned",)), Scan("hits", None, points, ("repeated-hits",)))
     found = studies_of(dataclasses.replace(inputs, items=scans))  # runs that two scans share
     assert [study.name for study in found] == ["repeated-hits"]
