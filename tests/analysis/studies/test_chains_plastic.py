@@ -10,15 +10,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granwave.analysis.measures.chains.bilinear import (
-    LeadingWave,
-    LongLoad,
-    Spring,
-    bead_velocity,
-    contact_force,
-    first_coefficients,
-    leading_wave,
-)
 from granwave.analysis.measures.chains.elastoplastic_model import (
     QUADRATIC,
     dissipation_at,
@@ -31,13 +22,10 @@ from granwave.analysis.measures.chains.elastoplastic_pulse import Pulses
 from granwave.analysis.measures.chains.hertz_chain import IMPULSE_LIMIT
 from granwave.analysis.studies.chains.elastoplastic import pulse as elastoplastic_pulse
 from granwave.analysis.studies.chains.runs import ChainRun, from_thesis
-from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.study import Row, Study, draw_studies, make_studies
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.workflows import run_case
 from granwave.workflows.library import load_case
-
-SPRING = Spring(2.42165e7, 0.8, 3.839975e-3, 9.52e-3)  # brass of R = 4.76 mm
 
 
 def run(case: str, directory: Path, **overrides: Any) -> ChainRun:
@@ -57,88 +45,6 @@ def row(study: Study, *words: str) -> Row:
     found = [one for one in study.rows if all(word in one.quantity for word in words)]
     assert len(found) == 1, [one.quantity for one in found]
     return found[0]
-
-
-# the linear chain and the models of the bilinear one
-
-
-def test_the_linear_chain_in_closed_form():
-    """Momentum is conserved; the force equals the rate of momentum of all beads behind it, and k alpha."""
-    phase = np.array([0.7, 1.15, 3.0])
-    assert sum(bead_velocity(n, phase) for n in range(1, 40)) == pytest.approx(np.ones(3), abs=1e-12)
-    for contact in (1, 2, 5):
-        overlap = [quad(lambda s: float(bead_velocity(contact, s) - bead_velocity(contact + 1, s)), 0, p)[0]  # noqa: B023
-                   for p in phase]  # fmt: skip
-        assert contact_force(contact, phase) == pytest.approx(overlap, abs=1e-10)
-    assert first_coefficients() == pytest.approx((0.46949, 0.71985, 0.19336), abs=1e-5)
-
-
-@pytest.mark.parametrize("beta, decay, crossing", [(0.7, 0.2116, 9), (0.8, 0.2590, 6), (0.9, 0.3221, 3)])
-def test_the_leading_wave_of_the_source(beta, decay, crossing):
-    wave = leading_wave(beta)
-    assert wave.decay == pytest.approx(decay, abs=1e-4)
-    assert np.ceil(wave.transition) == crossing
-    assert wave.discrete(np.array([1.0, 2.0])) == pytest.approx([1, wave.ratio])
-    assert wave.printed(np.array([1.0, 2.0])) == pytest.approx([1, np.exp(-decay)], abs=1e-4)
-
-
-def test_a_wave_that_leaves_no_velocity_is_never_overtaken():
-    assert LeadingWave(0.27, 0.66, -0.1, 0.1).transition is None
-    assert leading_wave(0.99).transition == 1.0
-
-
-def test_the_closed_forms_of_a_long_load():
-    theory = LongLoad(SPRING, 8e3, 2.5e-3)
-    assert (theory.velocity, theory.trailing, theory.later) == pytest.approx((26.234, 14.502, 10.021), rel=1e-4)
-    assert (theory.later_force, theory.meeting) == pytest.approx((3055.7, 3.419), rel=1e-4)
-    # intersection of the leading front, from 0 at c, with the trailing one, from T at c_u
-    assert theory.meeting / 9.52e-3 == pytest.approx(SPRING.unloading_rate * (theory.meeting_time - 2.5e-3))
-    assert LongLoad(Spring(1e7, 0.0, 1e-3, 1e-2), 1.0, 1.0).meeting_time == np.inf
-
-
-# bilinear chains
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory) -> list[ChainRun]:
-    folder = tmp_path_factory.mktemp("short")
-    size = {"packing__size": 40, "run__end_time": 2.4e-4, "output__history": 1200}
-    return [run("bilinear-pulse", folder / f"{beta}", contact__beta=beta, **size) for beta in (0.7, 0.8, 0.9)]
-
-
-def test_a_short_pulse_on_bilinear_chains(short):
-    study = one("bilinear-pulse", short)
-    for name, theory in zip(("4.19", "4.20", "4.21"), first_coefficients(), strict=True):
-        found = row(study, f"({name})")
-        assert found.theory == pytest.approx(theory)
-        assert found.ours == pytest.approx(theory, rel=2e-3)
-    for beta, transition, decay in ((0.7, 9, 0.308), (0.8, 6, 0.363), (0.9, 3, 0.445)):
-        assert row(study, "Transition", f"beta {beta}").ours == transition
-        assert row(study, "Factor", f"beta {beta}").ours == pytest.approx(0.599, rel=0.015)
-        found = row(study, "Decay of the leading peak per contact, contacts 1 to 2", f"beta {beta}")
-        printed = float(found.remark.split("gives ")[1].split()[0].rstrip("."))  # 4.28 with its constants
-        assert found.source is None and printed < found.theory < found.ours == pytest.approx(decay, abs=1e-3)
-
-
-def test_other_beads_and_an_impact_give_the_same_numbers(short, tmp_path):
-    """The only parameter of the chain in units of I/m and sqrt(k/m) I is beta."""
-    other = run("bilinear-pulse", tmp_path / "steel", material="steel", packing__size=30, packing__diameter=6e-3,
-                load={"kind": "impact", "velocity": 12.0}, run__end_time=1.5e-4, run__timestep=2e-8,
-                output__history=1500)  # fmt: skip
-    theirs, ours = one("bilinear-pulse", short), one("bilinear-pulse", [other])
-    for words in (("4.19",), ("4.20",), ("4.21",), ("Factor", "beta 0.8"), ("Transition", "beta 0.8")):
-        assert row(ours, *words).ours == pytest.approx(row(theirs, *words).ours, rel=3e-3)
-
-
-def test_a_long_load_on_a_bilinear_chain(tmp_path):
-    found = run("bilinear-long-load", tmp_path / "long", packing__size=145, load__duration=7e-4,
-                run__end_time=1.5e-3, output__history=400)  # fmt: skip
-    study = one("bilinear-long-load", [found])
-    for name, tolerance in (("v1,", 0.02), ("vt,", 0.02), ("v2,", 0.03), ("F2,", 0.02), ("xt,", 0.05), ("F1,", 0.02)):
-        measured = row(study, name)
-        assert measured.ours == pytest.approx(measured.theory, rel=tolerance)
-        assert measured.source is None  # not the source's case
-    assert not make_studies({"bilinear-long-load": [], "bilinear-pulse": [found]})
 
 
 # elastoplastic chains
@@ -222,12 +128,6 @@ def test_other_beads_stand_alone(tmp_path):
     assert study.rows and all(row.source is None and not row.remark for row in study.rows)
     assert [picture.name.split("_")[1] for picture in study.pictures] == ["peaks", "speed", "dissipation"]
     assert make_studies({"elastoplastic-pulse": []}) == []
-
-
-def test_the_studies_are_found_among_all_runs(plastic, short):
-    names = [study.name for study in make_studies({name: [*plastic, *short] for name in STUDIES})]
-    assert {"elastoplastic-pulse", "bilinear-pulse"} <= set(names)
-    assert elastoplastic_pulse.select(short) == []
 
 
 def test_the_models_of_dissipation():
