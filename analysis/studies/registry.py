@@ -18,7 +18,6 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "unlike-spheres": "chains.elastoplastic.unlike_spheres",
     "homogeneous-chain": "chains.composite.homogeneous",
     "composite-chain": "chains.composite.section",
     "composite-holder": "chains.composite.holder",

@@ -1,4 +1,4 @@
-"""Elasto-plastic chains of the thesis, chapter 2: small runs against an independent solver."""
+"""Elasto-plastic chains and contacts of the thesis, chapter 2: runs against an independent solver."""
 
 from __future__ import annotations
 
@@ -77,3 +77,23 @@ def test_elastic_chain_beside(pulses: list[gw.Run]) -> None:
     found = row(study("elastic_beside", pulses), "Elastic chain")
     assert found.theory == pytest.approx(0.0298, abs=1e-4)
     assert found.ours == pytest.approx(found.theory, rel=0.03)
+
+
+def test_unlike_spheres_follow_the_law(tmp_path: Path) -> None:
+    """Loading and unloading; values at 0.4 mm of the independent law (tests/helpers/twin.py) in kN."""
+    probed = {"packing.diameter": 0.00952, "run.end_time": 4e-5, "output.probes": [{"contact": [1, 2]}]}
+    cases = {
+        "like": {"load.velocity": 50.5},
+        "radii": {"load.velocity": 72.8, "replace": [{"index": 2, "diameter": 0.03808}]},
+        "weak": {"load.velocity": 48.5, "material": {"preset": "brass", "yield_strength": 500e6}},
+        "unlike": {"load.velocity": 52.6, "replace": [{"index": 2, "material": "steel"}]},
+    }
+    found = study("unlike_spheres", [run(tmp_path / n, "two-spheres", probed | case) for n, case in cases.items()])
+    assert {one.kind for one in found.rows} == {"verification"}  # the law, looked up through itself
+    assert row(found, "Largest distance of 4 recorded curves").ours < 0.1  # %
+    for what, force in (("sigma_y 550 MPa", 8.972), ("sigma_y 500 MPa", 8.266), ("brass on steel", 9.251)):
+        assert row(found, f"Force at 0.4 mm, {what}").ours == pytest.approx(force, rel=2e-4)
+    data = found.pictures[0].drawing.columns
+    assert data["overlap_over_radius_2"].max() > 0.199
+    of_yield, alike = data["force_of_radius_2_over_yield_force"], data["force_of_radius_1_over_yield_force"]
+    assert of_yield.max() == pytest.approx(alike.max(), rel=0.01)  # the law scales with R*
