@@ -18,10 +18,6 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "elastoplastic-pulse": "chains.elastoplastic.pulse",
-    "bilinear-pulse": "chains.bilinear.pulse",
-    "bilinear-long-load": "chains.bilinear.long_load",
-    "unlike-spheres": "chains.elastoplastic.unlike_spheres",
     "homogeneous-chain": "chains.composite.homogeneous",
     "composite-chain": "chains.composite.section",
     "composite-holder": "chains.composite.holder",

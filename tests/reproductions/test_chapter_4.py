@@ -1,4 +1,4 @@
-"""Elastic chains of the thesis, chapter 4: small runs against closed forms and the travelling wave."""
+"""Elastic and bilinear chains of the thesis, chapter 4: small runs against closed forms and the travelling wave."""
 
 from __future__ import annotations
 
@@ -87,3 +87,51 @@ def test_all_pulses_on_one_curve(pulses: list[gw.Run]) -> None:
     reduced, peak = (np.array(columns(study)[name]) for name in ("reduced", "reduced_peak"))
     assert np.all(np.diff(reduced) >= 0)
     assert np.all(peak < np.minimum(0.0757, 92.7 / 40 * reduced))
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
+    """Short pulses on bilinear chains of three beta."""
+    directory = tmp_path_factory.mktemp("short")
+    sizes = {"packing.size": 40, "run.end_time": 2.4e-4, "output.history": 1200}
+    return [run(directory / f"{b}", "bilinear-pulse", sizes | {"contact.beta": b}) for b in (0.7, 0.8, 0.9)]
+
+
+def test_short_pulse_on_bilinear_chains(short: list[gw.Run]) -> None:
+    study = study_of("thesis/chapter_4/bilinear_pulse.py", short * 2)
+    for name, theory in (("v_m", 0.46949), ("F_p", 0.71985), ("F_2", 0.19336)):  # the linear chain
+        found = row(study, name)
+        assert found.theory == pytest.approx(theory, abs=1e-5)
+        assert found.ours == pytest.approx(theory, rel=2e-3)
+    for beta, transition, decay, by_4_28 in ((0.7, 9, 0.308, 0.212), (0.8, 6, 0.363, 0.259), (0.9, 3, 0.445, 0.322)):
+        found = row(study, f"Transition to the inverse regime, contact, beta {beta}")
+        assert found.ours == found.theory == transition
+        assert row(study, f"Factor of sqrt(1 - beta) in 4.22, beta {beta}").ours == pytest.approx(0.599, rel=0.015)
+        found = row(study, f"Decay of the leading peak per contact, contacts 1 to 2, beta {beta}")
+        assert f"gives {by_4_28}" in found.remark
+        assert by_4_28 < found.theory < found.ours == pytest.approx(decay, abs=1e-3)
+
+
+def test_bilinear_chains_of_other_beads_and_an_impact(short: list[gw.Run], tmp_path: Path) -> None:
+    """The only parameter of the chain in units of I/m and sqrt(k/m) I is beta."""
+    changes = {"packing.size": 30, "load": {"kind": "impact", "velocity": 12.0}, "run.end_time": 1.5e-4,
+               "run.timestep": 2e-8, "output.history": 1500}  # fmt: skip
+    other = run(tmp_path, "bilinear-pulse", STEEL | changes)
+    script = "thesis/chapter_4/bilinear_pulse.py"
+    theirs, ours = study_of(script, short * 2), study_of(script, [short[0], other, short[2]] * 2)
+    factor, transition = (
+        "Factor of sqrt(1 - beta) in 4.22, beta 0.8",
+        "Transition to the inverse regime, contact, beta 0.8",
+    )
+    for name in ("v_m", "F_p", "F_2", factor, transition):
+        assert row(ours, name).ours == pytest.approx(row(theirs, name).ours, rel=3e-3)
+
+
+def test_long_load_on_a_bilinear_chain(tmp_path: Path) -> None:
+    sizes = {"packing.size": 145, "load.duration": 7e-4, "run.end_time": 1.5e-3, "output.history": 400}
+    study = study_of("thesis/chapter_4/bilinear_long_load.py", [run(tmp_path, "bilinear-long-load", sizes)])
+    for name, tolerance in (("v1,", 0.02), ("vt,", 0.02), ("v2,", 0.03), ("F2,", 0.02), ("xt,", 0.05), ("F1,", 0.02)):
+        found = row(study, name)
+        assert found.ours == pytest.approx(found.theory, rel=tolerance)
+    for name, theory in (("v1 as", 26.234), ("vt as", 14.502), ("v2 as", 10.021), ("F2 as", 3055.7)):
+        assert row(study, name).theory == pytest.approx(theory, rel=1e-4)

@@ -1,7 +1,7 @@
 """Scales and waves of Hertz's chain of like beads.
 
 Hertz's chain has no length or force of its own, so every result is a curve in the units E* R*^2 (force),
-tau = sqrt(pi rho R*^2/(4 E*)) (time; thesis 2.24) and R* (length).
+tau = sqrt(pi rho R*^2/(4 E*)) (time) and R* (length).
 """
 
 from __future__ import annotations
@@ -15,11 +15,9 @@ from granwave.analysis.measures.signals import Array, width
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 
-IMPULSE_COEFFICIENT = 0.719  # (4.5)
-DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by our second solver (tests/chain_twin.py)
-IMPULSE_LIMIT = IMPULSE_COEFFICIENT * (3 / 128) ** 0.6  # F_peak/I^(6/5), in the units of the chain
+IMPULSE_COEFFICIENT = 0.719  # of the peak force of an impulse, see impulse_force
 _REACH = 5  # diameters ahead and behind of the travelling wave
-_NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
+_NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
 
 
 class ChainScales:
@@ -35,7 +33,7 @@ class ChainScales:
     diameter
         Of a bead, m.
     force, time, velocity, impulse
-        E* R*^2, N; tau (thesis 2.24), s; R*/tau, m/s; E* R*^2 tau, N s.
+        E* R*^2, N; tau, s; R*/tau, m/s; E* R*^2 tau, N s.
     """
 
     def __init__(self, case: Case) -> None:
@@ -51,7 +49,7 @@ class ChainScales:
         return (force / (4 / 3 * self._modulus * math.sqrt(self._radius))) ** (2 / 3)
 
     def impulse_force(self, impulse: float) -> float:
-        """(E*^2 R* I^6/m^3)^(1/5), to which the peak force of an impulse I is proportional (thesis 4.5), N."""
+        """(E*^2 R* I^6/m^3)^(1/5), to which the peak force of an impulse I is proportional, N."""
         return (self._modulus**2 * self._radius * impulse**6 / self._mass**3) ** 0.2
 
     def nesterenko(self, force: float) -> float:

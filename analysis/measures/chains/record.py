@@ -38,10 +38,6 @@ class HasResults(Protocol):
         """Return a value of the summary."""
 
 
-OVERTAKEN = 1.005  # of the leading peak of a contact: a later wave that presses it harder; one for all chains
-_UNTOUCHED = 1e-3  # of the largest force, at the last contact
-
-
 class ChainRecord:
     """Record of a chain, beside what a finished run has.
 
@@ -130,19 +126,6 @@ class ChainRecord:
     def impulse(self) -> float:
         """Impulse that the load gives to the first bead, N s."""
         return self.mass * self.load.velocity if self.load.kind == "impact" else self.load.impulse
-
-    @property
-    def is_pulse(self) -> bool:
-        """One bead is hit, or pushed by a force of one sign for a time."""
-        if self.load.kind == "impact":
-            return self.load.spheres == 1
-        return self.load.kind == "force" and self.load.shape in ("rectangle", "half-sine")
-
-    @property
-    def undisturbed(self) -> bool:
-        """The front has not come to the far end: the run is that of an endless chain."""
-        largest = float(self.force.max(initial=0.0))
-        return largest > 0 and float(self.force[:, -1].max()) < _UNTOUCHED * largest
 
     @cached_property
     def passed(self) -> int:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 from granwave.analysis.measures.chains.record import ChainRecord
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.material import Material
-
-#: E (Pa), nu, rho (kg/m^3), D (m) and sigma_y (Pa) of the beads of thesis chapters 2 to 4.
-_BRASS = (115e9, 0.30, 8500.0, 9.52e-3, 550e6)
 
 
 class ChainRun(FinishedRun, ChainRecord):
@@ -31,14 +27,6 @@ def uniform(runs: Iterable[FinishedRun], law: str) -> list[ChainRun]:
     return [
         run for run in chain_runs(runs) if run.case.contact.law == law and run.assembly.plain and run.recorded
     ]  # fmt: skip
-
-
-def from_thesis(run: ChainRecord, *, yielding: bool = False) -> bool:
-    """The beads are those of thesis chapters 2 to 4; where they yield, with their yield strength too."""
-    ours = [*elastic_constants(run.case.material), run.case.packing.diameter]
-    if yielding:
-        ours.append(run.case.material.yield_strength or math.inf)
-    return all(math.isclose(a, b, rel_tol=1e-3) for a, b in zip(ours, _BRASS, strict=False))
 
 
 def elastic_constants(own: Material) -> tuple[float, float, float]:

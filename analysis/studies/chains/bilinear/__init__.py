@@ -1,1 +1,0 @@
-"""Chains under the bilinear law."""

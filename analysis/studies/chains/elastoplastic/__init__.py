@@ -1,1 +1,0 @@
-"""Chains and pairs under the elasto-plastic law."""

@@ -1,0 +1,77 @@
+"""Elasto-plastic chain after a pulse: decay.
+
+10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. Peak forces are the largest
+ever at a contact. Free beads collide chaotically behind the front: far contacts of like runs differ by some per cent,
+fits over many contacts do not.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+from plastic_waves import DECAY, INVERSE, PLACE, SPACING, START, SWITCH, groups, peak_force, usual
+
+import granwave as gw
+
+FAR = 15  # first contact of the fits in the inverse regime
+COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+
+
+def rows(runs):
+    found = groups(runs)
+    waves = list(map(usual, found))
+    weakest = waves[-1]
+    # fmt: off
+    yield gw.Row(f"a: peak force at contact 1 over E*R*^2 I, {weakest.tag}", source=START, ours=weakest.normalised[0],
+                 where="thesis 2.25")
+    for wave in reversed(waves):
+        remark = f"No pure exponential: {wave.decay(1, 5):.3f} to contact 5, {wave.decay(1, 7):.3f} to contact 7."
+        if wave is not weakest:
+            remark += " The decay is the faster the larger the impulse; the source fitted the weakest load alone."
+        yield gw.Row(f"b: decay of the peak force per contact, contacts 1 to 3, {wave.tag}", source=DECAY,
+                     ours=wave.decay(1, 3), where="thesis 2.25", remark=remark)
+    for wave in waves:
+        yield gw.Row(f"Start of the second regime, contact, {wave.tag}", source=SWITCH, ours=wave.transition,
+                     where="thesis 2.2.4", remark="The source saw 6 to 10 and took 7 for all. Ours: the first contact "
+                     "that a later wave presses more.")
+        steps, last = wave.x[9:] * wave.normalised[9:], wave.contacts
+        yield gw.Row(f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to {last}, {wave.tag}", source=INVERSE,
+                     ours=wave.inverse_constant(), where="thesis 2.26",
+                     remark=f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.")
+        yield gw.Row(f"Power of the peak force with distance, contacts {FAR} to {last}, {wave.tag}", source=-1.0,
+                     ours=wave.force_power(FAR, last).exponent, where="thesis 2.26", digits=2,
+                     remark="Waves that merge make steps in the curve; near yield the chain turns elastic.")
+    for group, chosen in zip(found, waves, strict=True):
+        for wave in group:
+            if wave is chosen:
+                continue
+            ratio = np.abs(wave.largest[:COLLAPSE] / chosen.largest[:COLLAPSE] - 1)
+            far = wave.inverse_constant() / chosen.inverse_constant() - 1
+            remark = f"Contacts 5 to {COLLAPSE}: {ratio[4:].max():.1%}; mean of n F from contact 10 on: {far:+.1%}."
+            if wave.duration > 50:
+                remark += f" A pulse of {wave.duration:.0f} tau is not short."
+            name = f"Largest difference in peak force, contacts 1 to {COLLAPSE}, {wave.tag} against {chosen.name}"
+            yield gw.Row(name, ours=ratio.max(), where="thesis Fig. 2.14", remark=remark)
+    # fmt: on
+
+
+def pictures(runs):
+    found = groups(runs)
+    contact = usual(found[0]).number
+    figure = Figure((7, 2.9), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    data = {"contact": contact, "model": peak_force(contact)}
+    for n, group in enumerate(found):
+        wave = usual(group)
+        left.plot(wave.x, wave.normalised, ".", markersize=4, label=wave.label)
+        for wave, line in zip(group, ("-", "--", ":", "-."), strict=False):
+            data[f"peak_force_normalised_{wave.name}"] = force = wave.largest / wave.scales.force
+            right.semilogy(wave.x, force * 4.0**-n, f"{line}C{n}", linewidth=0.9, label=wave.name)
+    early, late = contact[contact <= 12], SPACING * contact[3:]
+    left.semilogy(SPACING * early, START * np.exp(-DECAY * (early - 1)), "--k", label="2.25 by contact")
+    left.semilogy(late, INVERSE / late, "k", label="2.26")
+    left.set(xlabel=PLACE, ylabel=r"Peak force $F/(E^*R^{*2}\,\bar I)$", xlim=(0, 160), ylim=(5e-4, 1e-1))
+    title = r"All pulses (each impulse $\times 1/4$ of the last)"
+    right.set(xlabel=PLACE, ylabel=r"Peak force $F/E^*R^{*2}$, moved", title=title)
+    left.legend(fontsize=7)
+    right.legend(fontsize=6, ncols=2)
+    caption = "Peak force over impulse along the chain, with the source's two regimes, and all pulses of every impulse"
+    yield gw.Picture("elastoplastic_peaks", f"{caption} (thesis Figs. 2.13 and 2.14)", figure, data)

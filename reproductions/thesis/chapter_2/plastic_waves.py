@@ -1,0 +1,83 @@
+"""Elasto-plastic chains after a pulse, in the units of the chain, and the source's two laws of the peak force.
+
+With I the impulse over E* R*^2 tau, n the contact from 1 and x/R* = 4n, F/(E* R*^2 I) is a exp(-b (n - 1)) up to
+contact 7 (2.25), and C/(4n) from there (2.26). The source prints b as if per R*; only per contact does it agree with
+its figures.
+"""
+
+import math
+from itertools import groupby
+
+import numpy as np
+
+from granwave.measures import Chain, arrival, power_law
+
+START, DECAY, INVERSE = 3.74e-2, 0.256, 0.268  # a, b, C
+SWITCH = 7  # contact: x_t/R* = 28
+SPACING = 4.0  # R* from contact to contact
+OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
+HALF = 5  # contacts on either side over which a speed is taken
+PLACE = r"Distance $x/R^*$"  # label of the figures
+
+
+class PlasticWave(Chain):
+    """A pulse along a chain, whose contacts are numbered from 1 at the struck end."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        scales, load = self.scales, self.load
+        self.reduced, self.duration = self.impulse / scales.impulse, load.lasts / scales.time
+        self.peak_force = self.of_contacts("peak_force")
+        self.contacts = min(100, len(self.peak_force) - 2 * HALF)
+        self.number, self.largest = np.arange(1.0, self.contacts + 1), self.peak_force[: self.contacts]
+        self.x, self.unit = SPACING * self.number, scales.force * self.reduced
+        self.normalised = self.largest / self.unit
+        self.name = f"{load.largest / 1e3:g} kN, {load.lasts * 1e6:.3g} µs"
+        self.tag, self.label = f"I {self.reduced:.3g} ({self.name})", rf"$\bar I$ = {self.reduced:.3g}"
+
+    @property
+    def transition(self):
+        """First contact that a later wave presses harder than the leading one did."""
+        return next(n + 1 for n, top in enumerate(self.largest) if top > OVERTAKEN * self.first_peak(n)[1])
+
+    def decay(self, first, last):
+        """Decay of the logarithm of the largest force, per contact."""
+        return math.log(self.largest[first - 1] / self.largest[last - 1]) / (last - first)
+
+    def force_power(self, first, last):
+        """Power of the largest force with the distance."""
+        return power_law(self.number[first - 1 : last], self.largest[first - 1 : last])
+
+    def inverse_constant(self):
+        """Mean of (x/R*) F/(E* R*^2 I) from contact 10 on."""
+        return np.mean(self.x[9:] * self.normalised[9:])
+
+    def speed(self, level=0.01):
+        """Contacts, and the speed there (contacts/s) of what first reaches a share of each contact's largest force."""
+        pairs = zip(self.force.T, self.peak_force, strict=True)
+        time = np.array([arrival(self.time, force, level * top) for force, top in pairs])[: self.contacts]
+        return self.number[HALF:-HALF], 2 * HALF / (time[2 * HALF :] - time[: -2 * HALF])
+
+    def speed_powers(self, first, last, level=0.01):
+        """Powers of that speed with the distance, and with the largest force (its own power law of distance)."""
+        number, speed = self.speed(level)
+        inside = (number >= first) & (number <= last)
+        force = self.force_power(first, last)(number[inside])
+        return power_law(number[inside], speed[inside]), power_law(force, speed[inside])
+
+
+def peak_force(contact):
+    """Peak force over E* R*^2 I by the source."""
+    return np.where(contact <= SWITCH, START * np.exp(-DECAY * (contact - 1)), INVERSE / (SPACING * contact))
+
+
+def groups(runs):
+    """Waves by impulse, the largest first, each group by duration."""
+    waves = [PlasticWave(run) for run in runs if run.case.contact.law == "elastoplastic"]
+    waves.sort(key=lambda wave: (-float(f"{wave.reduced:.3g}"), wave.duration))
+    return [list(group) for _, group in groupby(waves, key=lambda wave: f"{wave.reduced:.3g}")]
+
+
+def usual(group):
+    """The wave of a group whose pulse lasts 10 us, a duration that all impulses share."""
+    return next(wave for wave in group if math.isclose(wave.load.lasts, 1e-5))

@@ -1,0 +1,99 @@
+"""Elasto-plastic chains and contacts of the thesis, chapter 2: runs against an independent solver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.analysis.studies.study import Study
+from tests.helpers.scripts import columns, row, study_of
+
+
+def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
+    return gw.run(name, changes, directory=directory, progress=False)
+
+
+@pytest.fixture(scope="module")
+def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
+    """Two pulses of one impulse, one of a tenth of it, and the first on an elastic chain."""
+    directory = tmp_path_factory.mktemp("pulses")
+    loads = [(20e3, 1e-5, "elastoplastic"), (40e3, 5e-6, "elastoplastic"), (2e3, 1e-5, "elastoplastic"),
+             (20e3, 1e-5, "hertz")]  # fmt: skip
+    return [
+        run(directory / str(n), "elastoplastic-pulse",
+            {"run.frames": 2, "load.amplitude": force, "load.duration": lasts, "contact.law": law})
+        for n, (force, lasts, law) in enumerate(loads)
+    ]  # fmt: skip
+
+
+def study(name: str, runs: list[gw.Run]) -> Study:
+    return study_of(f"thesis/chapter_2/{name}.py", runs)
+
+
+def test_decay_and_collapse(pulses: list[gw.Run]) -> None:
+    """Peak forces (N) of the independent solver at contacts 1, 3, 5, 9; runs of one impulse agree."""
+    found = study("elastoplastic_decay", pulses)
+    unit = gw.theory.ChainScales(pulses[0].case).force
+    for name, forces, tolerance in (
+        ("20 kN, 10", (6989, 3229, 2002, 1306), 2e-3),
+        ("2 kN, 10", (624, 382, 257, 124), 5e-3),
+    ):
+        largest = columns(found)[f"peak_force_normalised_{name} µs"] * unit
+        assert largest[[0, 2, 4, 8]] == pytest.approx(forces, rel=tolerance)
+    assert row(found, "Largest difference").ours < 0.15
+    for impulse, contact in ((0.46, 4), (0.046, 10)):
+        tag = f"I {impulse} "
+        assert row(found, f"Start of the second regime, contact, {tag}").ours == contact
+        constant = row(found, f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to 100, {tag}")
+        assert constant.ours == pytest.approx(0.268, rel=0.1)
+        power = row(found, f"Power of the peak force with distance, contacts 15 to 100, {tag}")
+        assert power.ours == pytest.approx(-1, abs=0.15)
+    assert row(found, "a: ").ours == pytest.approx(0.0374, rel=0.02)
+
+
+def test_speed(pulses: list[gw.Run]) -> None:
+    found = study("elastoplastic_speed", pulses)
+    for name, power in (("with distance", -0.18), ("with the peak force", 0.18)):
+        strong = row(found, f"Power of the leading speed {name}, contacts 10 to 95, I 0.46 ")
+        assert strong.ours == pytest.approx(power, abs=0.03)
+    last = row(found, "Power of the leading speed with the impulse")
+    assert last.ours == pytest.approx(1 / 6, abs=0.03)
+
+
+def test_dissipation(pulses: list[gw.Run]) -> None:
+    found = study("elastoplastic_dissipation", pulses)
+    assert row(found, "Dissipated up to contact 87 over F_y alpha_y, I 0.46").deviation == pytest.approx(0, abs=0.06)
+    fitted = [row(found, f"d{n} of 2.28").theory for n in range(3)]
+    assert fitted == pytest.approx([1.10e-4, -7.7e-7, 1.840e-8], rel=0.01)
+    model = columns(found)["model_integral_20 kN, 10 µs"]
+    assert np.all(np.diff(model) > 0) and model[0] == pytest.approx(0, abs=1e-9)
+
+
+def test_elastic_chain_beside(pulses: list[gw.Run]) -> None:
+    found = row(study("elastic_beside", pulses), "Elastic chain")
+    assert found.theory == pytest.approx(0.0298, abs=1e-4)
+    assert found.ours == pytest.approx(found.theory, rel=0.03)
+
+
+def test_unlike_spheres_follow_the_law(tmp_path: Path) -> None:
+    """Loading and unloading; values at 0.4 mm of the independent law (tests/helpers/twin.py) in kN."""
+    probed = {"packing.diameter": 0.00952, "run.end_time": 4e-5, "output.probes": [{"contact": [1, 2]}]}
+    cases = {
+        "like": {"load.velocity": 50.5},
+        "radii": {"load.velocity": 72.8, "replace": [{"index": 2, "diameter": 0.03808}]},
+        "weak": {"load.velocity": 48.5, "material": {"preset": "brass", "yield_strength": 500e6}},
+        "unlike": {"load.velocity": 52.6, "replace": [{"index": 2, "material": "steel"}]},
+    }
+    found = study("unlike_spheres", [run(tmp_path / n, "two-spheres", probed | case) for n, case in cases.items()])
+    assert {one.kind for one in found.rows} == {"verification"}  # the law, looked up through itself
+    assert row(found, "Largest distance of 4 recorded curves").ours < 0.1  # %
+    for what, force in (("sigma_y 550 MPa", 8.972), ("sigma_y 500 MPa", 8.266), ("brass on steel", 9.251)):
+        assert row(found, f"Force at 0.4 mm, {what}").ours == pytest.approx(force, rel=2e-4)
+    data = found.pictures[0].drawing.columns
+    assert data["overlap_over_radius_2"].max() > 0.199
+    of_yield, alike = data["force_of_radius_2_over_yield_force"], data["force_of_radius_1_over_yield_force"]
+    assert of_yield.max() == pytest.approx(alike.max(), rel=0.01)  # the law scales with R*
