@@ -119,7 +119,12 @@ def test_ranks_and_resumed_runs_are_alike(granwave, directory: Path, tmp_path: P
 
 def test_a_chain_knows_its_loss(tmp_path: Path) -> None:
     """The loss time with which two beads have the restitution that was asked for."""
-    changes = {"packing.size": 2, "run.end_time": 1e-5, "output.history": 0, "contact.loss": {"restitution": 0.9, "velocity": 1.0}}
+    changes = {
+        "packing.size": 2,
+        "run.end_time": 1e-5,
+        "output.history": 0,
+        "contact.loss": {"restitution": 0.9, "velocity": 1.0},
+    }
     chain = gw.measures.Chain(gw.run("elastic-impact", changes, directory=tmp_path / "run", progress=False))
     kind, time = chain.loss
     assert kind == "time"
