@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parents[2] / "reproductions"
 def study_of(script: str, runs: Sequence[gw.Run]) -> Study:
     """Make the study of a script, such as ``thesis/chapter_4/pulses.py``."""
     (study,) = make_studies({str(FOLDER / script): runs})
-    assert "failed" not in study.text, study.text
+    assert not study.failed, study.failed
     return study
 
 

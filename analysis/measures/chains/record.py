@@ -19,6 +19,7 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
@@ -68,6 +69,12 @@ class ChainRecord:
     def law(self) -> ContactLaw:
         """Between two beads that are not replaced."""
         return sphere_contact(self.case)
+
+    @cached_property
+    def loss(self) -> Viscous | None:
+        """Loss between two such beads: "time" and the loss time (s), or "dashpot" and its factor; None without."""
+        own = self.case.material
+        return viscous_loss(self.assembly, self.case.contact, own, own)
 
     @cached_property
     def mass(self) -> float:

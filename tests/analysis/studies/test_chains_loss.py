@@ -1,4 +1,4 @@
-"""Studies of losses: restitution against velocity, waves that decay, composite chains with a dashpot."""
+"""Composite chains with a dashpot."""
 
 from __future__ import annotations
 
@@ -19,35 +19,6 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> ChainRun:
     return found
 
 
-@pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> list[ChainRun]:
-    folder = tmp_path_factory.mktemp("loss")
-    losses = {"time": {"time": 3e-7}, "dashpot": {"dashpot": {"restitution": 0.9}}}
-    runs = [
-        run(folder / f"{kind}{speed}", "elastic-impact",
-            {"contact.loss": loss, "load.velocity": speed, "packing.size": 2, "run.end_time": 2e-4})
-        for kind, loss, speed in (("time", losses["time"], 0.1), ("dashpot", losses["dashpot"], 10.0))
-    ]  # fmt: skip
-    chain = {"packing.size": 30, "run.end_time": 7e-4, "output.history": 1000}
-    return [*runs, run(folder / "chain", "elastic-impact", chain | {"contact.loss": losses["time"]})]
-
-
-@pytest.mark.validation
-def test_restitution_and_decay(found: list[ChainRun]) -> None:
-    """Restitution is that of the formulas; F^(-1/6) grows linearly along a chain with a loss time."""
-    (study,) = make_studies({"loss": found})
-    checked = [row for row in study.rows if row.verification]
-    assert len(checked) == 2
-    for row in checked:
-        assert row.ours == pytest.approx(row.theory, abs=1e-3)
-    (decay,) = [row for row in study.rows if row.quantity.startswith("Largest force")]
-    assert decay.ours is not None and 0.75 < decay.ours < 0.95
-    share = float(decay.remark.partition("to ")[2].partition(" %")[0])
-    assert "F^(-1/6)" in decay.remark and share < 2
-    (picture,) = study.pictures
-    assert picture.drawing.columns["time_0_3_us_restitution"].shape == (1,)
-
-
 def test_a_composite_chain_with_losses(tmp_path: Path) -> None:
     """The output pulse falls; the study of smooth chains leaves these out, and the source's speeds are beside ours."""
     short = {"replace.1.index": {"first": 8, "last": 10}, "sensor.2.id": 12, "run.end_time": 4e-4,
@@ -60,6 +31,6 @@ def test_a_composite_chain_with_losses(tmp_path: Path) -> None:
     assert not make_studies({"composite-chain": [chain], "composite-holder": [chain]})
 
 
-@pytest.mark.parametrize("name", ["loss", "composite-loss"])
+@pytest.mark.parametrize("name", ["composite-loss"])
 def test_scans_name_their_study(name: str) -> None:
     assert load_scan(name).study == (name,) and name in STUDIES

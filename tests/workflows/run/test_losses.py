@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import granwave as gw
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.loss import dashpot_factor
 from granwave.lammps_inputs.errors import InputError
@@ -114,3 +115,17 @@ def test_ranks_and_resumed_runs_are_alike(granwave, directory: Path, tmp_path: P
         for name in ("contacts/viscous_energy", "contacts/peak_force", "wall_contacts/viscous_energy"):
             assert np.array_equal(one[name], two[name])
         assert np.array_equal(one.frame(2, "displacement"), two.frame(2, "displacement"))
+
+
+def test_a_chain_knows_its_loss(tmp_path: Path) -> None:
+    """The loss time with which two beads have the restitution that was asked for."""
+    changes = {
+        "packing.size": 2,
+        "run.end_time": 1e-5,
+        "output.history": 0,
+        "contact.loss": {"restitution": 0.9, "velocity": 1.0},
+    }
+    chain = gw.measures.Chain(gw.run("elastic-impact", changes, directory=tmp_path / "run", progress=False))
+    kind, time = chain.loss
+    assert kind == "time"
+    assert chain.law.collide(chain.mass / 2, 1.0, loss_time=time)["restitution"] == pytest.approx(0.9, abs=1e-5)

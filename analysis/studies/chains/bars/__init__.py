@@ -1,1 +1,0 @@
-"""Elastic bars, and chains that end on them."""
