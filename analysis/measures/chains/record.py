@@ -18,7 +18,7 @@ from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
@@ -72,6 +72,10 @@ class ChainRecord:
     def law(self) -> ContactLaw:
         """Between two beads that are not replaced."""
         return sphere_contact(self.case)
+
+    def law_between(self, first: int, second: int) -> ContactLaw:
+        """Law between two bodies by their ids, strikers after the beads."""
+        return pair_contact(self.assembly, first, second)
 
     @cached_property
     def mass(self) -> float:

@@ -1,4 +1,4 @@
-"""Studies of losses: restitution against velocity, waves that decay, composite chains with a dashpot."""
+"""The study of losses: restitution against velocity, and waves that decay."""
 
 from __future__ import annotations
 
@@ -48,18 +48,5 @@ def test_restitution_and_decay(found: list[ChainRun]) -> None:
     assert picture.drawing.columns["time_0_3_us_restitution"].shape == (1,)
 
 
-def test_a_composite_chain_with_losses(tmp_path: Path) -> None:
-    """The output pulse falls; the study of smooth chains leaves these out, and the source's speeds are beside ours."""
-    short = {"replace.1.index": {"first": 8, "last": 10}, "sensor.2.id": 12, "run.end_time": 4e-4,
-             "contact.loss": {"dashpot": {"restitution": 0.97}}}  # fmt: skip
-    chain = run(tmp_path / "run", "composite-chain", short)
-    (study,) = make_studies({"composite-loss": [chain]})
-    (speed,) = study.rows
-    assert (speed.quantity, speed.source) == ("V, N2 = 3, brass-composite, restitution 0.97", 469.0)
-    assert speed.ours == pytest.approx(508.2, rel=1e-3)
-    assert not make_studies({"composite-chain": [chain], "composite-holder": [chain]})
-
-
-@pytest.mark.parametrize("name", ["loss", "composite-loss"])
-def test_scans_name_their_study(name: str) -> None:
-    assert load_scan(name).study == (name,) and name in STUDIES
+def test_scan_names_its_study() -> None:
+    assert load_scan("loss").study == ("loss",) and "loss" in STUDIES
