@@ -89,10 +89,10 @@ class Waves:
         """Waves forth at the second contact behind the section, as in source Fig. 7."""
         return self.until_back(self.last + 2)
 
-    @cached_property
-    def further(self):
-        """Waves forth at the watched contact after the first that are of the incident train."""
-        return [wave for wave in self.watched if wave.forth][1 : len(self.train)]
+    @property
+    def second(self):
+        """Second wave of the incident train at the watched contact."""
+        return [wave for wave in self.watched if wave.forth][1]
 
     @cached_property
     def before_return(self):

@@ -16,6 +16,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 
 IMPULSE_COEFFICIENT = 0.719  # (4.5)
+DISCRETE_COEFFICIENT = 0.7176  # of the same, of the discrete chain, by our second solver (tests/chain_twin.py)
 IMPULSE_LIMIT = IMPULSE_COEFFICIENT * (3 / 128) ** 0.6  # F_peak/I^(6/5), in the units of the chain
 _REACH = 5  # diameters ahead and behind of the travelling wave
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6); composite source 4, D the diameter
