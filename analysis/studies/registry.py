@@ -18,10 +18,6 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "homogeneous-chain": "chains.composite.homogeneous",
-    "composite-chain": "chains.composite.section",
-    "composite-holder": "chains.composite.holder",
-    "composite-loss": "chains.composite.loss",
     "square-impact": "square.impact",
     "square-wave-speed": "square.wave_speed",
     "square-yielding": "square.yielding",

@@ -100,7 +100,7 @@ def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
         (["scan", "half-space"], "half-space: is a case, expected a scan: granwave continuum half-space"),
         (["run", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
         (["check", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
-        (["continuum", "chains"], "chains: is a scan, expected a case: granwave scan chains"),
+        (["continuum", "protection"], "protection: is a scan, expected a case: granwave scan protection"),
         (["run", "my-scan.toml"], "my-scan.toml: is a scan, expected a case: granwave scan my-scan.toml"),
         (["run", "suite.toml"], "suite.toml: is a scan, expected a case: granwave scan suite.toml"),
         (["scan", "my-case.toml"], "my-case.toml: is a case, expected a scan: granwave run my-case.toml"),

@@ -202,7 +202,7 @@ def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
         (lambda: gw.run("half-space", ranks=2), "ranks: found 2, expected 1: half-space is a continuum case"),
         (lambda: gw.scan("restitutio"), "did you mean restitution"),
         (lambda: gw.scan("fcc-small"), "is a case, expected a scan"),
-        (lambda: gw.scan("chains"), "is a suite of scans, expected one scan: one of"),
+        (lambda: gw.scan("protection"), "is a suite of scans, expected one scan: one of"),
         (lambda: gw.scan(5), "scan: found 5, expected a name"),
         (lambda: gw.scan({"case": "fcc-small"}), "scan: grid: nothing varies"),
         (lambda: gw.scan({"case": PAIR, "grid": {"load.velocty": [1, 2]}}), "load.velocty: unknown key"),

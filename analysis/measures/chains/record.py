@@ -18,7 +18,7 @@ from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
@@ -69,6 +69,10 @@ class ChainRecord:
     def law(self) -> ContactLaw:
         """Between two beads that are not replaced."""
         return sphere_contact(self.case)
+
+    def law_between(self, first: int, second: int) -> ContactLaw:
+        """Law between two bodies by their ids, strikers after the beads."""
+        return pair_contact(self.assembly, first, second)
 
     @cached_property
     def loss(self) -> Viscous | None:

@@ -1,1 +1,0 @@
-"""The composite-chain source: its homogeneous chain, and chains with a section of other beads."""

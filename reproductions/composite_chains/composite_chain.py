@@ -1,0 +1,161 @@
+"""Composite chains: the output pulse against the section's length, and waves in and behind the section."""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+from section import FROM_END, SPEEDS, STRESSES, WATCHED, by, sections
+from wave_rows import of_energy, of_output, of_pressure, of_reflections, waves_and_energy
+from waves import Waves
+
+import granwave as gw
+from granwave.measures import exponential_decay
+
+PLACE = "composite chain, "
+MEASURED, FITTED = PLACE + "section 4, measured", PLACE + "Fig. 11"
+ERROR, STRIKER = 4.2, 0.626  # of the source's elements against its measurements, brass (%); its striker (m/s)
+ROLLED, SLOPE, GRAVITY = 0.010, math.radians(3), 9.81  # m, between surfaces; slope of the holder; m/s^2
+OF_SPEED = (
+    "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 mm, not "
+    "the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
+    "The yield strength is our choice: the source gives none.",
+)
+OF_CHANGE = (
+    "the distance of the sensors holds ever less of the fast section, and this alone lowers V, without loss.",
+    "the yield strength, which is our choice, does not fit them: V falls far more.",
+)
+
+
+def select(runs):
+    """Chains by the material of the section, then by what yields, by rising length."""
+    groups = by(sections(runs), lambda section: section.light)
+    return [by(groups[light], lambda section: section.kind) for light in SPEEDS if light in groups]
+
+
+def light_of(kinds):
+    return next(iter(kinds.values()))[0].light
+
+
+def name(kinds):
+    return f"composite-{light_of(kinds)}"
+
+
+def title(kinds):
+    return f"Composite chain with {light_of(kinds)}"
+
+
+def text(kinds):
+    found = [section for alike in kinds.values() for section in alike]
+    lengths = sorted({section.n for section in found})
+    return (
+        f"{len(found)} chains of {found[0].case.packing.size[0]} beads, {lengths[0]} to {lengths[-1]} of them "
+        f"{light_of(kinds)} ({', '.join(kinds)}). A sensor reads the mean of its bead's two contact forces. V: "
+        "distance of the sensors over the time between the first peaks there; lambda: the ratio of these peaks, output "
+        "over incident."
+    )
+
+
+def watched(found):
+    """Chain whose waves are shown."""
+    return min(found, key=lambda section: abs(section.n - WATCHED))
+
+
+def rows(kinds):
+    light = light_of(kinds)
+    for kind, found in kinds.items():
+        yield from of_speed(kind, found, SPEEDS[light])
+        yield from of_ratio(kind, found)
+    yield gw.Row(
+        "Speed of the striker", "m/s", STRIKER, theory=math.sqrt(2 * GRAVITY * math.sin(SLOPE) * ROLLED),
+        where=f"{PLACE}section 4", remark="The source's is that of a free fall of 20 mm. Released with its centre 20 "
+        "mm before that of the first bead it slides 10 mm down a slope of 3 degrees.",
+    )  # fmt: skip
+    shown = watched(kinds["elastic"])
+    yield from of_reflections(Waves(shown), FROM_END[light])
+    for kind, found in kinds.items():
+        yield from of_output(Waves(watched(found)), Waves(found[-1]), kind)
+        yield from of_energy(Waves(watched(found)), kind)
+    yield from of_pressure(shown, STRESSES[light])
+
+
+# fmt: off
+def of_speed(kind, found, measured):
+    n, speed = [section.n for section in found], np.array([section.speed for section in found])
+    yields = kind != "elastic"
+    for k in sorted({0, len(n) - 1}):
+        source = measured.get(n[k])
+        yield gw.Row(f"V, N2 = {n[k]}, {kind}", "m/s", source, speed[k], MEASURED if source else FITTED,
+                     OF_SPEED[yields] if source else "")
+    printed = 100 * (measured[24] / measured[3] - 1) if measured else 0
+    yield gw.Row(f"Change of V from N2 = {n[0]} to {n[-1]}, {kind}", "%", ours=100 * (speed[-1] / speed[0] - 1),
+                 where=MEASURED if measured else FITTED,
+                 remark=f"From the source's two values of V: {printed:.1f} %; {OF_CHANGE[yields]}" if measured else "")
+    if measured:
+        errors = [abs(v / measured[one] - 1) for one, v in zip(n, speed, strict=True) if one in measured]
+        yield gw.Row(f"Largest error of V against the measured, {kind}", "%", ERROR, 100 * max(errors),
+                     f"{PLACE}section 4", "The source's: over all N2, of its finite elements. Ours: over the N2 whose "
+                     "measured V it prints.")
+    if fit := exponential_decay(np.array(n), speed):
+        formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
+        yield gw.Row(f"N2 within which V nears its end by 1/e, {kind}", ours=fit.length, where=FITTED, remark=formula)
+
+
+def of_ratio(kind, found):
+    n, ratio = [section.n for section in found], np.array([section.ratio for section in found])
+    for k in sorted({0, len(n) - 1}):
+        yield gw.Row(f"lambda, N2 = {n[k]}, {kind}", ours=ratio[k], where=FITTED)
+    if kind == "elastic":
+        yield gw.Row(f"Largest difference of lambda over all N2, {kind}", "%", ours=100 * np.ptp(ratio) / ratio.max(),
+                     where=FITTED, remark="Without loss it does not depend on the length: the source's decay is loss.")
+    elif fit := exponential_decay(np.array(n), ratio):
+        formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
+        yield gw.Row(f"N2 within which lambda nears its end by 1/e, {kind}", ours=fit.length, where=FITTED,
+                     remark=formula)
+# fmt: on
+
+
+def pictures(kinds):
+    light = light_of(kinds)
+    caption = f"{light}: pulse at the second sensor (source Figs. 7, 10), and its speed and height (source Fig. 11)"
+    yield gw.Picture(f"composite_{light.replace('-', '_')}_length", caption, *against_length(kinds, SPEEDS[light]))
+    shown = watched(kinds["elastic"])
+    caption = (
+        f"{light}, {shown.n} beads: waves in the chain, and at one contact of the section (source Fig. 6); energy by "
+        "section (dips: in the contact with the end), and its largest density along the chain (source Fig. 8)"
+    )
+    waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
+    yield gw.Picture(f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves))
+
+
+def against_length(kinds, measured):
+    figure, data = Figure((7, 5.2), layout="constrained"), {}
+    panels = figure.subplots(2, 2)
+    panels[0, 1].sharey(panels[0, 0])
+    for axes, marker, (kind, found) in zip(panels[0], "os", kinds.items(), strict=False):
+        slug, shortest = kind.replace(" ", "_"), found[0]
+        for section in (*found[:-2:3], found[-1]):
+            axes.plot(1e6 * section.time, section.output, label=f"$N_2$ = {section.n}")
+            data |= {f"{slug}_{section.n}_time_s": section.time, f"{slug}_{section.n}_output_N": section.output}
+        until = shortest.time < shortest.arrived
+        axes.plot(1e6 * shortest.time[until], shortest.incident[until], "k", label="incident")
+        data |= {f"{slug}_incident_time_s": shortest.time, f"{slug}_incident_N": shortest.incident}
+        axes.set(xlabel="Time (µs)", ylabel="Sensor force (N)", title=kind, ylim=(0, None))
+        axes.set_xlim(0, 1.25e6 * found[-1].arrived)
+        n = np.array([section.n for section in found])
+        data[f"{slug}_n"] = n
+        for below, what in zip(panels[1], ("speed", "ratio"), strict=True):
+            values = np.array([getattr(section, what) for section in found])
+            data[f"{slug}_speed_m_s" if what == "speed" else f"{slug}_ratio"] = values
+            (marks,) = below.plot(n, values, marker, markersize=4, label=kind)
+            if fit := exponential_decay(n, values):
+                fine = np.linspace(n[0], n[-1], 200)
+                below.plot(fine, fit(fine), color=marks.get_color())
+    if measured:
+        panels[1, 0].plot(list(measured), list(measured.values()), "k*", label="source, measured")
+    panels[1, 0].set(xlabel="Beads in the section $N_2$", ylabel="Speed $V$ (m/s)")
+    panels[1, 1].set(
+        xlabel="Beads in the section $N_2$", ylabel=r"$\lambda$, output over incident peak", ylim=(0, None)
+    )
+    panels[1, 0].legend()
+    panels[0, len(kinds) - 1].legend()
+    return figure, data

@@ -1,0 +1,127 @@
+"""Rows and figure of the waves in and behind the section of a composite chain (source 3.3)."""
+
+import numpy as np
+from matplotlib.colors import SymLogNorm
+from matplotlib.figure import Figure
+from waves import NAMES
+
+import granwave as gw
+from granwave.theory import hertz_von_mises_yield_factor
+
+PLACE = "composite chain, "
+
+
+# fmt: off
+def of_reflections(waves, from_end):
+    """Times of the waves at the watched contact, and energy that turns back (source Fig. 6)."""
+    found = waves.reflections
+    for key, wave in ((key, found[key]) for key in NAMES if key in found):
+        remark = f"{wave.force:.3g} N."
+        if key == "BRW" and "FRW" not in found:
+            remark += " No forth reflection above 0.5 % of the largest force follows it; the wave forth at " \
+                f"{1e3 * waves.second.time:.3g} ms, {waves.second.force:.3g} N, is the second of the incident train, " \
+                "which enters without any reflection."
+        if key == "FRW" and not wave.forth:
+            remark += " It meets a second wave back here, and their forces add up."
+        if key == "end":
+            remark = f"{wave.force:.3g} N; time from the impact on."
+        yield gw.Row(f"{NAMES[key]} {waves.at}", "ms", from_end if key == "end" else None, 1e3 * wave.time,
+                     PLACE + ("3.3" if key == "end" else "Fig. 6"), remark)
+    yield gw.Row(f"Energy back {waves.at} over energy out of the section", "",
+                 ours=waves.passed(waves.middle)[1] / waves.passed(waves.last)[0], where=f"{PLACE}Fig. 6",
+                 remark="Until a pulse is back from the chain's end. Source: much higher for PTFE than for brass.")
+
+
+def of_output(waves, longest, kind):
+    """Second peak of the output, and the wave of the incident train that makes it (source Fig. 7)."""
+    out, train = waves.transmitted, longest.train
+    if len(out) < 2:
+        return
+    late = out[1].time - out[0].time
+    yield gw.Row(f"Second output peak over the first, N2 = {waves.n}, {kind}", ours=out[1].force / out[0].force,
+                 where=f"{PLACE}Fig. 7", remark=f"{1e6 * late:.0f} µs later.")
+    if len(train) < 2:
+        return
+    behind = train[1].time - train[0].time
+    remark = f"{1e6 * behind:.0f} µs later, before anything is reflected: the incident pulse becomes a train."
+    if abs(late - behind) < 0.25 * behind:  # the time between them may change on their way through the section
+        remark += " The second output peak is this wave; for the source it comes of a collision of the incident " \
+            "pulse with the BRW."
+    yield gw.Row(f"Second wave into the section over the first, N2 = {longest.n}, {kind}",
+                 ours=train[1].force / train[0].force, where=f"{PLACE}Fig. 7", remark=remark)
+
+
+def of_energy(waves, kind):
+    """Energy by section, and the largest energy density along the chain (source Fig. 8)."""
+    until, where = waves.before_return, {"where": f"{PLACE}Fig. 8"}
+    for share, section in zip(waves.shares.T, ("first steel", "light", "second steel"), strict=True):
+        yield gw.Row(f"Energy of the {section} section over the input, N2 = {waves.n}, {kind}",
+                     ours=np.interp(until, waves.time, share),
+                     remark=f"At {1e6 * until:.0f} µs, when a pulse is back from the chain's end.", **where)
+    density, place = waves.density, list(waves.chain.array("chain/id")).index
+    for part, first, last, remark in (
+        ("steel before the section", 3, waves.first - 2,
+         "The source: constant. The pulse still finds its shape here."),
+        ("section, its last bead left out", waves.first, waves.last - 1, "The source: falls, by yielding alone."),
+    ):
+        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
+                     ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
+
+
+def of_pressure(section, source):
+    """Largest pressure in the first and the last contact of the section of an elastic chain (source 3.3)."""
+    first, last = (1e-6 * section.pressure(bead) for bead in (section.first, section.last - 1))
+    mises = first / hertz_von_mises_yield_factor(section.material.poisson_ratio)
+    force = section.peak(section.first) * (source[0] / first) ** 3
+    at, where = f"N2 = {section.n}, elastic", f"{PLACE}3.3"
+    yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
+                 "The source: largest compressive stress in the contact area, without N2 and place. In Hertz's contact "
+                 f"that is the largest pressure; the mean one is {2 / 3 * first:.0f}, the largest von Mises stress "
+                 f"{mises:.0f} MPa. The source's would be a force of {force:.2g} N.")
+    yield gw.Row(f"Largest pressure, last contact of the section, {at}", "MPa", source[1], last, where,
+                 "Without loss it stays as it was; the source's has fallen along the section.")
+    fallen = source[1] / source[0]
+    yield gw.Row(f"Last of these pressures over the first, {at}", ours=last / first, where=where,
+                 remark=f"The source's two values: {fallen:.3f}. Any stress goes with the cube root of the force, "
+                 f"which then falls to {fallen**3:.2f} of the first within the section: only loss can do that.")
+# fmt: on
+
+
+def waves_and_energy(waves):
+    shown, chain = waves["elastic"], waves["elastic"].chain
+    k, time, place = chain.contact_between(shown.middle), 1e6 * shown.time, 1e3 * chain.place
+    force, largest = shown.section.force(shown.middle), np.abs(shown.flow).max()
+    figure = Figure((7, 6.8), layout="constrained")
+    (left, right), (energy, density) = figure.subplots(2, 2, height_ratios=(1.5, 1))
+    norm = SymLogNorm(0.01 * largest, vmin=-largest, vmax=largest)
+    places = place[: shown.flow.shape[1]]
+    mesh = left.pcolormesh(places, time, shown.flow, cmap="RdBu", norm=norm, rasterized=True, shading="nearest")
+    for bead in (shown.first - 1, shown.last):
+        left.axvline(place[chain.contact_between(bead)], color="k", linewidth=0.6, linestyle="--")
+    left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
+    left.set(xlabel="Place (mm)", ylabel="Time (µs)")
+    figure.colorbar(mesh, ax=left, location="top", label="Force (N), negative while the beads move back")
+    right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
+    for name, wave in shown.reflections.items():
+        right.annotate("from the end" if name == "end" else name, (wave.force, 1e6 * wave.time), (6, 0),
+                       textcoords="offset points", va="center", fontsize=7)  # fmt: skip
+    right.set(xlabel=f"Force (N) between beads {shown.middle} and {shown.middle + 1}", ylim=(0, time[-1]))
+    right.set_xlim(3e-3 * force.max(), 20 * force.max())
+    watched = np.array([(wave.time, wave.force, wave.forth) for wave in shown.watched]).T
+    data = {"time_s": shown.time, "contact_N": force, "flow_N": shown.flow[:, k]}
+    data |= dict(zip(("wave_time_s", "wave_force_N", "wave_forth"), watched, strict=True))
+    for line, (kind, one) in zip(("-", "--"), waves.items(), strict=False):
+        slug, ids = kind.replace(" ", "_"), one.chain.array("chain/id")
+        data[f"{slug}_time_s"] = one.time
+        for n, part in enumerate(("first steel", "light", "second steel")):
+            energy.plot(1e6 * one.time, one.shares[:, n], f"{line}C{n}", label=part if line == "-" else None)
+            data[f"{slug}_{part}_over_input".replace(" ", "_")] = one.shares[:, n]
+        bead = np.where(ids <= one.section.case.packing.size[0], ids, 0)  # the striker before bead 1
+        density.plot(bead, one.density, f"o{line}", markersize=2.5, label=kind)
+        data |= {f"{slug}_bead": bead, f"{slug}_density_J_m3": one.density}
+    density.axvspan(shown.first - 0.5, shown.last + 0.5, color="0.9", linewidth=0)
+    energy.set(xlabel="Time (µs)", ylabel="Energy over the input", xlim=(0, None), ylim=(0, 1.3))
+    density.set(xlabel="Bead (0: striker; shaded: section)", ylabel="Largest energy density (J/m³)", ylim=(0, None))
+    energy.legend(ncols=3, fontsize=6)
+    density.legend()
+    return figure, data
