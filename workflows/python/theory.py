@@ -2,5 +2,6 @@
 
 from granwave.analysis.measures.chains.hertz_chain import ChainScales, discrete_speed, discrete_width
 from granwave.analysis.measures.target.hertz_impact import HertzImpact
+from granwave.analysis.measures.waves.pulses import theory as solitary_lengths
 
-__all__ = ["ChainScales", "HertzImpact", "discrete_speed", "discrete_width"]
+__all__ = ["ChainScales", "HertzImpact", "discrete_speed", "discrete_width", "solitary_lengths"]
