@@ -123,7 +123,9 @@ def check_command(verb: str, options: argparse.Namespace, made: Collection[str])
     """Check what a command names; ``made`` are directories and files that commands of its page leave."""
 
     def is_there(name: object) -> bool:
-        return Path(str(name)).exists() or str(name).partition("/")[0] in made
+        first = str(name).partition("/")[0]
+        of_a_checkout = first == "reproductions" and (ROOT / str(name)).exists()
+        return Path(str(name)).exists() or of_a_checkout or first in made
 
     if verb == "keys":
         assert not options.table or ".".join(options.table) in {table.name for table in tables()}
