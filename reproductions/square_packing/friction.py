@@ -67,7 +67,7 @@ def pictures(runs):
     found, losses = measured(runs)
     own, walls = np.array([one.frictions for one in found]).T
     data = {"contact_friction": own, "boundary_friction": walls}
-    figure = Figure((3.5, 2.6), layout="constrained")
+    figure = Figure((5.2, 2.6), layout="constrained")
     axes = figure.subplots()
     kinds = (("between spheres", walls == 0, "o-"), ("walls and floor", own == 0, "s--"))
     for (group, place), lost in zip(PLACES, losses.T, strict=True):
@@ -77,5 +77,5 @@ def pictures(runs):
             x = np.maximum(own, walls)[chosen]
             axes.plot([0, *x], [0, *lost[chosen]], mark, color=colour, markersize=3, label=f"{word}, {kind}")
     axes.set(xlabel="Coefficient of friction", ylabel="Loss of peak velocity (%)", xlim=(0, None), ylim=(0, None))
-    axes.legend(loc="upper left")
+    figure.legend(loc="outside right upper")
     yield gw.Picture("", "Loss of the waves by friction", figure, data)

@@ -51,10 +51,9 @@ def last_length(found):
 def rows(one):
     way, percent, paths = one.way, "% of input", {"where": "square packing, Wave Propagation Path"}
     ours = {region: 100 * share for region, share in one.settled.items()}
-    alone = gw.measures.energy_by_region(
-        one.run.result, dict(enumerate(ids[1:] for chains in one.chains.values() for ids in chains))
-    )
-    carrying = sum(share.max() > 0.01 for region, share in alone.items() if isinstance(region, int))
+    chains = {f"chain from {ids[0]} to {ids[-1]}": ids[1:] for group in one.chains.values() for ids in group}
+    shares = gw.measures.energy_by_region(one.run.result, chains)
+    carrying = sum(shares[chain].max() > 0.01 for chain in chains)
     # fmt: off
     for region, source in ENERGIES[way].items():
         yield gw.Row(f"Energy in {region}, {way}", percent, source, ours[region], **paths)

@@ -103,7 +103,7 @@ def peak_force(run, ids):
 
 def pictures(one):
     time = one.run.result["probes/time"]
-    figure = Figure((3.5, 1.0 + 1.3 * len(BETWEEN[one.way])), layout="constrained")
+    figure = Figure((4.2, 1.0 + 1.3 * len(BETWEEN[one.way])), layout="constrained")
     panels = dict(zip(one.chains, figure.subplots(len(one.chains), sharex=True, squeeze=False).flat, strict=True))
     data = {"time_s": time}
     for n, (sensor, along, _) in enumerate(signals(one)):
@@ -112,7 +112,7 @@ def pictures(one):
         data[f"{sensor}_along_m_s2"] = along
     for group, axes in panels.items():
         axes.set(title=group.capitalize(), xlim=(0, 1e6 * time[-1]))
-        axes.legend(loc="lower left", ncols=2)
+        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes.set_xlabel("Time (µs)")
     figure.supylabel("Acceleration (m/s²)", fontsize="medium")
     caption = f"Accelerations of the sensors along the chains, {one.way} impact (source Figs 4, 5 and 7)"
