@@ -18,14 +18,9 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "square-impact": "square.impact",
-    "square-wave-speed": "square.wave_speed",
-    "square-yielding": "square.yielding",
     "sensors-in-square": "square.sensors",
     "twin-sensors": "square.twin_sensors",
-    "square-friction": "square.friction",
     "defects-speed": "square.defects",
-    "directional": "square.directional",
     "sensor-chain": "square.sensor_chain",
     "load-cell": "square.load_cell",
     "precompressed-small-pulses": "precompression.small_pulses",

@@ -64,13 +64,16 @@ class Row:
     bound: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse a row that compares nothing.
+        """Take numbers of numpy as those of Python, and refuse a row that compares nothing.
 
         Raises
         ------
         ValueError
             It has no value; or it is a verification that lacks one of its two values or has one of a source.
         """
+        for name in ("source", "ours", "theory"):
+            if hasattr(value := getattr(self, name), "item"):
+                object.__setattr__(self, name, value.item())
         if self.verification and (self.source is not None or self.ours is None or self.theory is None):
             raise ValueError(f"{self.quantity}: expected ours and theory, and no source, of a verification")
         if self.source is None and self.ours is None:

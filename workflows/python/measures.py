@@ -1,13 +1,18 @@
 """Measures of signals and waves: arrays in SI units in, numbers out; ``granwave.measures``."""
 
 from granwave.analysis.measures.chains.record import Chain
+from granwave.analysis.measures.impact.energies import energy_by_region
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
+from granwave.analysis.measures.sensors import sensor_accelerations
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
 from granwave.analysis.measures.signals import power as power_law
+from granwave.analysis.measures.waves.directions import energy_of_spheres as sphere_energies
+from granwave.analysis.measures.waves.directions import spread as directional_spread
+from granwave.analysis.measures.waves.directions import travelling_frame
 from granwave.analysis.measures.waves.pulses import lengths as pulse_lengths
+from granwave.analysis.measures.waves.pulses import line_velocity, reflection, speed_between
 from granwave.analysis.measures.waves.pulses import peaks as pulse_peaks
-from granwave.analysis.measures.waves.pulses import reflection
 from granwave.analysis.measures.waves.space_time import space_time_transform
 from granwave.analysis.statistics import estimate
 
@@ -15,15 +20,22 @@ __all__ = [
     "Chain",
     "arrival",
     "at_time",
+    "directional_spread",
+    "energy_by_region",
     "estimate",
     "exponential_decay",
     "first_peak",
+    "line_velocity",
     "maxima",
     "power_law",
     "pulse_lengths",
     "pulse_peaks",
     "reflection",
+    "sensor_accelerations",
     "space_time_transform",
+    "speed_between",
+    "sphere_energies",
+    "travelling_frame",
     "two_region_decay",
     "width",
 ]

@@ -2,6 +2,14 @@
 
 from granwave.analysis.measures.chains.hertz_chain import ChainScales, discrete_speed, discrete_width
 from granwave.analysis.measures.target.hertz_impact import HertzImpact
+from granwave.analysis.measures.waves.pulses import theory as solitary_lengths
 from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
 
-__all__ = ["ChainScales", "HertzImpact", "discrete_speed", "discrete_width", "hertz_von_mises_yield_factor"]
+__all__ = [
+    "ChainScales",
+    "HertzImpact",
+    "discrete_speed",
+    "discrete_width",
+    "hertz_von_mises_yield_factor",
+    "solitary_lengths",
+]

@@ -1,4 +1,4 @@
-"""Energy of a struck square packing by region: the chains that start at struck spheres, these, and the strikers."""
+"""Chains of a struck square packing that start at struck spheres."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.waves.directions import energy_of_spheres, struck_rows
+from granwave.analysis.measures.waves.directions import struck_rows
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result
@@ -25,14 +25,8 @@ class Snapshots:
     ----------
     time
         (n_frames,), s.
-    position
-        At the start: (n_spheres, 3), m.
     velocity
         (n_frames, n_spheres, 3), m/s.
-    energy
-        Kinetic, and elastic halved between spheres, over the input: (n_frames, n_spheres).
-    walls, dissipated
-        Elastic energy in walls and floor, and what is lost, over the input: (n_frames,).
     struck
         Rows of the spheres that a striker touches.
     size
@@ -42,11 +36,7 @@ class Snapshots:
     """
 
     time: Array
-    position: Array
     velocity: Array
-    energy: Array
-    walls: Array
-    dissipated: Array
     struck: NDArray[np.int64]
     size: tuple[int, int]
     axis: int
@@ -54,19 +44,10 @@ class Snapshots:
     @classmethod
     def of(cls, result: Result) -> Snapshots:
         """Regions of a result."""
-        frames, time = range(result.n_frames), result.frame_times
-
-        def share(name: str) -> Array:
-            return np.interp(time, result["energy/time"], result[f"energy/{name}"] / result["energy/input"][-1])
-
         nx, ny = result.case.packing.size
         return cls(
-            time,
-            result["spheres/position"],
-            np.stack([result.frame(frame, "velocity") for frame in frames]),
-            np.stack([energy_of_spheres(result, frame) for frame in frames]) / result.energy_input,
-            share("elastic_wall"),
-            share("dissipated"),
+            result.frame_times,
+            np.stack([result.frame(frame, "velocity") for frame in range(result.n_frames)]),
             struck_rows(result),
             (nx, ny),
             int(np.argmax(np.abs(striker_velocity(result.case)))),
@@ -125,40 +106,4 @@ def groups(of: Snapshots) -> dict[str, list[Chain]]:
     return {
         "central chains": [chain for chain in every if chain.axis == of.axis],
         "edge chains": [chain for chain in every if chain.axis != of.axis],
-    }
-
-
-def regions(of: Snapshots) -> dict[str, Array]:
-    """Share of the input in each region, the struck spheres apart from their chains: (n_frames,) by name.
-
-    ``walls`` is the elastic energy in walls and floor, ``dissipated`` what is lost; all together are the input.
-    """
-    n = of.size[0] * of.size[1]
-    rest = np.ones(of.energy.shape[1], dtype=bool)
-    found: dict[str, Array] = {}
-    for name, members in groups(of).items():
-        rows = np.unique(np.concatenate([chain.rows[1:] for chain in members])) if members else np.empty(0, dtype=int)
-        found[name] = of.energy[:, rows].sum(axis=1)
-        rest[rows] = False
-    found["struck spheres"] = of.energy[:, of.struck].sum(axis=1)
-    found["strikers"] = of.energy[:, n:].sum(axis=1)
-    rest[of.struck] = rest[n:] = False
-    found["other spheres"] = of.energy[:, rest].sum(axis=1)
-    return found | {"walls": of.walls, "dissipated": of.dissipated}
-
-
-def settled(of: Snapshots) -> dict[str, float]:
-    """Energy of each region over the input.
-
-    The chains at most; the struck spheres and the strikers when the struck ones hold most after they held least, which
-    is when they have rebounded; losses at the end.
-    """
-    found = regions(of)
-    struck = found["struck spheres"]
-    least = int(struck[struck.argmax() :].argmin() + struck.argmax())
-    rebounded = least + int(struck[least:].argmax())
-    when = {"struck spheres": rebounded, "strikers": rebounded}
-    return {
-        name: float(share.max() if name.endswith("chains") else share[when.get(name, -1)])
-        for name, share in found.items()
     }

@@ -70,7 +70,21 @@ def directions(result: Result) -> Array:
 
 
 def spread(result: Result, values: Array) -> Spread | None:
-    """The spread of what spheres hold, (n_spheres,) and not negative; None if none of it is outside the struck ones."""
+    """Spread of what spheres hold over the directions from the nearest struck sphere; strikers are left out.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    values
+        Not negative: (n_spheres,).
+
+    Returns
+    -------
+    Spread or None
+        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, that of an even spread; ``cells``
+        by direction. None if struck spheres hold all.
+    """
     vectors = directions(result)
     known = np.isfinite(vectors[:, 0])
     vectors, weights = vectors[known], values[known]
@@ -100,7 +114,15 @@ def is_layer(result: Result) -> bool:
 
 
 def energy_of_spheres(result: Result, frame: int) -> Array:
-    """Kinetic energy of each sphere and half the elastic energy of its contacts in a snapshot: (n_spheres,), J."""
+    """Kinetic energy of each sphere and half the elastic energy of its contacts: (n_spheres,), J.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    frame
+        Number of the snapshot, from 0.
+    """
     energy = 0.5 * result["spheres/mass"] * np.sum(result.frame(frame, "velocity") ** 2, axis=1)
     if "elastic_energy" in result.quantities:
         stored = result.frame(frame, "elastic_energy")
@@ -109,7 +131,13 @@ def energy_of_spheres(result: Result, frame: int) -> Array:
 
 
 def travelling_frame(result: Result) -> int:
-    """The last snapshot before the wave reaches the sides or the bottom, or else the first after the start."""
+    """Number of the last snapshot before the wave reaches sides or bottom, or else of the first after the start.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
     outer = _outermost(result)
     struck = struck_rows(result)
     inner = result.in_packing

@@ -1,24 +1,23 @@
-"""Speed, amplitude and length of the pulse in a chain of a packing, from the velocities of its spheres."""
+"""Speed, amplitude and length of the pulse along a line of spheres, from their velocities."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq, least_squares
 
-from granwave.analysis.measures.signals import Array, Power, first_peak, power, width
-from granwave.lammps_inputs.case.material import Material
+from granwave.analysis.measures.signals import Array, first_peak, width
+from granwave.analysis.result.reader import Result
 
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
 MEASURES = ("fit of acceleration", "fit of velocity", "half maximum of acceleration", "half maximum of velocity")
 _FINE = 4  # points between two snapshots
-_AT_WALL = 2  # spheres that feel the wall while the pulse passes
-_SETTLED = 0.02  # of a length
 _GONE = 1e-3  # of its peak: the incident wave has passed
 _BACK = 0.8  # part of the wave's way to the far end and back that is waited for
 _LARGEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
@@ -43,19 +42,19 @@ class Peaks:
     speed: Array
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class ChainSpeeds:
-    """Peak velocity of the particles and speed of the wave in chains of one kind, m/s: (n_runs,) each."""
+def line_velocity(result: Result, ids: ArrayLike) -> Array:
+    """Velocities along a straight line of spheres, away from the first of them: (n_frames, n_spheres), m/s.
 
-    name: str
-    material: Material
-    velocity: Array
-    speed: Array
-
-    @property
-    def fit(self) -> Power:
-        """Speed against velocity."""
-        return power(self.velocity, self.speed)
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    ids
+        Of the spheres, in their order along the line.
+    """
+    rows = result.rows(np.asarray(ids))
+    way = np.subtract(*result["spheres/position"][rows[[-1, 0]]])
+    return np.stack([result.frame(k, "velocity")[rows] for k in range(result.n_frames)]) @ (way / np.linalg.norm(way))
 
 
 def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
@@ -120,23 +119,22 @@ def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float
     )
 
 
-def last_length(found: Mapping[str, Array]) -> int:
-    """The last sphere of a chain with a length of the pulse that no wall touches, from 0; 0: none."""
-    good = np.flatnonzero(np.isfinite(found[MEASURES[3]][:-_AT_WALL]))
-    return int(good[-1]) if len(good) else 0
-
-
-def settled_from(found: Mapping[str, Array]) -> int:
-    """Sphere, the struck one as 1, from which on the length of the pulse is as at `last_length` but for 2 %."""
-    last, half = last_length(found), found[MEASURES[3]]
-    off = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > _SETTLED)
-    return int(off[-1] + 3 if len(off) else 1)
-
-
 def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tuple[float, float]:
-    """Mean of the largest velocities at two spheres of a chain, and the speed of the wave between them, m/s.
+    """Mean of the largest velocities at two spheres of a line, and speed of the wave between them, m/s.
 
-    NaN where the wave did not pass from the first to the second; spheres count from the struck one as 1.
+    Parameters
+    ----------
+    found
+        From `peaks`.
+    first, second
+        Places of the spheres along the line, from 1.
+    diameter
+        Distance between neighbours, m.
+
+    Returns
+    -------
+    tuple
+        (NaN, NaN) where the wave did not pass from the first to the second.
     """
     ends = [first - 1, second - 1]
     if second > len(found.time) or not np.diff(found.time[ends])[0] > 0:
@@ -146,7 +144,7 @@ def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tup
 
 @cache
 def theory() -> dict[str, float]:
-    """Lengths of Nesterenko's solitary wave by the four measures, in diameters."""
+    """Lengths of Nesterenko's solitary wave by the four measures of a pulse's length, by name, in diameters."""
     half_v = 2 * math.acos(0.5**0.25) / math.pi * LENGTH
     ends = [
         brentq(lambda x: math.cos(x) ** 3 * math.sin(x) - _LARGEST / 2, *span)
@@ -180,9 +178,3 @@ def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
         return np.nan
     after = force[int(gone[0]) :, place][time[int(gone[0]) :] < until]
     return float(after.max(initial=0.0) / peak)
-
-
-def speed_of(material: Material, peak: Array | float) -> Array | float:
-    """Speed of Nesterenko's solitary wave of a largest particle velocity, m/s (source, equation 3)."""
-    c2 = 2 * material.youngs_modulus / (math.pi * material.density * (1 - material.poisson_ratio**2))
-    return (16 / 25) ** 0.2 * c2**0.4 * peak**0.2

@@ -25,8 +25,8 @@ def refused(directories, output) -> list[str]:
 
 
 def test_studies_that_do_not_exist(runs, tmp_path):
-    with pytest.raises(InputError, match=r"--study: found directionl, expected one of: .*directional") as error:
-        write_report(runs, tmp_path / "r.md", ["directionl", "repeated-hits"])
+    with pytest.raises(InputError, match=r"--study: found tolerence, expected one of: .*tolerance") as error:
+        write_report(runs, tmp_path / "r.md", ["tolerence", "repeated-hits"])
     assert len(error.value.errors) == 1
     assert not list(tmp_path.glob("r*"))
 

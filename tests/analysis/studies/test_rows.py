@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from granwave.analysis.document.model import Table
@@ -38,6 +40,11 @@ def test_no_difference_is_given_from_a_bound() -> None:
 def test_a_verification_has_its_two_values_and_no_source(missing: dict[str, float | None]) -> None:
     with pytest.raises(ValueError, match="expected ours and theory, and no source"):
         dataclasses.replace(TESTS, **missing)
+
+
+def test_numbers_of_numpy_can_be_stored() -> None:
+    row = Row("waves", source=4.0, ours=np.int64(4), theory=np.float64(4.5))  # type: ignore[arg-type]
+    assert json.dumps([row.ours, row.theory]) == "[4, 4.5]"
 
 
 def test_a_row_without_a_value_is_refused() -> None:

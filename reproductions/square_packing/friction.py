@@ -1,0 +1,81 @@
+"""Square packing with friction.
+
+The spheres lie on the floor with their weight; friction between spheres, with walls and floor, and both. Loss of the
+peak velocity against the same impact without friction, at the places of sensors: spheres 6 and 15 of a central chain, 5
+and 8 of an edge chain, from the struck one as 1. The source finds more loss in the edge chains and suggests their
+second wall; it gives no number, and no coefficient of friction."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from packing import Packing
+
+import granwave as gw
+
+WHERE = "square packing, Wave Propagation Path"
+PLACES = [("central chains", 6), ("central chains", 15), ("edge chains", 5), ("edge chains", 8)]
+AT_STRUCK = "The striker and the next spheres of the central chains hold them back when they part sideways."
+ROLLING = "Theory: weight times coefficient times the way of every sphere; less where a sphere begins to roll."
+
+
+class Rubbing(Packing):
+    """A packing with coefficients of friction between spheres and with walls."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        self.frictions = self.case.contact.friction, self.case.boundary.friction
+        own, walls = self.frictions
+        parts = [f"friction {own:g} between spheres"] * (own > 0) + [f"{walls:g} with walls"] * (walls > 0)
+        self.label = " and ".join(parts)
+        self.largest = np.array([self.peaks[group].velocity[place - 1] for group, place in PLACES])
+
+    def lost_at_struck(self):
+        """Share of the friction between spheres at contacts of the struck ones."""
+        contacts = self.run.contacts
+        at = contacts.i.isin(self.struck) | contacts.j.isin(self.struck)
+        return contacts.friction_energy[at].sum() / contacts.friction_energy.sum()
+
+    def floor_work(self):
+        """Coefficient of the floor times the weight of every sphere times its way, over the input."""
+        places = self.run.fields.displacement.values[:, : self.size[0] * self.size[1], :2]
+        way = np.linalg.norm(np.diff(places, axis=0), axis=2).sum()
+        weight = self.case.sphere_mass * self.case.precompression.acceleration
+        return self.frictions[1] * weight * way / self.run["energy_input_J"]
+
+
+def measured(runs):
+    """Packings with friction in rising order of it, and the losses of their largest velocity, %: (n_runs, n_places)."""
+    smooth, *found = sorted(map(Rubbing, runs), key=lambda one: one.frictions)
+    return found, np.array([100 * (1 - one.largest / smooth.largest) for one in found])
+
+
+def rows(runs):
+    for one, losses in zip(*measured(runs), strict=True):
+        own, walls = one.frictions
+        # fmt: off
+        for (group, place), loss in zip(PLACES, losses, strict=True):
+            yield gw.Row(f"Loss of peak velocity, {group}, sphere {place}: {one.label}", "%", ours=loss, where=WHERE)
+        if own:
+            yield gw.Row(f"Share of the friction between spheres at contacts of the two struck ones: {one.label}", "%",
+                         ours=100 * one.lost_at_struck(), where=WHERE, remark=AT_STRUCK)
+        if walls and not own:
+            yield gw.Row(f"Lost to the floor: {one.label}", "% of input", ours=100 * one.run["friction_fraction"],
+                         theory=100 * one.floor_work(), where=WHERE, remark=ROLLING)
+        # fmt: on
+
+
+def pictures(runs):
+    found, losses = measured(runs)
+    own, walls = np.array([one.frictions for one in found]).T
+    data = {"contact_friction": own, "boundary_friction": walls}
+    figure = Figure((5.2, 2.6), layout="constrained")
+    axes = figure.subplots()
+    kinds = (("between spheres", walls == 0, "o-"), ("walls and floor", own == 0, "s--"))
+    for (group, place), lost in zip(PLACES, losses.T, strict=True):
+        word, colour = group.split()[0], "C0" if group == "central chains" else "C1"
+        data[f"{word}_sphere_{place}_loss_percent"] = lost
+        for kind, chosen, mark in kinds if place in (5, 6) else ():
+            x = np.maximum(own, walls)[chosen]
+            axes.plot([0, *x], [0, *lost[chosen]], mark, color=colour, markersize=3, label=f"{word}, {kind}")
+    axes.set(xlabel="Coefficient of friction", ylabel="Loss of peak velocity (%)", xlim=(0, None), ylim=(0, None))
+    figure.legend(loc="outside right upper")
+    yield gw.Picture("", "Loss of the waves by friction", figure, data)

@@ -1,0 +1,92 @@
+"""Square packing that a striker hits through a sphere at rest: chains from the struck spheres, pulses and energies.
+
+Sphere (X, Y) of the packing, from 1, has the id X + nx (Y - 1). A chain begins at a struck sphere, which is its sphere
+1, and holds no other struck one. Those along the impact are central chains, those across it edge chains.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from granwave.measures import energy_by_region, line_velocity, pulse_lengths, pulse_peaks
+from granwave.theory import solitary_lengths
+
+MEASURES = tuple(solitary_lengths())  # of the length of a pulse
+COLOURS = {
+    "central chains": "C0", "edge chains": "C9", "struck spheres": "C1", "strikers": "C4", "other spheres": "black",
+    "walls": "0.5", "dissipated": "C2",
+}  # fmt: skip
+
+
+VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # of the source's striker, m/s
+
+
+def source_impacts(runs):
+    """Elastic impacts at the source's velocities."""
+    elastic = [Packing(run) for run in runs if run.case.contact.law == "hertz"]
+    return [one for one in elastic if one.speed == VELOCITY[one.way]]
+
+
+class Packing:
+    """A struck packing; what is of a group of chains is of its first one, for all are alike by symmetry."""
+
+    def __init__(self, run):
+        self.run, self.case, self.diameter = run, run.case, run.case.packing.diameter
+        at_rest, striker = run.case.striker
+        self.struck, self.speed = at_rest.touches, max(striker.velocity)  # m/s
+        self.way = "out-of-plane" if striker.velocity[2] else "in-plane"
+        self.size = run.case.packing.size
+
+    @cached_property
+    def chains(self):
+        """Ids of the spheres of all chains, by group."""
+        (nx, ny), found = self.size, {"central chains": [], "edge chains": []}
+        for one in self.struck:
+            y, x = divmod(one - 1, nx)
+            for count, step, group in (
+                (nx - x, 1, "central chains"), (x + 1, -1, "central chains"),
+                (ny - y, nx, "edge chains"), (y + 1, -nx, "edge chains"),
+            ):  # fmt: skip
+                ids = one + step * np.arange(count)
+                if count > 1 and len(np.intersect1d(ids, self.struck)) == 1:
+                    found["central chains" if self.way == "out-of-plane" else group].append(ids)
+        return {group: chains for group, chains in found.items() if chains}
+
+    @cached_property
+    def time(self):
+        return self.run.result.frame_times
+
+    @cached_property
+    def velocity(self):
+        """Velocities along the first chain of each group, (n_times, n_spheres), m/s."""
+        return {group: line_velocity(self.run.result, chains[0]) for group, chains in self.chains.items()}
+
+    @cached_property
+    def peaks(self):
+        return {group: pulse_peaks(self.time, found, self.diameter) for group, found in self.velocity.items()}
+
+    @cached_property
+    def lengths(self):
+        return {group: pulse_lengths(self.time, found, self.diameter) for group, found in self.velocity.items()}
+
+    @cached_property
+    def energies(self):
+        """Shares of the input in time, the struck spheres apart from their chains."""
+        n, chains = self.size[0] * self.size[1], self.chains.items()
+        regions = {group: np.concatenate([ids[1:] for ids in members]) for group, members in chains}
+        return energy_by_region(self.run.result, regions | {"struck spheres": self.struck, "strikers": [n + 1, n + 2]})
+
+    @cached_property
+    def settled(self):
+        """Shares of the input: chains at most, struck spheres and strikers when they have rebounded, losses at the end.
+
+        They have rebounded when the struck spheres hold most after they held least.
+        """
+        struck = self.energies["struck spheres"]
+        least = struck[struck.argmax() :].argmin() + struck.argmax()
+        rebounded = least + struck[least:].argmax()
+        at = {"struck spheres": rebounded, "strikers": rebounded}
+        return {
+            name: share.max() if name in self.chains else share[at.get(name, -1)]
+            for name, share in self.energies.items()
+        }

@@ -1,0 +1,63 @@
+"""Square packing with yielding.
+
+The same impacts with the elasto-plastic law, which the source did not do."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from packing import COLOURS, Packing
+
+import granwave as gw
+
+FIRST, SECOND = 2, 6  # spheres of a central chain
+COLOURS = COLOURS | {"edge chains": "black"}
+
+
+def select(runs):
+    """By way of impact, in rising order of the striker's velocity."""
+    packings = sorted(
+        (Packing(run) for run in runs if run.case.contact.law == "elastoplastic"), key=lambda one: one.speed
+    )
+    series = [[one for one in packings if one.way == way] for way in ("in-plane", "out-of-plane")]
+    return [one for one in series if one]
+
+
+def name(series):
+    return f"square-yielding-{series[0].way}"
+
+
+def title(series):
+    return f"Square packing with yielding, {series[0].way} impact"
+
+
+def text(series):
+    material = series[0].case.material
+    return (
+        f"The same impacts with the elasto-plastic law and a yield strength of {1e-6 * material.yield_strength:g} MPa "
+        f"({material.name}: {material.source}), which the source did not do. Harder spheres lose less. In the chains: "
+        "the most they ever held."
+    )
+
+
+def rows(series):
+    for one in series:
+        at, largest = f"{one.speed:g} m/s, {one.way}", one.velocity["central chains"].max(axis=0)
+        # fmt: off
+        for what, region in (("Dissipated", "dissipated"), ("Most in central chains", "central chains")):
+            yield gw.Row(f"{what} at {at}", "% of input", ours=100 * one.settled[region], where="ours alone")
+        yield gw.Row(f"Peak velocity at sphere {SECOND} over that at sphere {FIRST}, {at}", where="ours alone",
+                     ours=largest[SECOND - 1] / largest[FIRST - 1])
+        # fmt: on
+
+
+def pictures(series):
+    figure = Figure((3.5, 2.4), layout="constrained")
+    axes = figure.subplots()
+    speed = np.array([one.speed for one in series])
+    data = {"striker_velocity_m_s": speed}
+    for region in ("dissipated", *series[0].chains, "struck spheres", "strikers"):
+        share = np.array([one.settled[region] for one in series])
+        axes.semilogx(speed, 100 * share, "o-", markersize=3, color=COLOURS[region], label=region)
+        data[f"{region.replace(' ', '_')}_over_input"] = share
+    axes.set(xlabel="Velocity of the striker (m/s)", ylabel="Energy (% of input)", ylim=(0, 105))
+    axes.legend(loc="center right")
+    yield gw.Picture("", f"Where the energy goes, {series[0].way} impact", figure, data)

@@ -1,0 +1,113 @@
+"""Square packings that a sphere strikes: energies and waves of the source; yielding, friction, directions."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.analysis.studies.study import make_studies
+from tests.helpers.scripts import FOLDER, columns, row, study_of
+
+#: A packing of 8 x 10 that the strikers hit between X1Y5 and X1Y6.
+SMALL = {"packing.size": [8, 10], "striker.1.touches": [33, 41], "striker.2.touches": 81, "sensor": []}
+
+
+def run(directory: Path, name: str = "square-in-plane", **changes: Any) -> gw.Run:
+    found = gw.run(name, changes, directory=directory, progress=False)
+    assert found["energy_balance_error"] < 1e-5
+    return found
+
+
+@pytest.fixture(scope="module")
+def in_plane(tmp_path_factory: pytest.TempPathFactory) -> gw.Run:
+    return run(tmp_path_factory.mktemp("square") / "in")
+
+
+@pytest.fixture(scope="module")
+def out_of_plane(tmp_path_factory: pytest.TempPathFactory) -> gw.Run:
+    return run(tmp_path_factory.mktemp("square") / "out", "square-out-of-plane")
+
+
+def test_energies_of_the_source(in_plane: gw.Run, out_of_plane: gw.Run) -> None:
+    made = make_studies({str(FOLDER / "square_packing/impacts.py"): [in_plane, out_of_plane]})
+    assert [study.name for study in made] == ["square-in-plane", "square-out-of-plane"]
+    for study, count in zip(made, (2, 3), strict=True):
+        energies = [one for one in study.rows if one.quantity.startswith("Energy in") and one.kind == "source"]
+        assert len(energies) == count and not study.failed and len(study.pictures) == 3
+        for one in energies:
+            assert one.ours == pytest.approx(one.source, abs=0.1)  # % of the input
+        waves = row(study, "Chains with a wave")
+        assert waves.ours == waves.source
+        assert row(study, "Most energy in other spheres").ours < 1e-4
+
+
+def test_all_energy_is_accounted_for(in_plane: gw.Run) -> None:
+    shares = gw.measures.energy_by_region(in_plane.result, {"strikers": [401, 402], "struck": [181, 201]})
+    assert list(shares) == ["strikers", "struck", "other spheres", "walls", "dissipated"]
+    np.testing.assert_allclose(sum(shares.values()), 1.0, atol=2e-5)
+    assert shares["strikers"][0] == pytest.approx(1.0)
+
+
+def test_wave_is_nesterenkos_but_shorter(in_plane: gw.Run) -> None:
+    chain = np.arange(181, 201)
+    time, diameter = in_plane.result.frame_times, in_plane.case.packing.diameter
+    velocity = gw.measures.line_velocity(in_plane.result, chain)
+    np.testing.assert_allclose(velocity, in_plane.fields.velocity.sel(id=chain, axis="x"), atol=1e-12)
+    lengths, theory = gw.measures.pulse_lengths(time, velocity, diameter), gw.theory.solitary_lengths()
+    assert theory["fit of velocity"] == pytest.approx(4.967, abs=1e-3)
+    ratio = [lengths[name][12] / expected for name, expected in theory.items()]
+    np.testing.assert_allclose(ratio, [0.871, 0.890, 0.875, 0.873], atol=0.004)
+
+
+def test_sensors(in_plane: gw.Run) -> None:
+    study = study_of("square_packing/sensor_signals.py", [in_plane])
+    factor = row(study, "Factor of the speed against the peak force (equation 3), central")
+    assert factor.ours == pytest.approx(factor.theory, rel=2e-3)
+    peak = row(study, "Peak acceleration at sensor 1C")
+    assert peak.ours == pytest.approx(in_plane["sensor_1C_peak_acceleration_m_s2"], rel=1e-3)
+    assert row(study, "Acceleration across").ours < 1e-6 > row(study, "Largest acceleration at sensor 2D").ours
+    assert np.max(columns(study)["1C_along_m_s2"]) == pytest.approx(peak.ours, rel=1e-2)
+
+
+def test_speeds_and_directions(in_plane: gw.Run, tmp_path: Path) -> None:
+    less = {"sensor": [], "run.frames": 121}
+    slow = run(tmp_path / "slow", **less, **{"striker.2.velocity": [0.05, 0, 0], "run.end_time": 1e-3})
+    fast = run(tmp_path / "fast", **less, **{"striker.2.velocity": [5.0, 0, 0], "run.end_time": 4.5e-4})
+    study = study_of("square_packing/wave_speed.py", [fast, in_plane, slow])
+    for name in ("central", "edge"):
+        power = row(study, f"Exponent of wave speed against particle velocity, {name} chains, in-plane")
+        assert power.kind == "verification" and power.ours == pytest.approx(power.theory, abs=5e-4)
+    speed, velocity = study.rows[1], columns(study)["central_chains_in_plane_peak_velocity_m_s"][1]
+    assert speed.theory == pytest.approx(464.6 * (velocity / 0.1187) ** 0.2, rel=1e-3)
+    assert speed.ours == pytest.approx(speed.theory, rel=0.012)
+    study = study_of("square_packing/directions.py", [fast, in_plane, slow])
+    (along,) = study.rows  # of the fastest, which loses nothing
+    assert along.quantity == "Energy along contacts: square, elastic, 5 m/s, in-plane"
+    assert along.ours == pytest.approx(100) and along.theory == pytest.approx(100 / 3)
+
+
+def test_yielding_leaves_little_for_the_waves(tmp_path: Path) -> None:
+    changes = {"contact.law": "elastoplastic", "packing.size": [12, 12], "run.frames": 121}
+    places = {"striker.1.touches": [61, 73], "striker.2.touches": 145}
+    study = study_of("square_packing/yielding.py", [run(tmp_path, **SMALL | changes | places)])
+    assert row(study, "Dissipated at 0.29 m/s").ours > 85 and row(study, "Most in central chains").ours < 20
+    assert all(one.source is None for one in study.rows)
+
+
+@pytest.mark.validation
+def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
+    changes = {"precompression.kind": "gravity", "run.frames": 121, "run.end_time": 5e-4, "boundary.friction": 0.0}
+    wide = {"packing.size": [16, 16], "striker.1.touches": [113, 129], "striker.2.touches": 257}
+    both = ({"contact.friction": 0.0}, {"contact.friction": 0.2}, {"boundary.friction": 0.3})
+    runs = [run(tmp_path / str(n), **SMALL | wide | changes | one) for n, one in enumerate(both)]
+    study = study_of("square_packing/friction.py", runs)
+    own = "friction 0.2 between spheres"
+    assert 1 < row(study, f"Loss of peak velocity, central chains, sphere 6: {own}").ours < 4
+    assert 30 < row(study, f"Loss of peak velocity, edge chains, sphere 5: {own}").ours < 55
+    assert row(study, f"Share of the friction between spheres at contacts of the two struck ones: {own}").ours > 60
+    lost = row(study, "Lost to the floor")
+    assert lost.ours == pytest.approx(lost.theory, rel=0.1)
