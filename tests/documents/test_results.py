@@ -11,6 +11,7 @@ from types import ModuleType, SimpleNamespace
 import h5py
 import pytest
 
+import granwave as gw
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row, make_studies
@@ -18,8 +19,9 @@ from granwave.workflows import load_case, load_scan, run_case
 from tests.documents.pages import ROOT
 
 SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
+SENSOR_CHAIN = str(ROOT / "reproductions" / "square_packing" / "sensor_chain.py")
 #: Quick cases, their study, and the suite that has their rows.
-QUICK = (("homogeneous-chain", "homogeneous-chain", "chains"), ("sensor-chain", "sensor-chain", "square"))
+QUICK = (("homogeneous-chain", "homogeneous-chain", "chains"), ("sensor-chain", SENSOR_CHAIN, "square"))
 
 
 def program(name: str) -> ModuleType:
@@ -48,12 +50,14 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> dict[str, FinishedRun]
 
 
 def rows_of(study: str, run: FinishedRun) -> dict[str, Row]:
-    (made,) = make_studies({study: [run]})
+    (made,) = make_studies({study: [gw.load(run.directory) if study.endswith(".py") else run]})
     return {row.quantity: row for row in made.rows}
 
 
 def stored_rows(suite: str, study: str) -> dict[str, Row]:
-    return {one["quantity"]: TABLE.row_of(one) for one in STORED["suites"][suite]["studies"][study]["rows"]}
+    studies = {name.replace("_", "-"): one for name, one in STORED["suites"][suite]["studies"].items()}
+    rows = studies[Path(study).stem.replace("_", "-")]["rows"]
+    return {one["quantity"]: TABLE.row_of(one) for one in rows}
 
 
 @pytest.mark.parametrize(("name", "study", "suite"), QUICK)

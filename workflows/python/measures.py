@@ -2,9 +2,12 @@
 
 from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
+from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
+from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
 from granwave.analysis.measures.signals import power as power_law
+from granwave.analysis.measures.waves.directions import directions
 from granwave.analysis.measures.waves.pulses import lengths as pulse_lengths
 from granwave.analysis.measures.waves.pulses import peaks as pulse_peaks
 from granwave.analysis.measures.waves.pulses import reflection
@@ -15,6 +18,7 @@ __all__ = [
     "Chain",
     "arrival",
     "at_time",
+    "directions",
     "estimate",
     "exponential_decay",
     "first_peak",
@@ -23,7 +27,10 @@ __all__ = [
     "pulse_lengths",
     "pulse_peaks",
     "reflection",
+    "sensor_accelerations",
+    "sensor_velocities",
     "space_time_transform",
+    "speed_along_layers",
     "two_region_decay",
     "width",
 ]
