@@ -27,7 +27,13 @@ def sensor_forces(result: Result) -> Arrays:
 
 
 def sensor_accelerations(result: Result) -> Arrays:
-    """Acceleration of every sensor at the instants of ``/probes/time``, by its name: (n_times, 3), m/s^2."""
+    """Acceleration of every sensor of a packing, by its name: (n_times, 3), m/s^2.
+
+    Parameters
+    ----------
+    result
+        Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
+    """
     found = {}
     for name, sphere, force in _probed(result, "f"):
         row = int(result.rows(sphere))
@@ -36,7 +42,13 @@ def sensor_accelerations(result: Result) -> Arrays:
 
 
 def sensor_velocities(result: Result) -> Arrays:
-    """Velocity of every sensor at the same instants, by its name: (n_times, 3), m/s."""
+    """Velocity of every sensor of a packing, by its name: (n_times, 3), m/s.
+
+    Parameters
+    ----------
+    result
+        Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
+    """
     return {name: velocity for name, _, velocity in _probed(result, "v")}
 
 

@@ -18,11 +18,6 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "sensors-in-square": "square.sensors",
-    "twin-sensors": "square.twin_sensors",
-    "defects-speed": "square.defects",
-    "sensor-chain": "square.sensor_chain",
-    "load-cell": "square.load_cell",
     "precompressed-small-pulses": "precompression.small_pulses",
     "precompressed-waves": "precompression.solitary_waves",
     "precompressed-transition": "precompression.transition",

@@ -18,8 +18,9 @@ from tests.documents.pages import ROOT
 
 SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
 HOMOGENEOUS = str(ROOT / "reproductions" / "composite_chains" / "homogeneous_chain.py")
+SENSOR_CHAIN = str(ROOT / "reproductions" / "square_packing" / "sensor_chain.py")
 #: Quick cases and their study.
-QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", "sensor-chain"))
+QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 
 def program(name: str) -> ModuleType:

@@ -75,8 +75,8 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
         ("scan.toml", ["scan", "restitution"]),
         ("scan.csv", ["scan", "restitution"]),
         ("report.html", ["scan", "restitution"]),
-        ("suite.json", ["scan", "square"]),
-        ("scan.toml", ["scan", "square"]),
+        ("suite.json", ["scan", "protection"]),
+        ("scan.toml", ["scan", "protection"]),
     ],
 )
 def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):

@@ -86,7 +86,10 @@ def test_no_built_in_case_or_material_is_unusual(caplog: pytest.LogCaptureFixtur
         path = library.find(name)
         solver_of(read_toml(path)).read(read_toml(path), path)
     reproductions = Path(__file__).parents[2] / "reproductions"
-    for name in ("thesis/chapter_3/intruder-properties.toml", "composite_chains/brass.toml"):  # a hundred times as stiff
+    for name in (
+        "thesis/chapter_3/intruder-properties.toml",
+        "composite_chains/brass.toml",
+    ):  # a hundred times as stiff
         load_scan(reproductions / name, here=False)
     for material in presets().values():
         for field in dataclasses.fields(Material):

@@ -63,9 +63,7 @@ def size_of(assembly: Assembly) -> Size:
         reach = extents(sites.diameter / 2, shapes)[there]
         place = sites.positions(1, lattice.n_spheres)[there]
         low, high = (place - reach).min(axis=0), (place + reach).max(axis=0)
-        mass = float(
-            assembly.sphere_masses()[: int(there.sum())].sum()
-        )  # without strikers
+        mass = float(assembly.sphere_masses()[: int(there.sum())].sum())  # without strikers
     x, y, z = (high - low).tolist()
     return Size(mass, z, (x, y))
 

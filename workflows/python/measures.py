@@ -3,13 +3,14 @@
 from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.impact.energies import energy_by_region
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
-from granwave.analysis.measures.sensors import sensor_accelerations
+from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
+from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
 from granwave.analysis.measures.signals import power as power_law
+from granwave.analysis.measures.waves.directions import directions, travelling_frame
 from granwave.analysis.measures.waves.directions import energy_of_spheres as sphere_energies
 from granwave.analysis.measures.waves.directions import spread as directional_spread
-from granwave.analysis.measures.waves.directions import travelling_frame
 from granwave.analysis.measures.waves.pulses import lengths as pulse_lengths
 from granwave.analysis.measures.waves.pulses import line_velocity, reflection, speed_between
 from granwave.analysis.measures.waves.pulses import peaks as pulse_peaks
@@ -21,6 +22,7 @@ __all__ = [
     "arrival",
     "at_time",
     "directional_spread",
+    "directions",
     "energy_by_region",
     "estimate",
     "exponential_decay",
@@ -32,7 +34,9 @@ __all__ = [
     "pulse_peaks",
     "reflection",
     "sensor_accelerations",
+    "sensor_velocities",
     "space_time_transform",
+    "speed_along_layers",
     "speed_between",
     "sphere_energies",
     "travelling_frame",

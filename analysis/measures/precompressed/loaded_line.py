@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import jv, jvp
 
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 
@@ -90,11 +91,17 @@ class Line:
         return self.frequency * self.overlap
 
 
-def line_of(case: Case, law: ContactLaw) -> Line:
+def line_of(case: Case, law: ContactLaw | None = None) -> Line:
     """The line of a precompressed chain, fcc or hcp packing of like spheres.
 
     Where the sides are periodic, the load makes the contacts of a packing less steep.
+
+    Parameters
+    ----------
+    law
+        Between two spheres, by default that of the case.
     """
+    law = sphere_contact(case) if law is None else law
     force, diameter, mass = force_of_contact(assemble(case)), case.packing.diameter, case.sphere_mass
     if case.packing.kind == "chain":
         overlap = static_overlap(law, force)

@@ -60,7 +60,13 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 
 
 def directions(result: Result) -> Array:
-    """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck ones and strikers."""
+    """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck ones and strikers.
+
+    Parameters
+    ----------
+    result
+        Of a run, ``run.result``.
+    """
     struck, positions = struck_rows(result), result["spheres/position"]
     _, row = nearest(positions, positions[struck])
     offset = positions - positions[struck][row]

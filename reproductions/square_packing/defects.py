@@ -1,0 +1,90 @@
+"""Wave speed with defects.
+
+Power of the wave speed with the force. Of like spheres it is 1/6; the source quotes 1/4 for packings with defects and
+little precompression, from others' work on hexagonal ones, and gives neither tolerance nor load. Ours: small waves in
+precompressed packings (the force of a contact goes with the pressure), and waves of an impact in a square packing whose
+scattered spheres stay at their sites, with gaps (peak force of the contacts, sphere 6 to 10 of a central chain, means
+over seeds). Local powers are those of two neighbouring loads.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import power_law, pulse_peaks, speed_along_layers
+from granwave.theory import precompressed_line
+
+FIRST, LAST = 6, 10  # spheres between which the speed is measured, from the struck one as 1
+BACKGROUND = {"where": "square packing, 2-D Background"}
+FCC, SQUARE = "fcc under pressure", "square struck in its plane"
+
+
+def under_pressure(run):
+    """Pressure (Pa), and speed of small waves (m/s)."""
+    return run.case.precompression.pressure, speed_along_layers(run.result, precompressed_line(run.case))
+
+
+def struck(run):
+    """Peak force (N) and speed (m/s) of the wave in a central chain."""
+    case, first = run.case, run.case.striker[0].touches[0]
+    ids = np.arange(first, first + case.packing.size[0])
+    velocity = run.fields.velocity.sel(id=ids, axis="x").to_numpy()
+    when = pulse_peaks(run.fields.time.to_numpy(), velocity, case.packing.diameter).time
+    forces = run.contacts.set_index(["i", "j"]).peak_force
+    force = np.mean([forces[one, one + 1] for one in ids[FIRST - 1 : LAST]])
+    return force, (LAST - FIRST) * case.packing.diameter / (when[LAST - 1] - when[FIRST - 1])
+
+
+def measured(runs):
+    """Loads (Pa or N) and speeds (m/s) in rising order, by packing and tolerance (m), means over seeds."""
+    found = {}
+    for run in runs:
+        fcc, case = run.case.packing.kind == "fcc", run.case
+        key = FCC if fcc else SQUARE, case.packing.diameter_scatter
+        load = case.precompression.pressure if fcc else case.striker[1].velocity
+        found.setdefault(key, {}).setdefault(load, []).append(under_pressure(run) if fcc else struck(run))
+    means = {key: [np.mean(seeds, axis=0).tolist() for seeds in found[key].values()] for key in sorted(found)}
+    return {key: np.transpose(sorted(points)) for key, points in means.items()}
+
+
+def label(packing, scatter):
+    return f"{packing}, " + (f"scatter {1e6 * scatter:g} µm" if scatter else "like spheres")
+
+
+def rows(runs):
+    for (packing, scatter), (load, speed) in measured(runs).items():
+        name, unit = label(packing, scatter), "Pa" if packing == FCC else "N"
+        quantity = f"Power of the wave speed with the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
+        whole, local = power_law(load, speed).exponent, np.diff(np.log(speed)) / np.diff(np.log(load))
+        # fmt: off
+        if not scatter:
+            yield gw.Row(quantity, ours=whole, theory=1 / 6, verification=packing == SQUARE, **BACKGROUND,
+                         remark="Similarity forces it on any correct elastic code.")
+        else:
+            yield gw.Row(quantity, source=0.25, ours=whole, **BACKGROUND,
+                         remark=f"No single power: from {local[0]:.3f} at the lowest loads to {local[-1]:.3f} at the "
+                         "highest. Defects make waves slower, weak ones most; the source says faster.")
+            yield gw.Row(f"The same at the lowest loads, {name}", ours=local[0], **BACKGROUND)
+            yield gw.Row(f"The same at the highest loads, {name}", ours=local[-1], theory=1 / 6, **BACKGROUND)
+        # fmt: on
+
+
+def pictures(runs):
+    found = measured(runs)
+    for packing, name, quantity, unit in (
+        (FCC, "_pressure", "the static pressure", "Pressure (Pa)"),
+        (SQUARE, "_force", "the peak force of the wave", "Peak force (N)"),
+    ):
+        shown = {key: pair for key, pair in found.items() if key[0] == packing}
+        if not shown:
+            continue
+        figure = Figure((3.5, 3.2), layout="constrained")
+        axes, data = figure.subplots(), {}
+        for (key, (load, speed)), mark in zip(shown.items(), "os", strict=False):
+            axes.loglog(load, speed, f"{mark}-", markersize=3.5, label=label(*key))
+            data |= {f"scatter_{1e6 * key[1]:g}_um_load": load, f"scatter_{1e6 * key[1]:g}_um_speed_m_s": speed}
+        for power, line, text in ((1 / 6, ":k", "1/6"), (1 / 4, "--k", "1/4")):
+            axes.loglog(load, speed[-1] * (load / load[-1]) ** power, line, label=text)
+        axes.set(xlabel=unit, ylabel="Wave speed (m/s)")
+        figure.legend(loc="outside upper center", ncols=2, fontsize=7)
+        yield gw.Picture(name, f"Wave speed against {quantity}, with scattered diameters", figure, data)

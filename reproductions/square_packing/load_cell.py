@@ -1,0 +1,80 @@
+"""Spheres with sensors in a chain on a load cell.
+
+A struck chain with a load cell at its end: a plate on a spring, whose force is what the cell reads. Spheres 6, 11 and
+16, one by one and together, have the mass of a sphere with a sensor. Given are the change of the first peak that the
+cell reads and of its width at half maximum, against like spheres. The source sees no change of the wave length and no
+clear trend of the amplitude in ten impacts each; it tells neither mass nor stiffness of the cell, nor how well impacts
+repeat. Ours of the cell are assumed; a rigid wall in its place changes as much.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import first_peak, width
+
+ENDS = ("load cell", "rigid wall")
+SETUP = {"where": "square packing, Experimental Setup"}
+
+
+class Reading:
+    """What the cell reads, the force of its spring, or the force on the wall: time (s), force (N) and first peak."""
+
+    def __init__(self, run):
+        case = run.case
+        self.end = ENDS[case.boundary.bottom_support is None]
+        self.lighter = [number for one in case.replace for number in one.index]
+        self.mass_ratio = min((one.material.density for one in case.replace), default=0) / case.material.density
+        self.spheres = named(self.lighter)
+        wall = run.walls[run.walls.wall == "bottom"]
+        self.time = wall.time.to_numpy()
+        self.force = wall["ground_force" if self.end == ENDS[0] else "force"].to_numpy()
+        self.when, self.peak = first_peak(self.time, self.force, floor=0.5)
+        felt = self.time[np.argmax(wall.force > 0.01 * wall.force.max())]
+        near = self.time < self.when + 2 * (self.when - felt)
+        self.width = width(self.time[near], self.force[near])
+
+
+def named(numbers):
+    """``like spheres``, ``sphere 6``, ``spheres 6, 11 and 16``."""
+    if not numbers:
+        return "like spheres"
+    *others, last = map(str, numbers)
+    return f"spheres {', '.join(others)} and {last}" if others else f"sphere {last}"
+
+
+def by_end(runs):
+    """Readings at each end, that of like spheres first."""
+    found = sorted(map(Reading, runs), key=lambda one: (len(one.lighter), one.lighter))
+    return {end: [one for one in found if one.end == end] for end in ENDS}
+
+
+def rows(runs):
+    for end, (like, *others) in by_end(runs).items():
+        yield gw.Row(f"First peak, like spheres, {end}", "N", ours=like.peak, **SETUP)
+        for one in others:
+            where = f"{end}, {one.mass_ratio:.3g} of the mass: {one.spheres}"
+            higher, longer = 100 * (one.peak / like.peak - 1), 100 * (one.width / like.width - 1)
+            # fmt: off
+            yield gw.Row(f"Change of the first peak, {where}", "%", ours=higher, **SETUP,
+                         remark="The source: no clear trend.")
+            yield gw.Row(f"Change of its width, {where}", "%", ours=longer, **SETUP,
+                         remark="The source: no measurable change.")
+            # fmt: on
+
+
+def pictures(runs):
+    figure = Figure((7, 3), layout="constrained")
+    panels, data = figure.subplots(1, 2, sharey=True), {}
+    for axes, (end, found) in zip(panels, by_end(runs).items(), strict=True):
+        first, last = (pick(one.when + s * one.width for one in found) for pick, s in ((min, -1.5), (max, 1.5)))
+        grid = np.linspace(first, last, 400)
+        data[f"{end}_time_s".replace(" ", "_")] = grid
+        for one in found:
+            axes.plot(1e6 * one.time, one.force, linewidth=0.9, label=one.spheres)
+            name = "_".join([end, "spheres", *map(str, one.lighter)] if one.lighter else [end, "like_spheres"])
+            data[f"{name}_N".replace(" ", "_")] = np.interp(grid, one.time, one.force)
+        axes.set(title=end, xlabel="Time (µs)", xlim=(1e6 * first, 1e6 * last), ylim=(0, None))
+    panels[0].set_ylabel("Force (N)")
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=7)
+    yield gw.Picture("", "Force that the load cell, or the rigid wall, at the end of the chain feels", figure, data)

@@ -1,0 +1,63 @@
+"""A lighter sphere in a chain.
+
+Largest contact force of what comes back, over that of the incident wave, four contacts before the sphere, until waves
+from the far end can arrive. The source does not say which amplitude it took, nor where.
+"""
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import Chain, reflection
+
+BEFORE = 4  # contacts between the lighter sphere and the one at which the reflection is measured
+SOLID, SENSOR, LIMIT = 28.79, 26.52, 1.2  # g, as the source weighed them; % of the incident wave
+SETUP = {"where": "square packing, Experimental Setup"}
+
+
+def measured(runs):
+    """Mass of the sphere over the others', reflected share (%), record and force there, by rising mass."""
+    found = []
+    for run in runs:
+        chain, (sphere,) = Chain(run), run.case.replace
+        place = sphere.index[0] - BEFORE  # the contact of the striker is number 0
+        share = 100 * reflection(chain.time, chain.force, place, BEFORE + 2)
+        found.append((sphere.material.density / run.case.material.density, share, chain, chain.force[:, place]))
+    return sorted(found, key=lambda one: one[0])
+
+
+def rows(runs):
+    for ratio, share, chain, _ in measured(runs):
+        weighed = abs(ratio - SENSOR / SOLID) < 0.005
+        # fmt: off
+        if weighed:
+            yield gw.Row("Mass of a solid sphere", "g", SOLID, 1e3 * chain.mass, **SETUP,
+                         remark="Weighed; the density and the diameter of the source give ours.")
+            yield gw.Row("Mass of a sphere with a sensor", "g", SENSOR, 1e3 * ratio * chain.mass, **SETUP,
+                         remark="In the ratio of the weighed.")
+            yield gw.Row("Their ratio", "%", 92.0, 100 * ratio, **SETUP)
+        yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the others' mass", "% of the wave",
+                     LIMIT if weighed else None, share, **SETUP, bound=weighed,
+                     remark="The source: less than 1.2 %." if weighed else "")
+        # fmt: on
+
+
+def pictures(runs):
+    found = measured(runs)
+    ratios, shares = np.array([one[:2] for one in found]).T
+    figure = Figure((7, 2.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    left.plot(100 * ratios, shares, "o-", markersize=3, label="simulation")
+    left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="source: less than this")
+    left.set(xlabel="Mass of the sphere (% of the others')", ylabel="Reflection (% of the wave)", ylim=(0, None))
+    left.legend()
+    data = {"mass_ratio": ratios, "reflection_percent": shares}
+    for n, (ratio, _, chain, force) in enumerate(found):
+        scaled, colour = force / force.max(), colormaps["viridis"](0.9 * n / len(found))
+        right.plot(1e6 * chain.time, 100 * scaled, color=colour, linewidth=0.9, label=f"{100 * ratio:.3g} %")
+        data |= {"time_s": chain.time, f"mass_{100 * ratio:.3g}_percent_force_over_incident": scaled}
+    right.set(xlabel="Time (µs)", ylabel="Force over the incident wave's (%)", ylim=(0, 25), xlim=(0, None))
+    right.legend(ncols=2, fontsize=7, title="mass")
+    caption = f"Reflection of a lighter sphere in a chain, and the waves {BEFORE} contacts before it, by its mass"
+    yield gw.Picture("", caption, figure, data)
