@@ -2,6 +2,7 @@
 
 from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
+from granwave.analysis.measures.precompressed.line_waves import long_wave_speed, speed_along_layers
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
 from granwave.analysis.measures.signals import power as power_law
@@ -18,12 +19,14 @@ __all__ = [
     "estimate",
     "exponential_decay",
     "first_peak",
+    "long_wave_speed",
     "maxima",
     "power_law",
     "pulse_lengths",
     "pulse_peaks",
     "reflection",
     "space_time_transform",
+    "speed_along_layers",
     "two_region_decay",
     "width",
 ]

@@ -3,35 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import save, style
-from granwave.analysis.measures.chains.hertz_chain import discrete_speed
-from granwave.analysis.measures.precompressed import loaded_line as theory
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.chains.runs import ChainRun
 from granwave.analysis.studies.precompression import hits
-from granwave.analysis.studies.precompression.packing_speed import SmallWave
 from granwave.analysis.studies.precompression.runs import DentedRun
 from granwave.analysis.studies.precompression.settled import contacts_a_sphere
-from granwave.analysis.studies.precompression.waves import ChainWave
-from granwave.analysis.studies.registry import STUDIES
 from granwave.analysis.studies.runs import FinishedRun, grouped
 from granwave.analysis.studies.study import Row, Study, make_studies
-from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, load_scan, run_case
 
 FEW = {"run.frames": 2}
 SCANS = (
-    "precompression-force", "precompression-amplitude", "precompression-transition",
     "precompressed-packings", "precompressed-impact", "settled-packings", "preconditioned-chain-force", "preconditioned-packing",
 )  # fmt: skip
 
@@ -49,124 +40,6 @@ def made(name: str, *runs: FinishedRun) -> Study:
 def row(study: Study, start: str) -> Row:
     (found,) = [row for row in study.rows if row.quantity.startswith(start)]
     return found
-
-
-# ---------------------------------------------------------------------- theory
-
-
-def test_limits_of_the_composite_source_equation_3() -> None:
-    """Limits of the closed form: c0 for f_r to 1, equation 4 for f_r to infinity. Only a last digit is misprinted."""
-    assert theory.solitary_speed(np.array([1 + 1e-9, 1 + 1e-3])) == pytest.approx([1, 1 + 1e-3 / 18], abs=1e-7)
-    far = np.array([1e12])
-    assert theory.solitary_speed(far) / far ** (1 / 6) == pytest.approx(math.sqrt(8 / 15), rel=1e-6)
-    assert theory.PRINTED_FACTOR * math.sqrt(8 / 15) == pytest.approx(0.6802, abs=5e-5)
-    assert pytest.approx(theory.PRINTED_FACTOR, rel=1e-4) == theory.EXACT_FACTOR
-
-
-def test_long_waves_of_a_chain_have_the_speed_of_equation_3() -> None:
-    case = load_case("precompressed-chain", {"precompression.force": 7.0})
-    line = theory.line_of(case, sphere_contact(case))
-    assert line.speed / theory.printed_speed(case, 7.0) == pytest.approx(theory.EXACT_FACTOR / theory.PRINTED_FACTOR)
-
-
-def test_lattice_waves_lie_between_small_pulses_and_the_uncompressed_chain() -> None:
-    ratio = np.array([1.0, 1.01, 1e5])
-    over = theory.lattice_speed(ratio) / theory.solitary_speed(ratio)
-    assert over == pytest.approx([1, 1, discrete_speed()], rel=2e-4)
-
-
-def test_crests_of_a_struck_linear_line() -> None:
-    """Closed form against integrated equations of motion (k = m = v = 1)."""
-    n, dt = 40, 2e-3
-    u, v = np.zeros(n), np.zeros(n)
-    v[0] = 1.0
-    times = np.arange(1, 12_000) * dt
-    speeds, forces = np.empty((len(times), n)), np.empty((len(times), n - 1))
-    for k in range(len(times)):
-        u += dt * v / 2
-        force = u[:-1] - u[1:]
-        v[:-1] -= dt * force
-        v[1:] += dt * force
-        u += dt * v / 2
-        speeds[k], forces[k] = v, u[:-1] - u[1:]
-    chosen = np.array([3, 8, 15])
-    assert 2 * times[speeds.argmax(axis=0)[chosen - 1]] == pytest.approx(theory.crest_times(chosen), rel=1e-3)
-    assert forces.max(axis=0)[chosen - 1] == pytest.approx(theory.crest_force(chosen), rel=1e-4)
-
-
-def test_contact_force_of_a_packing_is_that_of_its_mean_stress() -> None:
-    """Force f = p D^2/(2 sqrt 2): uniaxial by equilibrium of a layer, uniform by the virial; flattened by fixed sides."""
-    pressure = 1e4
-    for kind, sides in (("uniaxial", "periodic"), ("uniform", "free")):
-        case = load_case("precompressed-fcc", {"precompression.kind": kind, "precompression.pressure": pressure,
-                                               "boundary.sides": sides})  # fmt: skip
-        line = theory.line_of(case, sphere_contact(case))
-        assert line.force == pytest.approx(pressure * case.packing.diameter**2 / math.sqrt(8), rel=1e-4)
-        stiffness = 2 * 1.5 * line.force / line.overlap
-        assert line.speed == pytest.approx(line.spacing * math.sqrt(stiffness / case.sphere_mass), rel=1e-4)
-
-
-# ---------------------------------------------------------------------- precompressed chains
-
-
-@pytest.fixture(scope="module")
-def chains(tmp_path_factory: pytest.TempPathFactory) -> list[DentedRun]:
-    """Steel chains of 80 beads: small pulses at three forces, and three impacts at one."""
-    folder = tmp_path_factory.mktemp("chains")
-    points = [(1.0, 2e-4, 3.0e-3), (10.0, 1.4e-3, 2.1e-3), (100.0, 9e-3, 1.4e-3), (10.0, 1.0, 1.5e-3), (10.0, 20.0, 9e-4),
-              (0.01, 0.02, 4e-3), (1.0, 0.02, 3e-3), (100.0, 0.02, 1.4e-3)]  # fmt: skip
-    found = []
-    for n, (force, velocity, end) in enumerate(points):
-        changes = {"precompression.force": force, "load.velocity": velocity, "run.end_time": end, "packing.size": 80,
-                   "output.history": 700, "material": "steel"}  # fmt: skip
-        found.append(run(folder / f"{n}", "precompressed-chain", changes))
-    return found
-
-
-def test_chains_follow_the_formulas(chains: list[DentedRun]) -> None:
-    names = ("precompressed-small-pulses", "precompressed-waves", "precompressed-transition")
-    studies = make_studies({name: chains for name in names})
-    small, waves, transition = studies
-    assert row(small, "Power").ours == pytest.approx(1 / 6, abs=3e-4)
-    assert row(small, "Factor").ours == pytest.approx(theory.EXACT_FACTOR, rel=1e-3)
-    for chain in chains:
-        wave = ChainWave(chain.seen_as(ChainRun))
-        if wave.ratio < 1.05:
-            assert wave.long_wave_speed == pytest.approx(wave.line.speed, rel=2e-3)
-            assert wave.speed == pytest.approx(wave.linear_speed, rel=2e-3)
-        elif wave.steady:
-            assert wave.speed == pytest.approx(
-                wave.line.speed * float(theory.lattice_speed(np.array(wave.ratio))), rel=2e-3
-            )
-    assert len(waves.rows) >= 3
-    nearly_free = row(transition, "Speed at F0 = 0.01 N over")
-    assert nearly_free.ours == pytest.approx(nearly_free.theory, rel=3e-3)
-    assert all(study.pictures for study in studies)
-
-
-def test_precompressed_chains_are_no_runs_of_other_studies(chains: list[DentedRun]) -> None:
-    """Reports show these runs in their own studies only; a chain at rest between small forces is another problem."""
-    assert all(chain.case.has_initial_dents for chain in chains)
-    names = [name for name, module in STUDIES.items() if module.startswith("chains.")]
-    assert make_studies({name: chains for name in names}) == []
-
-
-# ---------------------------------------------------------------------- precompressed packings
-
-
-@pytest.mark.parametrize(
-    ("kind", "how", "sides", "size"),
-    [("fcc", "uniaxial", "periodic", [4, 4, 16]), ("hcp", "uniaxial", "periodic", [4, 4, 16]),
-     ("fcc", "uniform", "free", [14, 16, 9])],
-)  # fmt: skip
-def test_speed_of_small_waves_in_packings(tmp_path: Path, kind: str, how: str, sides: str, size: list[int]) -> None:
-    changes = {"packing.kind": kind, "precompression.kind": how, "boundary.sides": sides, "packing.size": size,
-               "run.end_time": 2.3e-4 if how == "uniaxial" else 1.2e-4, "run.frames": 50}  # fmt: skip
-    found = run(tmp_path / "run", "precompressed-fcc", changes)
-    assert found.of_static_stage("residual") < 1e-6
-    assert found.seen_as(SmallWave).speed == pytest.approx(theory.line_of(found.case, found.law).speed, rel=3e-3)
-    study = made("precompressed-packing-speed", found)
-    assert len(study.rows) == 1
 
 
 def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
