@@ -197,6 +197,8 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
+    from granwave.analysis.studies.tables import as_block
+
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
@@ -215,7 +217,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
             module.text(group) if hasattr(module, "text") else module.TEXT,
             tuple(parts("rows", group)),
             tuple(_pictures(parts("pictures", group), partial(named, study=word, number=number), failed)),
-            tuple(parts("tables", group)),
+            tuple(map(as_block, parts("tables", group))),
             (*parts("verdict", group), *parts("missing", group, undone)),
             tuple(failed),
         )

@@ -10,12 +10,13 @@ from granwave.analysis.measures.waves.pulses import lengths as pulse_lengths
 from granwave.analysis.measures.waves.pulses import peaks as pulse_peaks
 from granwave.analysis.measures.waves.pulses import reflection
 from granwave.analysis.measures.waves.space_time import space_time_transform
-from granwave.analysis.statistics import estimate
+from granwave.analysis.statistics import differ_significantly, estimate
 
 __all__ = [
     "Chain",
     "arrival",
     "at_time",
+    "differ_significantly",
     "estimate",
     "exponential_decay",
     "first_peak",

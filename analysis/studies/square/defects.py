@@ -12,11 +12,11 @@ from granwave.analysis.figures.series import COLOURS, MARKS, column_name, legend
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.impact.regions import groups
 from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
+from granwave.analysis.measures.precompressed.loaded_line import line_of
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.measures.waves.pulses import peaks, speed_between
 from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import estimate
-from granwave.analysis.studies.precompression.packing_speed import SmallWave
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.square.runs import PackingRun, packings
 from granwave.analysis.studies.square.signals import mean_peak_force
@@ -124,13 +124,13 @@ def _precompressed(runs: Iterable[FinishedRun]) -> Iterator[Speeds]:
         case, stage = run.case, run.case.precompression
         if stage is None or stage.kind != "uniaxial" or case.packing.kind not in ("fcc", "hcp") or case.contact.yields:
             continue
-        wave = run.seen_as(SmallWave)
-        if not run.assembly.like or case.packing.vacancies or case.load.velocity >= _SMALL * wave.line.velocity:
+        line = line_of(case)
+        if not run.assembly.like or case.packing.vacancies or case.load.velocity >= _SMALL * line.velocity:
             continue
         with Result(run.directory) as result:
-            speed = speed_along_layers(result, wave.line)
-        if np.isfinite(speed):
-            series.setdefault((case.packing.kind, case.packing.diameter_scatter), []).append((wave.pressure, speed))
+            speed = speed_along_layers(result, line)
+        if np.isfinite(speed) and stage.pressure is not None:
+            series.setdefault((case.packing.kind, case.packing.diameter_scatter), []).append((stage.pressure, speed))
     for (kind, scatter), points in sorted(series.items()):
         yield from _speeds(f"{kind} under pressure", scatter, points, static=True)
 
