@@ -37,7 +37,7 @@ class Row:
     ours
         Measured in the runs, so that it changes with them; None where only source and theory speak.
     where
-        Source and place: ``thesis 4.1.3``.
+        Source and place: ``Nesterenko (1.21)``.
     remark
         Why they differ, where they do by more than a few per cent.
     theory
