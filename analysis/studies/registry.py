@@ -18,19 +18,10 @@ from __future__ import annotations
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "precompressed-small-pulses": "precompression.small_pulses",
-    "precompressed-waves": "precompression.solitary_waves",
-    "precompressed-transition": "precompression.transition",
-    "precompressed-packing-speed": "precompression.packing_speed",
-    "precompressed-impact": "precompression.packing_impact",
     "bands": "bands.simulated",
     "tunable-gap": "bands.tunnel",
     "resonance": "bands.resonance",
     "rectification": "bands.rectification",
-    "settled-packing": "precompression.settled",
-    "preconditioned": "precompression.preconditioned",
-    "repeated-hits": "precompression.hits",
-    "dents": "precompression.dents",
     "protected-height": "protection.heights",
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",

@@ -38,7 +38,7 @@ class Row:
     ours
         Measured in the runs, so that it changes with them; None where only source and theory speak.
     where
-        Source and place: ``thesis 4.1.3``.
+        Source and place: ``Nesterenko (1.21)``.
     remark
         Why they differ, where they do by more than a few per cent.
     theory
@@ -201,6 +201,8 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
+    from granwave.analysis.studies.tables import as_block
+
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 
@@ -219,7 +221,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
             module.text(group) if hasattr(module, "text") else module.TEXT,
             tuple(parts("rows", group)),
             tuple(_pictures(parts("pictures", group), partial(named, study=word, number=number), failed)),
-            tuple(parts("tables", group)),
+            tuple(map(as_block, parts("tables", group))),
             (*parts("verdict", group), *parts("missing", group, undone)),
             tuple(failed),
         )

@@ -12,9 +12,11 @@
     def pictures(runs):
         yield gw.Picture("peak_force", "Caption", figure, {"velocity_m_s": velocity, "force_N": force})
 
-``rows`` or ``pictures`` may be left out. ``runs`` is a list of `granwave.Run`: all finished runs of the scans that name
-the file, or of the report, with the values of the varied keys in ``run.labels``. ``verdict(runs)``, sentences for the
-top of the report, and the further functions of built-in studies (`granwave.analysis.studies.registry`) may be there.
+``rows`` or ``pictures`` may be left out; ``tables(runs)`` yields tables of the study's own, each as caption and columns
+by heading with unit: ``"All impacts", {"Velocity (m/s)": velocity, "Largest force (N)": force}``. ``runs`` is a list of
+`granwave.Run`: all finished runs of the scans that name the file, or of the report, with the values of the varied keys
+in ``run.labels``. ``verdict(runs)``, sentences for the top of the report, and the further functions of built-in studies
+(`granwave.analysis.studies.registry`) may be there.
 The code runs when a scan or a report is made for which its path was given, and never else: the directory of a scan
 holds the path, but a later ``granwave report`` of it loads no file that was not named again.
 """
@@ -34,7 +36,7 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.errors import InputError
 
 SUFFIX = ".py"
-_PARTS = ("rows", "pictures")
+_PARTS = ("rows", "pictures", "tables")
 _PREFIX = "study_"  # of the name of a module that was loaded from a file
 
 
@@ -85,7 +87,7 @@ def load_study(path: str) -> ModuleType:
     Raises
     ------
     InputError
-        The file is missing, cannot be loaded, or has neither ``rows`` nor ``pictures``.
+        The file is missing, cannot be loaded, or has neither ``rows`` nor ``pictures`` nor ``tables``.
     """
     file = Path(path)
     if not file.is_file():
@@ -113,7 +115,7 @@ def _load(file: Path, changed: int) -> ModuleType:
             if Path(getattr(sys.modules[name], "__file__", None) or "/").parent == file.parent:
                 del sys.modules[name]
     if not any(callable(getattr(module, part, None)) for part in _PARTS):
-        raise InputError(f"{path}: found neither rows(runs) nor pictures(runs), expected one of these functions")
+        raise InputError(f"{path}: found neither rows(runs), pictures(runs) nor tables(runs), expected one of these")
     title, _, text = inspect.cleandoc(module.__doc__ or file.stem).partition("\n\n")
     defaults = {"TITLE": " ".join(title.split()).rstrip("."), "TEXT": " ".join(text.split()), "select": _all}
     for name, value in defaults.items():

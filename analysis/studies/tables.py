@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.document.cells import BLANK, value_cell
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import Cell, Column, Note, Table
+from granwave.analysis.formatting.numbers import with_interval
+from granwave.analysis.statistics import Estimate
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,15 +66,38 @@ def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[An
     return Table(caption, tuple(columns), cells, **options)
 
 
+def as_block(one: Any) -> Any:
+    """Make a table of caption and columns, ``("Impacts", {"Velocity (m/s)": velocity})``, and a note of a sentence.
+
+    Values are numbers, estimates or texts; the unit ends the heading in brackets. All else is left as it is.
+    """
+    if isinstance(one, str):
+        return Note(one)
+    if not isinstance(one, tuple):
+        return one
+    caption, columns = one
+    heads = []
+    for place, (name, values) in enumerate(columns.items()):
+        heading, _, unit = name.removesuffix(")").partition(" (") if name.endswith(")") else (name, "", "")
+        text = any(isinstance(value, str) for value in values)
+        heads.append(Column(heading, unit, numeric=not text, key=text and not place))
+    return Table(caption, tuple(heads), tuple(tuple(map(_cell, row)) for row in zip(*columns.values(), strict=True)))
+
+
+def _cell(value: Any) -> Cell:
+    if isinstance(value, str):
+        return Cell(value, value)
+    if isinstance(value, Estimate):
+        if value.half_width > 0:
+            return Cell(with_interval(value), value.mean)
+        value = value.mean
+    number = value if isinstance(value, int) else float(value)
+    return value_cell(number) if math.isfinite(number) else Cell(BLANK)
+
+
 def of_summary(key: str) -> Callable[[Any], float]:
     """Value of a run: a number of its summary."""
     return lambda run: run.value(key)
-
-
-def columns_of(runs: Iterable[Any], quantities: Iterable[Quantity]) -> dict[str, list[float]]:
-    """Data of a figure: quantities of all runs, SI, by name of the column."""
-    runs = list(runs)
-    return {one.column: [one.value(run) for run in runs] for one in quantities}
 
 
 def values_table(

@@ -59,19 +59,6 @@ def load_label(case: Case) -> str:
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
 
 
-def state_label(case: Case) -> str:
-    """``like spheres, as placed``, ``scattered, settled under 100 kPa on top``."""
-    stage = case.precompression
-    first = "like spheres" if not case.packing.diameter_scatter else "scattered"
-    if stage is None:
-        return f"{first}, as placed"
-    if stage.kind == "gravity":
-        many = stage.acceleration / 9.81
-        return f"{first}, settled under gravity" + (f" times {many:.3g}" if abs(many - 1) > 0.01 else "")
-    size = f"{1e-3 * stage.pressure:.4g} kPa" if stage.pressure is not None else f"{stage.force:.3g} N a sphere"
-    return f"{first}, settled under {size} on {'top' if stage.kind == 'uniaxial' else 'all sides'}"
-
-
 def bottom_label(case: Case) -> str:
     """``rigid wall``, ``concrete half-space``, ``plate of 0.5 kg, 314 µs``."""
     boundary = case.boundary

@@ -206,8 +206,8 @@ def test_overrides_in_text_are_keys():
     for page in PAGES:
         if "changelog" not in page.name and page.name not in (
             "python.md",
-            "more-questions.md",
             "reports.md",
+            "more-questions.md",
         ):  # there `run.` is a run
             for key in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text(encoding="utf-8")):
                 head, _, end = key.partition(".")

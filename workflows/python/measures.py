@@ -3,7 +3,7 @@
 from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.impact.energies import energy_by_region
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
-from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
+from granwave.analysis.measures.precompressed.line_waves import long_wave_speed, speed_along_layers
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
 from granwave.analysis.measures.signals import decay as exponential_decay
@@ -15,12 +15,13 @@ from granwave.analysis.measures.waves.pulses import lengths as pulse_lengths
 from granwave.analysis.measures.waves.pulses import line_velocity, reflection, speed_between
 from granwave.analysis.measures.waves.pulses import peaks as pulse_peaks
 from granwave.analysis.measures.waves.space_time import space_time_transform
-from granwave.analysis.statistics import estimate
+from granwave.analysis.statistics import differ_significantly, estimate
 
 __all__ = [
     "Chain",
     "arrival",
     "at_time",
+    "differ_significantly",
     "directional_spread",
     "directions",
     "energy_by_region",
@@ -28,6 +29,7 @@ __all__ = [
     "exponential_decay",
     "first_peak",
     "line_velocity",
+    "long_wave_speed",
     "maxima",
     "power_law",
     "pulse_lengths",

@@ -1,6 +1,7 @@
 """Closed forms: Hertz's chain and its solitary wave, precompressed lines, Hertz's impact; ``granwave.theory``."""
 
 from granwave.analysis.measures.chains.hertz_chain import ChainScales, discrete_speed, discrete_width
+from granwave.analysis.measures.precompressed.loaded_line import crest_force, crest_speed, crest_times, lattice_speed
 from granwave.analysis.measures.precompressed.loaded_line import line_of as precompressed_line
 from granwave.analysis.measures.target.hertz_impact import HertzImpact
 from granwave.analysis.measures.waves.pulses import theory as solitary_lengths
@@ -9,9 +10,13 @@ from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_facto
 __all__ = [
     "ChainScales",
     "HertzImpact",
+    "crest_force",
+    "crest_speed",
+    "crest_times",
     "discrete_speed",
     "discrete_width",
     "hertz_von_mises_yield_factor",
+    "lattice_speed",
     "precompressed_line",
     "solitary_lengths",
 ]

@@ -11,9 +11,8 @@ Long waves have the speed c0 = h sqrt(K/m). For a chain of like spheres of diame
 
     c0 = 0.93146 (4 E^2 F0/(a^2 rho^3 (1 - nu^2)^2))^(1/6),    0.93146 = sqrt(9/pi) 3^(-1/3) 4^(-1/6)
 
-for which the composite source (equation 3) prints 0.9314. Its speed of a solitary wave of the largest force
-f = F_m/F0 has two limits: 1 for f -> 1, as (1 + eps)^(5/2) makes the bracket 15/4 eps^2 with eps = f^(2/3) - 1; and
-sqrt(8/15) f^(1/6), with 0.9314 sqrt(8/15) = 0.6802, the factor of its equation 4.
+(Nesterenko's). The travelling wave of the lattice with the largest force f = F_m/F0 goes from c0 for f -> 1 to about
+sqrt(8/15) f^(1/6) c0, the speed in an uncompressed chain.
 
 An impact of velocity v on the first of a half-infinite line makes the velocities (with J of Bessel, omega^2 = K/m)
 
@@ -45,11 +44,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PRINTED_FACTOR = 0.9314  # of c0, composite source (3)
-EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)
 SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 
-_IMPULSE = 0.7176 * (9 / 16 * 1.5**3) ** 0.2  # (4.5) of the thesis, of the lattice, in units of the static state
 _GEOMETRY_ROUNDS = 20
 _PER_BODY = 64  # grid points of the travelling wave
 _ROUNDS = 1000
@@ -118,21 +114,6 @@ def line_of(case: Case, law: ContactLaw | None = None) -> Line:
     return Line(force, overlap, SPACING[case.packing.kind] * diameter, math.sqrt(stiffness / mass))
 
 
-def printed_speed(case: Case, force: float) -> float:
-    """c0 of a chain of like spheres by the composite source's (3), m/s."""
-    own, diameter = case.material, case.packing.diameter
-    modulus = own.youngs_modulus / (1 - own.poisson_ratio**2)
-    return PRINTED_FACTOR * (4 * modulus**2 * force / (diameter**2 * own.density**3)) ** (1 / 6)
-
-
-def solitary_speed(ratio: Array) -> Array:
-    """Speed of the solitary wave over c0 by the composite source's (3), from F_m/F0; the continuum's."""
-    eps = ratio ** (2 / 3) - 1
-    bracket = 4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3))
-    near = 1 + eps / 12  # the next term; the bracket cancels there
-    return np.where(eps < 1e-4, near, np.sqrt(np.maximum(bracket, 0)) / np.where(eps < 1e-4, 1, eps))
-
-
 @cache
 def _lattice_waves() -> tuple[Array, Array]:
     """Logarithms of F_m/F0 and of the speed over c0 of the travelling waves of the lattice."""
@@ -149,11 +130,6 @@ def lattice_speed(ratio: Array) -> Array:
     known, speed = _lattice_waves()
     x = np.log(ratio)
     return np.exp(np.interp(x, known, speed) + np.maximum(x - known[-1], 0) / 6)
-
-
-def uncompressed_height(velocity: Array | float) -> Array | float:
-    """F_m/F0 - 1 of impacts so fast that a chain is as good as uncompressed, from the velocity over omega alpha0."""
-    return _IMPULSE * velocity**1.2
 
 
 def _travelling(speed: float) -> float:

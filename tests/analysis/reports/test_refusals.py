@@ -26,7 +26,7 @@ def refused(directories, output) -> list[str]:
 
 def test_studies_that_do_not_exist(runs, tmp_path):
     with pytest.raises(InputError, match=r"--study: found tolerence, expected one of: .*tolerance") as error:
-        write_report(runs, tmp_path / "r.md", ["tolerence", "repeated-hits"])
+        write_report(runs, tmp_path / "r.md", ["tolerence", "protected-height"])
     assert len(error.value.errors) == 1
     assert not list(tmp_path.glob("r*"))
 

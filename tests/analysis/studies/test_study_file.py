@@ -82,7 +82,7 @@ def test_a_later_report_loads_no_code_unasked(tmp_path: Path, study: Path, caplo
     [
         ("1 +", "cannot be loaded: SyntaxError"),
         ("import no_such_module", "No module named 'no_such_module'"),
-        ("def row(runs): ...", "found neither rows(runs) nor pictures(runs)"),
+        ("def row(runs): ...", "found neither rows(runs), pictures(runs) nor tables(runs)"),
         (None, "no such file, expected the Python file of a study"),
     ],
 )

@@ -1,1 +1,0 @@
-"""Chains and packings with a past: precompressed, settled, preconditioned, hit before."""

@@ -1,0 +1,101 @@
+"""What a lasting dent changes.
+
+Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the undeformed spheres
+part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with laws that yield, and LAMMPS's own
+granular styles with the history of a contact: it ends where the distance exceeds the sum of the radii. Dents in rigid
+walls are kept in both. Rows that rattle move chaotically: sign and size of a change mean something there, its digits do
+not.
+"""
+
+import math
+
+import numpy as np
+
+from granwave.measures import Chain
+
+LITTLE = 0.01  # relative
+SAME = 5e-4  # relative: no change to the digits shown
+VALUES = {
+    "Dissipated": ("J", "energy_dissipated_J"),
+    "Largest contact force": ("N", "peak_force_N"),
+    "Largest force at the bottom": ("N", "wall_peak_force_N"),
+}
+
+
+def pairs(runs):
+    """Runs with dents kept and forgotten, by what they are."""
+    found = {}
+    for run in sorted(runs, key=lambda run: -run.case.boundary.forget_gap):
+        found.setdefault(words(run), []).append(run)
+    return found
+
+
+def words(run):
+    """``Row of 5 spheres with gaps of 0.1 mm; 5 struck at 5 m/s``."""
+    case, load, packing = run.case, run.case.load, run.case.packing
+    count = run["n_spheres"]
+    if packing.kind == "fcc":
+        parts = [f"FCC packing of {' x '.join(map(str, packing.size))} spheres"]
+    else:
+        gap = np.diff(np.sort(run.spheres.position_z)).max() - packing.diameter
+        parts = [f"Row of {count} spheres" + (f" with gaps of {1e3 * gap:.3g} mm" if gap > 1e-6 else "")]
+    if packing.diameter_scatter:
+        parts.append(f"diameters that scatter over {1e6 * packing.diameter_scatter:.3g} µm")
+    if case.has_initial_dents:
+        parts.append("contacts pressed before")
+    if load.kind == "displacement":
+        return f"{', '.join(parts)}; shaken by ± {1e6 * load.amplitude:.3g} µm at {load.frequency:.4g} Hz"
+    return f"{', '.join(parts)}; {len(load.index) if load.index else load.spheres} struck at {load.velocity:g} m/s"
+
+
+def change(pair, key):
+    """Relative change by forgetting; infinite where there was nothing before."""
+    before, after = (run[key] for run in pair)
+    return after / before - 1 if before else math.inf if after else 0.0
+
+
+def shown(size):
+    if not math.isfinite(size):
+        return "from none"
+    return f"{100 * size:+.2g} %" if abs(size) >= SAME else "0 %"
+
+
+def tables(runs):
+    found = pairs(runs)
+    columns = {"Packing of 10 mm brass spheres, and load": list(found)}
+    for heading, (unit, key) in VALUES.items():
+        for word, place in (("kept", 0), ("forgotten", 1)):
+            columns[f"{heading}: {word} ({unit})"] = [pair[place][key] for pair in found.values()]
+        columns[f"{heading}: change"] = [shown(change(pair, key)) for pair in found.values()]
+    yield "Dents kept, and forgotten where the undeformed spheres part", columns
+    run = next(kept for kept, _ in found.values() if kept.case.load.kind == "impact")
+    velocity = run.case.load.velocity
+    kept, forgotten = restitution_at_zero_force(Chain(run).law, run.case.sphere_mass / 2, velocity)
+    yield (
+        "Forgotten already at zero force, where spheres still overlap by the dent, there would be energy out of "
+        f"nothing: two such spheres that meet at {velocity:g} m/s part with {kept:.3f} of it, and would with "
+        f"{forgotten:.3f} (by the law alone). No run can be made of it, and no program is known to do so."
+    )
+
+
+def verdict(runs):
+    changes = [(name, change(pair, "energy_dissipated_J")) for name, pair in pairs(runs).items()]
+    small = [name for name, size in changes if abs(size) < LITTLE]
+    large = [f"{name} ({shown(size)})" for name, size in changes if abs(size) >= LITTLE]
+    yield f"Forgetting changes the energy dissipated by less than 1 % in: {'. '.join(small)}."
+    yield f"It changes it by more in: {'. '.join(large)}."
+
+
+def restitution_at_zero_force(law, mass, velocity):
+    """Restitution with a dent that is kept, and with one that is forgotten where the force falls to zero.
+
+    A new contact that overlaps by the dent pushes the spheres apart with what it would have stored when loaded so far,
+    leaves a smaller dent, which is forgotten too, and so on.
+    """
+    energy = 0.5 * mass * velocity**2
+    overlap = np.geomspace(1e-3, 1, 4000) * law.valid_overlap
+    peak = float(np.interp(energy, law.loading_work(overlap), overlap))
+    kept = returned = energy - float(law.dissipated_energy(peak))
+    while (peak := float(law.residual_overlap(peak))) > 0:
+        returned += float(law.loading_work(peak)) - float(law.dissipated_energy(peak))
+    return math.sqrt(kept / energy), math.sqrt(returned / energy)

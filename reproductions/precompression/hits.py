@@ -1,0 +1,72 @@
+"""A packing hit several times.
+
+Each run starts with the spheres in their first places and with the dents that the run before left. The runs tell by
+themselves: contact.initial_overlap of a second hit is the result of the first one.
+
+    granwave report first second --study reproductions/precompression/hits.py
+"""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from released import released_energy
+
+import granwave as gw
+
+
+def select(runs):
+    """The runs by hit, in one group."""
+    after = {before(run): run for run in runs}
+    series = [after.pop(None)]
+    while (following := after.get(series[-1].directory.resolve())) is not None:
+        series.append(following)
+    return [series]
+
+
+def before(run):
+    """Directory of the run that left the dents; None of a first hit."""
+    left = run.case.contact.initial_overlap
+    if not isinstance(left, str):
+        return None
+    path = Path(left).resolve()
+    return path.parent if path.suffix == ".h5" else path
+
+
+def title(series):
+    return f"Hit {len(series)} times"
+
+
+def columns(series):
+    force = [run.result["walls/bottom/force"] for run in series]
+    return {
+        "Hit": list(range(1, len(series) + 1)),
+        "Impact (m/s)": [run.case.load.velocity for run in series],
+        "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in series],
+        "Contacts whose dents grew": [run["n_plastic_contacts"] for run in series],
+        "Largest contact force (N)": [run["peak_force_N"] for run in series],
+        "Largest force added at the bottom (N)": [(one - one[0]).max() for one in force],
+        "Arrival there (µs)": [1e6 * run["base_arrival_s"] for run in series],
+    }
+
+
+def tables(series):
+    yield "Hit by hit", columns(series)
+
+
+def verdict(series):
+    lost, force = (columns(series)[key] for key in ("Dissipated (% of input)", "Largest force added at the bottom (N)"))
+    yield (
+        f"Hit {len(series)} times, the packing dissipates {lost[-1]:.3g} % of the last impact ({lost[0]:.3g} % of the "
+        f"first) and hands on {force[-1]:.4g} N ({force[0]:.4g} N).{released_energy((series[0], series[-1]))}"
+    )
+
+
+def pictures(series):
+    found = columns(series)
+    figure = Figure((5.6, 2.3), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    left.bar(found["Hit"], found["Dissipated (% of input)"], color="C2", width=0.6)
+    right.bar(found["Hit"], found["Largest force added at the bottom (N)"], width=0.6)
+    left.set(xlabel="Hit", ylabel="Dissipated (% of input)", xticks=found["Hit"])
+    right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=found["Hit"])
+    yield gw.Picture("", "Dissipation and transmitted force by number of the hit", figure, found)

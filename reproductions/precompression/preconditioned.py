@@ -1,0 +1,118 @@
+"""Spheres that were pressed before.
+
+Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that force.
+"""
+
+from itertools import groupby
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+from released import released_energy
+
+import granwave as gw
+from granwave.measures import Chain
+
+ELASTIC = 1e-9  # share of the input: nothing is dissipated
+REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
+CLOSED = {"chain": "are there at the impact.", "fcc": "are closed by a static load, which stays on."}
+TITLES = {"chain": "Chain of 80 brass spheres of 9.52 mm", "fcc": "FCC packing of 8 x 8 x 6 brass spheres of 10 mm"}
+
+
+def select(runs):
+    """The chain, then the packing."""
+    found = ([run for run in runs if run.case.packing.kind == kind] for kind in TITLES)
+    return [sorted(group, key=lambda run: (level(run), run.case.load.velocity)) for group in found if group]
+
+
+def level(run):
+    """Force that the contacts were pressed to before, N."""
+    dents = run.case.contact.initial_overlap
+    return dents[0].force if dents else 0.0
+
+
+def title(runs):
+    return f"Preconditioned: {TITLES[runs[0].case.packing.kind]}"
+
+
+def text(runs):
+    gaps = f"The gaps that dents leave between spheres at their nominal places {CLOSED[runs[0].case.packing.kind]}"
+    return f"{' '.join(__doc__.split(chr(10) * 2)[1].split())} {gaps}{released_energy(runs)}"
+
+
+def by_level(runs):
+    for force, series in groupby(runs, key=level):
+        series = list(series)
+        values = ([run[key] for run in series] for key in ("peak_force_N", "dissipated_fraction"))
+        yield force, *map(np.array, values)
+
+
+def rows(runs):
+    for pressed, force, dissipated in by_level(runs):
+        elastic = dissipated < ELASTIC
+        for which, chosen in (("Largest force without", elastic), ("Smallest force with", ~elastic)):
+            if pressed and chosen.any():
+                found = force[chosen].max() if which.startswith("Largest") else force[chosen].min()
+                yield gw.Row(
+                    f"{which} dissipation over that of the preconditioning, {pressed:g} N", ours=found / pressed,
+                    theory=1.0, where="thesis 1.1",
+                    remark=f"Theory: the two are on either side of 1; of {len(force)} impacts.",
+                )  # fmt: skip
+
+
+def tables(runs):
+    found = {
+        "Preconditioned to (N)": [level(run) for run in runs],
+        "Impact (m/s)": [run.case.load.velocity for run in runs],
+        "Largest force (N)": [run["peak_force_N"] for run in runs],
+        "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in runs],
+        "Contacts whose dents grew": [run["n_plastic_contacts"] for run in runs],
+    }
+    if runs[0].case.packing.kind == "fcc":
+        bottom = [run.result["walls/bottom/force"] for run in runs]
+        found["Largest force added at the bottom (N)"] = [(force - force[0]).max() for force in bottom]
+    yield "Impacts with and without preconditioning", found
+
+
+def fastest(runs):
+    """Impacts of the largest velocity, by level."""
+    velocity = max(run.case.load.velocity for run in runs)
+    return [run for run in runs if run.case.load.velocity == velocity]
+
+
+def verdict(runs):
+    fresh, *_, best = fastest(runs)
+    lost, kept = (100 * run["dissipated_fraction"] for run in (fresh, best))
+    yield (
+        f"Impact at {fresh.case.load.velocity:g} m/s: fresh contacts dissipate {lost:.3g} %, those preconditioned to "
+        f"{level(best):g} N {kept:.3g} %.{released_energy((fresh, best))}"
+    )
+
+
+def pictures(runs):
+    figure, data = Figure((3.4, 2.7), layout="constrained"), {}
+    axes = figure.subplots()
+    for n, (pressed, force, dissipated) in enumerate(by_level(runs)):
+        axes.semilogx(force, 100 * dissipated, f"o-C{n}", markersize=3, label=f"{pressed:g} N" if pressed else "fresh")
+        if pressed:
+            axes.axvline(pressed, color=f"C{n}", linestyle=":", linewidth=0.8)
+        data[f"level_{pressed:g}_N_peak_force_N"] = force
+        data[f"level_{pressed:g}_N_dissipated_percent"] = 100 * dissipated
+    axes.set(xlabel="Largest contact force (N)", ylabel="Dissipated (% of input)", ylim=(-2, 105))
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
+    yield gw.Picture("_dissipation", "Dissipation against the largest force, by preconditioning", figure, data)
+    if runs[0].case.packing.kind == "fcc":
+        return
+    figure, data = Figure((3.4, 2.5), layout="constrained"), {}
+    axes = figure.subplots()
+    for run in fastest(runs):
+        peaks = Chain(run).of_contacts("peak_force")
+        contact, name = np.arange(1, len(peaks) + 1), f"{level(run):g} N" if level(run) else "fresh"
+        axes.semilogy(contact, np.where(peaks > REACHED * peaks.max(), peaks, np.nan), label=name)
+        data |= {"contact": contact, f"level_{level(run):g}_N_peak_force_N": peaks}
+    axes.set(xlabel="Contact", ylabel="Largest force (N)", xlim=(0, None))
+    figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
+    yield gw.Picture("_pulse", "Largest force along the chain, impact at 20 m/s", figure, data)

@@ -1,0 +1,11 @@
+"""A word on runs that dissipate more than their input."""
+
+
+def released_energy(runs):
+    """A further sentence where any of the runs dissipates more than all of the input."""
+    if not any(run["dissipated_fraction"] > 1 for run in runs):
+        return ""
+    return (
+        " More than 100 % is no error: energies count from the static state, and the impact also sets free what "
+        "contacts had stored there, and lets the static load do work."
+    )
