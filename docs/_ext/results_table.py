@@ -45,18 +45,18 @@ _REFERENCE = "fcc-impact-values"
 CHOSEN = (
     ("Reference impact: ", "fcc-impact", _REFERENCE, ("Dissipated fraction",)),
     ("Reference impact: ", "fcc-impact", _REFERENCE, ("Peak contact force",)),
-    ("Elastic chain, 40 N for 10 ms: ", "chains", "elastic-long-load", ("Peak force",)),
-    ("Bilinear chain, long load: ", "chains", "bilinear-long-load", ("F2, force",)),
+    ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Peak force",)),
+    ("Bilinear chain, long load: ", "thesis-4", "bilinear_long_load", ("F2, force",)),
     (
         "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
-        "chains",
-        "composite-loss",
+        "composite-chains",
+        "contact_losses",
         ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
     ),
-    ("Square packing: ", "square", "square-in-plane", ("Energy in central chains",)),
+    ("Square packing: ", "square-packing", "square-in-plane", ("Energy in central chains",)),
     (
         "Square packing, out-of-plane: energy in central chains, strikers, struck spheres",
-        "square",
+        "square-packing",
         "square-out-of-plane",
         ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
     ),
@@ -67,7 +67,7 @@ CHOSEN = (
         "bands",
         ("Top of the acoustic band, sqrt(2 k/M)", "Bottom of the optical band, sqrt(2 k/m)"),
     ),
-    ("FCC packing: ", "prestress", "precompressed-packing-speed", ("Speed of small waves, fcc, uniaxial",)),
+    ("FCC packing: ", "prestress", "packing_speed", ("Speed of small waves, fcc, uniaxial",)),
 )
 
 
