@@ -79,22 +79,28 @@ def test_the_stored_rows_are_those_of_the_code():
         (lambda one: one.update(versions={"granwave": ["0.0.1"]}), "run by granwave 0.0.1"),
         (lambda one: one.update(complete=False), "not all of its runs are done; run make results"),
         (lambda one: one["digests"].update(runs="0"), "its scans or cases have changed since; run make results"),
-        (lambda one: one["digests"].update(studies="0"), "results.py --no-run dents"),
+        (lambda one: one["digests"].update(studies="0"), "results.py --no-run sphere-contacts"),
     ],
 )
 def test_what_makes_a_table_stale(change, says):
     version = RESULTS.granwave.__version__
-    fresh = {"versions": {"granwave": [version]}, "complete": True, "digests": RESULTS.digests(RESULTS.SUITES["dents"])}
-    assert RESULTS.stale({"suites": {"dents": fresh}}, ["dents"]) == {}
+    fresh = {
+        "versions": {"granwave": [version]},
+        "complete": True,
+        "digests": RESULTS.digests(RESULTS.SUITES["sphere-contacts"]),
+    }
+    assert RESULTS.stale({"suites": {"sphere-contacts": fresh}}, ["sphere-contacts"]) == {}
     change(fresh)
-    assert says in RESULTS.stale({"suites": {"dents": fresh}}, ["dents"])["dents"]
-    assert RESULTS.stale({"suites": {}}, ["dents"]) == {"dents": "no rows are stored; run make results"}
+    assert says in RESULTS.stale({"suites": {"sphere-contacts": fresh}}, ["sphere-contacts"])["sphere-contacts"]
+    assert RESULTS.stale({"suites": {}}, ["sphere-contacts"]) == {
+        "sphere-contacts": "no rows are stored; run make results"
+    }
 
 
 def test_a_suite_is_complete_only_if_every_present_point_is_done():
     """Points of an earlier file, or all but one, do not make it complete."""
-    suite = RESULTS.SUITES["dents"]
-    ids = [point.id for point in load_scan("dents", here=False).points]
+    suite = RESULTS.SUITES["sphere-contacts"]
+    ids = [point.id for point in load_scan("sphere-contacts", here=False).points]
 
     def inputs(done: list[str]) -> SimpleNamespace:
         points = [SimpleNamespace(run=True, result=SimpleNamespace(id=one)) for one in done]
