@@ -406,7 +406,7 @@ def test_a_plan_runs_nothing(granwave, tmp_path: Path) -> None:
 
 
 def test_scans_and_cases_are_told_apart(granwave) -> None:
-    listed = granwave("cases").stdout.splitlines()
+    listed = granwave("cases", "--all").stdout.splitlines()
     assert any(line.startswith("scan  velocity-fcc ") for line in listed)
     assert any(line.startswith("case  fcc-small ") for line in listed)
     groups = [line for line in listed if line.endswith(":")]
