@@ -44,7 +44,7 @@ def restitution(chain):
 
 
 def measured(runs):
-    """Of each kind of loss (n, 3) velocities, restitutions and theirs by formula, by rising velocity; and the wave."""
+    """Velocities, restitutions and those by formula, (n, 3) by rising velocity, and the wave, for each kind of loss."""
     found = {}
     for kind, name in zip(KINDS, ("time", "restitution", "dashpot"), strict=True):
         alike = [Chain(run) for run in runs if getattr(run.case.contact.loss, name) is not None]

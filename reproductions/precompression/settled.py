@@ -23,7 +23,7 @@ COLOURS = {
 
 
 def state(run):
-    """How a packing was made."""
+    """Making of a packing in words."""
     stage = run.case.precompression
     if stage is None:
         return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"

@@ -18,7 +18,7 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 class Reading:
-    """What the cell reads, the force of its spring, or the force on the wall: time (s), force (N) and first peak."""
+    """Time (s), force (N) and first peak of the cell's reading: its spring, or the wall."""
 
     def __init__(self, run):
         case = run.case

@@ -41,7 +41,7 @@ class Sample:
 
     @property
     def remark(self):
-        """What makes the scatter, and which runs do not count."""
+        """Cause of the scatter, and runs that do not count."""
         parts = []
         if "striker off centre" in self.setting:
             parts.append("The one at rest leaves to the side; the source does not tell by how much strikes miss.")
@@ -69,7 +69,7 @@ def differences(run, first, second):
 
 
 def setting(case):
-    """What is not ideal in a case."""
+    """Imperfection of a case."""
     parts, packing = [], case.packing
     if packing.diameter_scatter:
         place = "leaning to +x, +y" if packing.tilt else "at the sites"
@@ -121,7 +121,7 @@ def rows(samples):
 
 
 def verdict(samples):
-    """How large the delay is for a scatter of the amplitude, which the size of an imperfection hardly changes."""
+    """Delay over the scatter of the amplitude, which the size of an imperfection hardly changes."""
     for twins, ((_, delay), (_, excess)), own in by_twins(samples):
         found = "; ".join(f"{one.setting}: {short(one.ratio)}" for one in own)
         yield (

@@ -72,6 +72,6 @@ def test_a_block_of_finite_elements(place):
 
 
 def test_settings_of_the_user(place, tmp_path):
-    """Those that name a colour map or a typesetter that is not there."""
+    """Settings that name a colour map or a typesetter that is not there."""
     do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "matplotlibrc"), MPLCONFIGDIR=str(tmp_path))
     assert not os.path.exists(place / "law.taken")

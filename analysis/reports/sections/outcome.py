@@ -1,4 +1,4 @@
-"""What came out of a run, in sentences: impacts, chains, protected targets, inferred forces, small waves."""
+"""Outcome of a run in sentences: impacts, chains, protected targets, inferred forces, small waves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the source prints of its impacts, beside ours: peak forces, energies, shares and volumes (thesis 5.2 to 5.5)."""
+"""Printed values of impacts beside ours: peak forces, energies, shares and volumes (thesis 5.2 to 5.5)."""
 
 from __future__ import annotations
 

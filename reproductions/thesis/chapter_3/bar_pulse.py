@@ -60,7 +60,7 @@ class Passage:
 
     @property
     def speed(self):
-        """Of the centroid of a pulse that passed both sections, else of its rise through half its peak, m/s."""
+        """Speed of the centroid of a pulse that passed both sections, else of its rise through half its peak, m/s."""
         signals = [(self.time[np.isfinite(force)], force[np.isfinite(force)]) for force in self.force]
         if all(abs(force[-1]) < THROUGH * self.peak for _, force in signals):
             near, far = (time @ force / force.sum() for time, force in signals)

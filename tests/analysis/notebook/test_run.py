@@ -159,7 +159,7 @@ def test_figures_are_handed_over(run, directory):
 
 
 def test_figures_that_apply_are_listed(run):
-    """Those of a packing; each of them is drawn."""
+    """Figures of a packing; each of them is drawn."""
     assert {"energies", "peak_force_principal"} <= set(run.figures)
     assert not {"bars", "force_map", "transmission"} & set(run.figures)
     assert all(run.figure(name) is not None for name in run.figures if not name.startswith("packing_3d"))

@@ -83,7 +83,7 @@ def test_inferred_forces():
 
 
 def test_a_target_comes_first():
-    """What it bore, how much less than without the packing, and the same of the ground."""
+    """Force that it bore, how much less than without the packing, and the same of the ground."""
     bottom = {"plate": {"mass": 0.5}, "material": {"name": "steel"}}
     run = run_with(
         {"boundary.bottom": bottom, "packing.kind": "fcc"}, energy_input_J=0.05, dissipated_fraction=0.8, peak_force_N=696.8,
