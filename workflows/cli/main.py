@@ -40,6 +40,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_output()
     options = make_parser().parse_args(words)
     _set_up_logging()
+    if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
+        with contextlib.chdir(os.sep):
+            import matplotlib  # noqa: F401
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
     try:
