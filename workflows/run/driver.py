@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
+_FIRST_ENDS = 1.0  # s until other ranks end all if the first has not
 _PIECE = 1.0  # s of wall time between checks of the balance
 
 
@@ -280,13 +281,40 @@ class _Run:
                 script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            engine.commands(part(script, "setup"))
+            self._set_up(engine, part(script, "setup"), stop)
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
                 check_coordination(on_first(self.comm, lambda: expected_neighbours(self.case)), engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
+
+    def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
+        """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
+        interrupted = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
+
+        def end() -> None:
+            if self.comm.size == 1:
+                return engine.end_command()
+            if self.comm.rank == 0:  # LAMMPS cannot end a command at the same step on all ranks
+                dataclasses.replace(self.record, **interrupted).write(self.directory)
+            else:
+                time.sleep(_FIRST_ENDS)
+            abort(self.comm, "stopped", 130)
+
+        failure = None
+        try:
+            with stop.answered_at_once(end):
+                engine.commands(commands)
+        except RunError as error:
+            if isinstance(error, SingleRankError) and self.comm.size > 1:
+                raise
+            failure = error
+        if stop.wanted():
+            self._note(**interrupted)
+            raise KeyboardInterrupt
+        if failure:
+            raise failure
 
     def _claim_output(self, restart_from: str) -> None:
         """Enter the snapshots that a resumed run will write in the marker, and what it will add to."""
