@@ -87,7 +87,6 @@ SUITES = {
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "filter": Suite("A row that filters waves", "scan", ("filter",)),
     "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
