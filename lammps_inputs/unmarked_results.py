@@ -14,9 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from granwave.lammps_inputs import run_directory as names
-from granwave.lammps_inputs.files import head, read_json
+from granwave.lammps_inputs.files import head, read_json, read_tables
 from granwave.lammps_inputs.run_directory import Marker
-from granwave.lammps_inputs.toml_files import read_tables
 
 _VERSION = "0.1.0"
 _DECK = (names.CASE_FILE, names.SCRIPT_FILE, names.DATA_FILE, names.LOG_FILE)

@@ -1,6 +1,6 @@
-"""Bodies other than the equal spheres of a packing, and sensors.
+"""Bodies other than the equal spheres of a packing, sensors, and spheres that absorb waves.
 
-    [[replace]]                  spheres of another material or diameter
+[[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
     [[hold]]                     grains that do not move
@@ -18,7 +18,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any, Literal, TypeVar
 
-from granwave.lammps_inputs.case.ids import parse_index
+from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -26,8 +26,10 @@ from granwave.lammps_inputs.case.schema import (
     choice,
     count,
     custom,
+    finite,
     label,
     number,
+    parse_index,
     parse_point,
     plain_name,
     read_table,
@@ -36,7 +38,6 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.case.shape import SHAPES, Cylinder, Shape, Vector, length_field, parse_axis
-from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
@@ -281,3 +282,45 @@ def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) 
     material = read_material(table["material"], errors, f"{prefix}.material")
     entry = read_table(section, rest, prefix, errors)
     return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]
+
+
+MATCHED = "matched"
+_DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", "none")
+_RATE = Usual(1.0, 1e8)
+
+
+def _parse_impedance(value: Any) -> float | str:
+    expected = 'a number above 0, or "matched"'
+    if value == MATCHED:
+        return MATCHED
+    found = finite(value, expected)
+    if found <= 0:
+        raise ValidationError(expected)
+    return found
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Absorb:
+    """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
+
+    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes stronger with depth
+    reflects little over many frequencies. ``impedance`` is a dashpot along z on each sphere: the end of a row, without
+    reflection where it is the impedance of the row.
+    """
+
+    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
+    layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
+    rate: float | None = number(
+        "largest damping rate: the force is mass x rate x velocity", unit="1/s", above=0, default=None, usual=_RATE
+    )
+    towards: str = choice(
+        'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
+        _DIRECTIONS,
+        default="+z",
+    )
+    impedance: float | str | None = custom(
+        "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
+        _parse_impedance,
+        unit="N s/m",
+        default=None,
+    )

@@ -15,6 +15,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs.case.hints import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -26,9 +27,8 @@ from granwave.lammps_inputs.case.schema import (
     show,
     text,
 )
-from granwave.lammps_inputs.case.si_values import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 SELECTORS = ("preset", "file")
 MATERIALS = "materials"  # table of further materials of a case

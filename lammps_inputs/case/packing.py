@@ -1,4 +1,4 @@
-"""``[packing]``: a lattice of spheres, or grains at places of their own."""
+"""``[packing]``: a lattice of spheres, or grains at places of their own; sizes of lattices."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
+from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual, unusual
 from granwave.lammps_inputs.case.schema import (
     LARGEST_COUNT,
     ErrorList,
@@ -33,7 +34,7 @@ from granwave.lammps_inputs.case.shape import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual, unusual
+from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
@@ -315,3 +316,34 @@ def _cell_of(name: str) -> list[list[float]]:
         return read_cell(Path(name))
     except (OSError, ValueError):  # reported with the grains
         return []
+
+
+_KEY = "packing.size"
+
+
+def check_size(packing: PackingSection, errors: ErrorList) -> bool:
+    """Check that a packing has a size of its kind; return True if it has, or if its grains come from a file."""
+    axes = kind_of(packing.kind).axes
+    if packing.grains is not None:
+        return True
+    if len(packing.size) != len(axes):
+        form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+        errors.add(_KEY, f"found {show(packing.size)}, expected {form} for {packing.kind}")
+        return False
+    if is_plane_crystal(packing.kind) and packing.top_row != "equal" and packing.size[0] <= 1:
+        errors.add(_KEY, f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row")
+        return False
+    return True
+
+
+def check_memory_of_sites(packing: PackingSection, n_sites: int, bytes_of_site: float, errors: ErrorList) -> bool:
+    """Check that the memory suffices for arrays over so many sites of a lattice; return True if it does."""
+    needed, available = n_sites * bytes_of_site, available_memory()
+    if needed <= available:
+        return True
+    errors.add(
+        _KEY,
+        f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB of "
+        f"memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
+    )
+    return False

@@ -10,9 +10,9 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, choice, custom, finite, number
-from granwave.lammps_inputs.case.si_values import DIAMETER
 
 SHAPES = ("sphere", "cylinder")
 AXIS_FORM = '"x", "y", "z" or a direction [ax, ay, az]'

@@ -5,44 +5,37 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.output import Output
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Run
+from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Output, Run
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
-from granwave.lammps_inputs.checks.absorbing import check_absorbing
 from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
-from granwave.lammps_inputs.checks.driving import check_driving
 from granwave.lammps_inputs.checks.grains import (
     check_chosen,
     check_cylinders,
     check_grains,
+    check_lines,
     check_touched,
     check_tube,
 )
-from granwave.lammps_inputs.checks.lines import check_lines
+from granwave.lammps_inputs.checks.loads import check_absorbing, check_driving, check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.packing import check_disorder, check_room
-from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
+from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
-from granwave.lammps_inputs.packing.places import layout_of
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least

@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.contact import Contact
-from granwave.lammps_inputs.case.contact_pairs import RIGID, Pair
+from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
-from granwave.lammps_inputs.contact.law import error_in_constants
-from granwave.lammps_inputs.contact.loss import viscous_loss
+from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 

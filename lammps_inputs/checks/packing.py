@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import lattice_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _OVERLAP = 1e-9  # diameters; largest overlap of a larger sphere with another one, for rounding
 _WAYS = "index, a box from low to high, or share"

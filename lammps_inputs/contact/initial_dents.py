@@ -10,23 +10,20 @@ from __future__ import annotations
 import dataclasses
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.dents import Dents
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Dents
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"

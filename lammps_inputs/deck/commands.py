@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.contact.law import Viscous
 from granwave.lammps_inputs.run_directory import DUMPS
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.contact import Contact
-    from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.contact.loss import Viscous
 
 _WIDTH = 110
 

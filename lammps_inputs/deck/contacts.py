@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.boundary import NodeConstants
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.supports import NodeConstants
-from granwave.lammps_inputs.contact.loss import viscous_loss
+from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, law_coefficients, num
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
@@ -23,9 +23,6 @@ from granwave.lammps_inputs.packing.walls import (
     walls,
 )
 from granwave.lammps_inputs.run_directory import DENTS_FILE
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _ELASTIC = Contact(law="hertz")
 

@@ -10,33 +10,31 @@ rotation: inertia relief cancels the forces that accelerate it as a whole during
 
 A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE, a record;
 STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all contacts (`initial_forces`).
+
+A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of the centre and the
+angular acceleration I^-1 T from total force and torque. On a plane only translation along x and y and rotation about z
+are free. The centre does not move and the inertia changes little, so `relief_state` evaluates both once.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
 from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
-from granwave.lammps_inputs.deck.energy_ledger import POTENTIAL
-from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
-from granwave.lammps_inputs.deck.initial_forces import contacts_of_stage, initial_forces
-from granwave.lammps_inputs.deck.probes import displacements
-from granwave.lammps_inputs.deck.wall_forces import outward_force
+from granwave.lammps_inputs.deck.motion import POTENTIAL
+from granwave.lammps_inputs.deck.output import contacts_of_stage, displacements, initial_forces, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, support_timestep, wall_fixes, walls
 from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
 
@@ -323,3 +321,59 @@ def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
 
 def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     return f"minimize        0.0 {_least_net_force(assembly, first=first)} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+
+
+_TERMS = {
+    "x": ("b*c-f*f", "e*f-d*c", "d*f-b*e"),
+    "y": ("e*f-d*c", "a*c-e*e", "d*e-a*f"),
+    "z": ("d*f-b*e", "d*e-a*f", "a*b-d*d"),
+}  # rows of the adjugate of the inertia tensor, a = xx, b = yy, c = zz, d = xy, e = xz, f = yz
+_DETERMINANT = "a*(b*c-f*f)-d*(d*c-e*f)+e*(d*f-b*e)"
+_TENSOR = {"a": "xx", "b": "yy", "c": "zz", "d": "xy", "e": "xz", "f": "yz"}
+
+
+def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
+    """Return the commands for the fix ``name`` and its variables, which have this name as a prefix.
+
+    Parameters
+    ----------
+    on_plane
+        True if the group rests on a plane normal to z.
+    """
+    lines = relief_state(name, group, on_plane=on_plane)
+    at = {axis: f"({axis}-v_{name}_c{axis})" for axis in "xyz"}
+    if on_plane:
+        lines.append(f"variable        {name}_az equal torque({group},z)*v_{name}_zz")
+        turned = {"x": f"-v_{name}_az*{at['y']}", "y": f"+v_{name}_az*{at['x']}"}
+    else:
+        for axis in "xyz":
+            torque = "+".join(f"v_{name}_{axis}{about}*torque({group},{about})" for about in "xyz")
+            lines.append(f"variable        {name}_a{axis} equal {torque}")
+        turned = {
+            one: f"+v_{name}_a{other}*{at[third]}-v_{name}_a{third}*{at[other]}"
+            for one, other, third in ("xyz", "yzx", "zxy")
+        }
+    for axis, turning in turned.items():
+        lines.append(f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})")
+    lines.append(f"variable        {name}_0 atom 0.0")
+    words = " ".join(f"v_{name}_{axis}" if axis in turned else "0.0" for axis in "xyz")
+    return [*lines, f"fix             {name} {group} addforce {words} energy v_{name}_0"]
+
+
+def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
+    """Return the commands that store the present mass, centre and inverse inertia; they may be repeated."""
+    lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
+    lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
+    if on_plane:
+        return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
+    values = {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
+
+    def written(formula: str) -> str:
+        return "".join(values.get(letter, letter) for letter in formula)
+
+    lines += [
+        f"variable        {name}_{axis}{about} equal $(({written(term)})/({written(_DETERMINANT)}):%.17g)"
+        for axis, row in _TERMS.items()
+        for about, term in zip("xyz", row, strict=True)
+    ]
+    return lines

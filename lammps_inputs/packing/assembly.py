@@ -21,12 +21,11 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.shape import Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
+from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
+from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.disorder import striker_shift
-from granwave.lammps_inputs.packing.grain_words import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
-from granwave.lammps_inputs.packing.strikers import place_strikers
 
 _KEPT = 4  # assemblies
 

@@ -6,6 +6,7 @@ line. The ends of a cylinder do not touch anything.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -181,3 +182,24 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
         if meets:
             found.append((one, other))
     return found
+
+
+SPHERES, CYLINDERS, GRAINS = "spheres", "cylinders", "grains"
+_WORD = re.compile(r"\b([Ss])phere(s?)\b")
+
+
+def grains_called(n_grains: int, n_cylinders: int) -> str:
+    """Return ``spheres``, ``cylinders`` or ``grains``."""
+    if not n_cylinders:
+        return SPHERES
+    return CYLINDERS if n_cylinders >= n_grains else GRAINS
+
+
+def in_grains(text: str, called: str) -> str:
+    """Put what grains are called, in the plural, into a text that calls them spheres."""
+
+    def other(found: re.Match[str]) -> str:
+        word = called.removesuffix("s") + found[2]
+        return word.capitalize() if found[1] == "S" else word
+
+    return text if called == SPHERES else _WORD.sub(other, text)

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import ase
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import separations
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -8,23 +8,30 @@ import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import check_earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
-from granwave.lammps_inputs.memory import refuse_too_large
+from granwave.lammps_inputs.files import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.planning.load_frequency import check_load_frequency
+from granwave.lammps_inputs.planning.cost import (
+    ExpectedZone,
+    Space,
+    WallTime,
+    expected_space,
+    expected_wall_time,
+    expected_zone,
+)
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.planning.space import Space, expected_space
-from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, expected_peak_overlap, timestep_limits
-from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
-from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone, expected_zone
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.planning.timestep import (
+    Limit,
+    auto_timestep,
+    check_load_frequency,
+    expected_peak_overlap,
+    timestep_limits,
+)
 
 _LOG = logging.getLogger("granwave")
 

@@ -11,19 +11,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES, FRAMES_OF_A_FILM
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.records import chain_history, line_history
+from granwave.lammps_inputs.packing.motion import chain_history, line_history
 from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, largest_timestep, timestep_limits
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
 BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
