@@ -10,20 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import checksum, read_json, read_tables, replace_text
 from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    CONTINUUM,
-    DATA_FILE,
-    DUMPS,
-    FIGURES_TABLE,
-    MARKER,
-    RECORD_FILE,
-    RESULT_FILE,
-    SUMMARY_FILE,
-)
 
 _RESOLVED = "resolved"  # derived values in case.toml
 _DIGEST_LENGTH = 16
@@ -42,7 +32,9 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    deciding = {name: table for name, table in tables.items() if name not in ("name", _RESOLVED, FIGURES_TABLE)}
+    deciding = {
+        name: table for name, table in tables.items() if name not in ("name", _RESOLVED, run_directory.FIGURES_TABLE)
+    }
     return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
 
 
@@ -54,16 +46,17 @@ def check_case(directory: Path) -> None:
     InputError
         A key of case.toml differs from the case that was run.
     """
-    there, as_run = read_tables(directory / CASE_FILE), tables_as_run(directory)
+    path = directory / run_directory.CASE_FILE
+    there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
         return
     for tables in (there, as_run):
-        tables.pop(FIGURES_TABLE, None)
+        tables.pop(run_directory.FIGURES_TABLE, None)
     if not (changes := list(_changes(there, as_run))):
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
     raise InputError(
-        f"{directory / CASE_FILE}: was changed after the run: {shown}. The results are of the case that was run: run "
+        f"{path}: was changed after the run: {shown}. The results are of the case that was run: run "
         f"the changed one into another directory, or delete it: granwave analyse {directory}  puts back what was run"
     )
 
@@ -78,10 +71,10 @@ def restore_case(directory: Path) -> bool:
     """
     check_case(directory)
     marker = read_marker(directory)
-    if marker is None or not tables_as_run(directory) or read_tables(directory / CASE_FILE) is not None:
+    if marker is None or not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
         return False
-    claim(directory, [CASE_FILE])
-    replace_text(directory / CASE_FILE, marker.case)
+    claim(directory, [run_directory.CASE_FILE])
+    replace_text(directory / run_directory.CASE_FILE, marker.case)
     return True
 
 
@@ -120,7 +113,7 @@ def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
     names
         Names of the files to look at; None: all that were noted.
     """
-    marker = read_marker(directory) if (directory / MARKER).is_file() else None
+    marker = read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
     if marker is None:
         return ""
     for name in marker.files if names is None else names:
@@ -134,20 +127,22 @@ def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
     return ""
 
 
-def changed_result(directory: Path, names: Iterable[str] = (RESULT_FILE, SUMMARY_FILE)) -> str:
+def changed_result(
+    directory: Path, names: Iterable[str] = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
+) -> str:
     """Describe the first result of a run that is not what its analysis wrote, and how to mend it; empty if none."""
     fault = changed_file(directory, names)
     if not fault:
         return ""
     marker = read_marker(directory)
-    if marker is not None and marker.kind == CONTINUUM:
+    if marker is not None and marker.kind == run_directory.CONTINUUM:
         return f"{fault}: run the case again with --resume"
     return f"{fault}: make it anew with  granwave analyse {directory}"
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
     """Read the values of summary.json; empty if missing or damaged."""
-    return read_json(directory / SUMMARY_FILE) or {}
+    return read_json(directory / run_directory.SUMMARY_FILE) or {}
 
 
 def result_fault(directory: Path) -> str:
@@ -155,7 +150,11 @@ def result_fault(directory: Path) -> str:
 
     summary.json must exist. Other files may have been removed, to save disk space for instance.
     """
-    summary, result, record = directory / SUMMARY_FILE, directory / RESULT_FILE, directory / RECORD_FILE
+    summary, result, record = (
+        directory / run_directory.SUMMARY_FILE,
+        directory / run_directory.RESULT_FILE,
+        directory / run_directory.RECORD_FILE,
+    )
     if not read_summary(directory):
         return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
     if record.exists() and read_json(record) is None:
@@ -176,7 +175,7 @@ def result_fault(directory: Path) -> str:
 def outputs_complete(directory: Path) -> bool:
     """Return True if all output of LAMMPS exists as it was at the end of the run."""
     names = output_names(directory)
-    names = [DATA_FILE, *names]
+    names = [run_directory.DATA_FILE, *names]
     return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)
 
 
@@ -215,9 +214,9 @@ def check_deck(directory: Path) -> None:
     InputError
         The data file was changed after granwave ran the case.
     """
-    by_hand = not (directory / RECORD_FILE).exists()
+    by_hand = not (directory / run_directory.RECORD_FILE).exists()
     for name in changed_files(directory):
-        path, is_data = directory / name, name == DATA_FILE
+        path, is_data = directory / name, name == run_directory.DATA_FILE
         if by_hand:
             taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
             late = "; it is newer than the output of LAMMPS, so the run may have been of another" * _is_newer(path)
@@ -233,7 +232,7 @@ def check_deck(directory: Path) -> None:
 
 def _is_newer(path: Path) -> bool:
     """Return True if a file was changed after LAMMPS wrote its last output."""
-    written = [one.stat().st_mtime for one in (path.parent / DUMPS).glob("*") if one.is_file()]
+    written = [one.stat().st_mtime for one in (path.parent / run_directory.DUMPS).glob("*") if one.is_file()]
     return bool(written) and path.stat().st_mtime > max(written)
 
 

@@ -50,7 +50,6 @@ lammps_inputs/case
 lammps_inputs/directories
 lammps_inputs/run_state
 lammps_inputs/ownership
-lammps_inputs/unmarked_results
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files

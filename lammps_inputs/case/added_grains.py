@@ -22,7 +22,16 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
-from granwave.lammps_inputs.case.material import Material, presets
+from granwave.lammps_inputs.case.material import (
+    Material,
+    Vector,
+    axis_field,
+    check_shape,
+    length_field,
+    presets,
+    shape_field,
+    shape_of,
+)
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -36,7 +45,6 @@ from granwave.lammps_inputs.case.schema import (
     show,
     whole,
 )
-from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
 

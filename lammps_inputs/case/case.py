@@ -15,11 +15,10 @@ from granwave.lammps_inputs.case.bodies import Absorb, Bar, Guide, Hold, Line, R
 from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Precompression, Tube
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, presets
+from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.run import Figures, Output, Probe, Run
 from granwave.lammps_inputs.case.schema import keys_of
-from granwave.lammps_inputs.case.shape import mass_of
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 SECTIONS: dict[str, type] = {

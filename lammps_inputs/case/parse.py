@@ -24,11 +24,12 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
-from granwave.lammps_inputs.case.packing import PackingSection, check_cell, read_packing
+from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import ErrorList, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
+from granwave.lammps_inputs.lattices import FILE
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
@@ -176,8 +177,9 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
         periodic = boundary is not None and boundary.sides == "periodic"
         packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
         parts[MATERIALS] = tuple(materials.values())
-    if packing is not None:
-        check_cell(packing, errors)
+    if packing is not None and packing.cell is not None and packing.kind != FILE:  # a lattice has its own
+        found = f"found {show(packing.kind)} alone"
+        errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts

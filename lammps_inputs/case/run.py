@@ -18,6 +18,8 @@ from granwave.lammps_inputs.case.schema import (
     custom,
     finite,
     number,
+    numbers,
+    or_word,
     parse_point,
     positive_or_auto,
     read_table,
@@ -110,11 +112,6 @@ class Run:
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
-def _parse_history(value: Any) -> int | str:
-    expected = 'a whole number from 0 up or "auto"'
-    return value if value == "auto" else whole(value, expected, at_least=0, at_most=NO_LIMIT)
-
-
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
     if not isinstance(value, list | tuple):
         raise ValidationError(_PROBE_FORM)
@@ -174,7 +171,7 @@ class Output:
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
         "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
-        _parse_history,
+        or_word("auto", lambda value: whole(value, 'a whole number from 0 up or "auto"', at_least=0, at_most=NO_LIMIT)),
         default="auto",
     )
     contact_forces: bool = choice(
@@ -206,6 +203,7 @@ FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
 FRAMES_OF_A_FILM = 60  # default of `run.frames` where a film is asked for: ten seconds at six pictures a second
+_LIMITS = numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -266,16 +264,6 @@ def _parse_colour_map(value: Any) -> str:
     return value
 
 
-def _parse_limits(value: Any) -> tuple[float, float]:
-    expected = "two rising numbers above 0: the lower and the upper end"
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValidationError(expected)
-    low, high = (finite(end, expected) for end in value)
-    if not 0 < low < high:
-        raise ValidationError(expected)
-    return low, high
-
-
 def _parse_formats(value: Any) -> tuple[str, ...]:
     expected = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
     names = value if isinstance(value, list | tuple) else [value]
@@ -306,12 +294,12 @@ class Figures:
     force_limits: tuple[float, float] | None = custom(
         "ends of the colour scale of forces, over the force at first yield, or over the largest force where nothing "
         "yields; by default they fit the values",
-        _parse_limits,
+        _LIMITS,
         default=None,
     )
     dissipation_limits: tuple[float, float] | None = custom(
         "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
-        _parse_limits,
+        _LIMITS,
         default=None,
     )
     width: float = number(

@@ -12,10 +12,9 @@ from granwave.lammps_inputs.case.boundary import Boundary, Precompression
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.material import Material, presets
+from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, lattice_of

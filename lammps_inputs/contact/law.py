@@ -16,8 +16,7 @@ import numpy as np
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact, DashpotRestitution, Loss
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.shape import Shape
+from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair

@@ -85,9 +85,13 @@ def force_of_contact(assembly: Assembly) -> float:
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
     if stage.moves_walls:
-        deepest = max([*stage.moves.values(), _largest_overlap(assembly) if stage.takes_overlaps else 0.0], default=0.0)
+        overlaps = lattice.overlapping()[1] if stage.takes_overlaps and isinstance(lattice, Places) else np.zeros(0)
+        deepest = max(stage.moves.values(), default=0.0)
+        deepest = max(deepest, float(overlaps.max(initial=0.0)))
         hertz = float(sphere_hertz(case).loading_force(np.array([deepest]))[0])
-        pressed = (force / _n_touching(assembly, name) for name, force in stage.presses.items())
+        there = walls(assembly) if stage.presses else ()
+        first = {name: next(wall for wall in there if wall.name.startswith(name)) for name in stage.presses}
+        pressed = (force / len(grains_at_wall(assembly, first[name])) for name, force in stage.presses.items())
         return max([hertz, force_on_top(assembly), *pressed])
     if stage.kind == "uniform":
         rule = lattice.rule
@@ -103,16 +107,6 @@ def force_of_contact(assembly: Assembly) -> float:
         held = case.boundary.bottom == "fixed"
         top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
     return top if isinstance(lattice, Places) else top / lattice.rule.carried
-
-
-def _largest_overlap(assembly: Assembly) -> float:
-    """Return the largest overlap of grains at the start, m."""
-    overlaps = assembly.lattice.overlapping()[1] if isinstance(assembly.lattice, Places) else np.zeros(0)
-    return float(overlaps.max(initial=0.0))
-
-
-def _n_touching(assembly: Assembly, name: str) -> int:
-    return len(grains_at_wall(assembly, next(wall for wall in walls(assembly) if wall.name.startswith(name))))
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:

@@ -24,7 +24,6 @@ from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_on_top, static_stiffness
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids, line_ids, struck_of
-from granwave.lammps_inputs.packing.sites import Sites
 
 Array = NDArray[np.float64]
 
@@ -99,27 +98,23 @@ def row_of(assembly: Assembly) -> Row | None:
             return None
         along = static_stiffness(assembly) * float(np.sum(cosines**2))
         return Row(np.array([case.sphere_mass]), np.array([along]))
-    force, n = force_on_top(assembly), lattice.n_spheres
-    if assembly.sites is None:
+    force, n, sites = force_on_top(assembly), lattice.n_spheres, assembly.sites
+    if sites is None:
         return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
-    if not assembly.sites.present.all():
+    if not sites.present.all():
         return None
-    period = assembly.sites.period_of_chain()
+    period = sites.period_of_chain()
     beads = np.arange(1, n + 1) if period is None else np.arange(1, period + 1)
     mass = np.array([assembly.mass_of(one) for one in beads.tolist()])
     known: dict[tuple[tuple[float, int], ...], float] = {}
     behind = np.empty(len(beads))
     for row, one in enumerate(beads.tolist()):
         pair = (one, one + 1) if one < n else (one - 1, one)
-        key = tuple(_kind(assembly.sites, bead) for bead in pair)
+        key = tuple((float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])) for bead in pair)
         if key not in known:
             known[key] = _stiffness(pair_contact(assembly, *pair), force)
         behind[row] = known[key]
     return Row(mass, behind, repeats=period is not None)
-
-
-def _kind(sites: Sites, bead: int) -> tuple[float, int]:
-    return float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])
 
 
 def _stiffness(law: ContactLaw, force: float) -> float:

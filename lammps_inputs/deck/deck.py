@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.shape import Shape, density_as_sphere
+from granwave.lammps_inputs.case.material import Material, Shape, density_as_sphere
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.commands import joined, num
@@ -29,17 +29,6 @@ from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    DATA_FILE,
-    DEAD_LOAD_FILE,
-    DENTS_FILE,
-    DUMPS,
-    LOAD_FILE,
-    LOG_FILE,
-    RUN,
-    SCRIPT_FILE,
-)
 from granwave.lammps_inputs.run_state import note_deck
 
 _STILL = (0.0, 0.0, 0.0)
@@ -185,17 +174,17 @@ class Deck:
     @property
     def script(self) -> Path:
         """Path of the LAMMPS input script."""
-        return self.directory / SCRIPT_FILE
+        return self.directory / run_directory.SCRIPT_FILE
 
     @property
     def data(self) -> Path:
         """Path of the LAMMPS data file."""
-        return self.directory / DATA_FILE
+        return self.directory / run_directory.DATA_FILE
 
     @property
     def dumps(self) -> Path:
         """Directory of the output of LAMMPS."""
-        return self.directory / DUMPS
+        return self.directory / run_directory.DUMPS
 
 
 def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
@@ -219,21 +208,25 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
     case = assembly.case
     directory = Path(directory)
     tables = _tables(assembly)
-    written = (SCRIPT_FILE, CASE_FILE, DATA_FILE, *tables)
+    written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
     deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly), written)
     text = case.to_toml(resolved=resolved(deck))
     try:
         directory.mkdir(parents=True, exist_ok=True)
         before = read_marker(directory) if results_in(directory) else None
-        claim(directory, deck_files(assembly, deck.schedule), kind=RUN, case=text)
+        claim(directory, deck_files(assembly, deck.schedule), kind=run_directory.RUN, case=text)
         deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
-        _write(assembly, directory, {SCRIPT_FILE: input_script(assembly, deck.schedule), CASE_FILE: text, **tables})
-        note_deck(directory, [SCRIPT_FILE, DATA_FILE, *tables])
+        _write(
+            assembly,
+            directory,
+            {run_directory.SCRIPT_FILE: input_script(assembly, deck.schedule), run_directory.CASE_FILE: text, **tables},
+        )
+        note_deck(directory, [run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
         if before is None:
             clear(directory)
@@ -246,11 +239,11 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
 def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
     """Write the data file and texts, given by file name; the first one is moved into place last."""
     with contextlib.ExitStack() as stack:  # contexts are left in reverse order
-        names = dict.fromkeys((next(iter(texts)), DATA_FILE, *texts))
+        names = dict.fromkeys((next(iter(texts)), run_directory.DATA_FILE, *texts))
         scratch = {name: stack.enter_context(replacing(directory / name)) for name in names}
         for name, path in scratch.items():
             with naming(directory / name):
-                if name == DATA_FILE:
+                if name == run_directory.DATA_FILE:
                     write_data(assembly, path)
                 else:
                     path.write_text(texts[name], encoding="utf-8")
@@ -259,11 +252,18 @@ def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files of a deck, and of those that LAMMPS will write."""
     case = assembly.case
-    tables = [DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
-    tables += [DENTS_FILE] if case.contact.initial_overlap else []
-    tables += [LOAD_FILE] if case.load.table else []
-    dumps = [f"{DUMPS}/{name}" for name in output_files(assembly, schedule)]
-    return [CASE_FILE, DATA_FILE, SCRIPT_FILE, *tables, LOG_FILE, *dumps]
+    tables = [run_directory.DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
+    tables += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
+    tables += [run_directory.LOAD_FILE] if case.load.table else []
+    dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
+    return [
+        run_directory.CASE_FILE,
+        run_directory.DATA_FILE,
+        run_directory.SCRIPT_FILE,
+        *tables,
+        run_directory.LOG_FILE,
+        *dumps,
+    ]
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:
@@ -271,10 +271,10 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     case = assembly.case
     tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
-        tables[DENTS_FILE] = dents_table(assembly)
+        tables[run_directory.DENTS_FILE] = dents_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
-        tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
+        tables[run_directory.LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
     return tables
 
 
@@ -296,7 +296,7 @@ def read_deck(directory: str | Path) -> Deck:
         The case.toml is missing, was written by hand, or was changed.
     """
     directory = Path(directory)
-    path = directory / CASE_FILE
+    path = directory / run_directory.CASE_FILE
     case, table = load_case(path), read_toml(path).get("resolved", {})
     try:
         table = _NEW | table

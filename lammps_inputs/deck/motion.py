@@ -23,7 +23,7 @@ from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_se
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR, PlacedBar
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
-from granwave.lammps_inputs.packing.walls import PLATE, moving_fix, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import PLATE, moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import ENERGY_FILE, LOAD_FILE
 
@@ -202,7 +202,7 @@ STATIC = "v_static"  # elastic and potential energy at the start of the run
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands of the energy ledger, which also counts yielded contacts."""
     case = assembly.case
-    planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
+    planes = plane_fixes(assembly)
     bars = [bar.name for bar in assembly.bars]
     columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
     # contacts with faces of bars belong to the pair style

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import (
     CONTACTS,
@@ -22,31 +23,9 @@ from granwave.lammps_inputs.deck.columns import (
 from granwave.lammps_inputs.deck.commands import column_names, command, first_or_append, id_ranges, joined, time_series
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
-from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, wall_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.run_directory import (
-    CHECKPOINT_FILE,
-    CONTACTS_FILE,
-    COUNT_FILE,
-    DUMPS,
-    ENERGY_FILE,
-    FORCES_FILE,
-    FRAME_FORCES_FILE,
-    FRAMES_FILES,
-    FRAMES_RESUMED,
-    HISTORY_FILE,
-    INITIAL_COUNT_FILE,
-    INITIAL_FORCES_FILE,
-    INITIAL_WALL_FORCES_FILE,
-    LINES_FILE,
-    MOVED_WALLS_FILE,
-    PROBES_FILE,
-    STATIC_FILE,
-    STATIC_STAGE_FILE,
-    WALL_CONTACTS_FILE,
-    WALLS_FILE,
-    of_each_rank,
-)
+from granwave.lammps_inputs.run_directory import DUMPS, of_each_rank
 
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -62,7 +41,14 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {outward_force(assembly, wall)}" for wall in found),
-        *time_series("walls", schedule.wall_every, WALLS_FILE, "wall forces, N", {"time": "v_time"} | columns, resumed),
+        *time_series(
+            "walls",
+            schedule.wall_every,
+            run_directory.WALLS_FILE,
+            "wall forces, N",
+            {"time": "v_time"} | columns,
+            resumed,
+        ),
     ]
 
 
@@ -87,10 +73,16 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
             label = "contact_{}_{}".format(*probe.contact)
             columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
             continue
-        for quantity, source in _sphere_probe(probe.sphere or 0).items():
+        axes = list(enumerate("xyz", start=1))
+        moved = {f"u{axis}": f"C_probed[{probe.sphere}][{number}]" for number, axis in axes}
+        for quantity, source in (
+            moved | {f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for _, axis in axes}
+        ).items():
             lines.append(f"variable        probe{n}{quantity} equal {source}")
             columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
-    return lines + time_series("probes", schedule.probe_every, PROBES_FILE, "probes, SI units", columns, resumed)
+    return lines + time_series(
+        "probes", schedule.probe_every, run_directory.PROBES_FILE, "probes, SI units", columns, resumed
+    )
 
 
 def displacements(case: Case) -> list[str]:
@@ -103,15 +95,6 @@ def displacements(case: Case) -> list[str]:
     return lines
 
 
-def _sphere_probe(sphere: int) -> dict[str, str]:
-    axes = list(enumerate("xyz", start=1))
-    return (
-        {f"u{letter}": f"C_probed[{sphere}][{n}]" for n, letter in axes}
-        | {f"v{letter}": f"v{letter}[{sphere}]" for _, letter in axes}
-        | {f"f{letter}": f"f{letter}[{sphere}]" for _, letter in axes}
-    )
-
-
 _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
@@ -121,7 +104,8 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
     chosen: list[str] = []
     columns = sources(SNAPSHOT, *recorded(case))
     if case.output.contact_forces:
-        columns |= wall_force_columns(assembly)
+        force = names(WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
+        columns |= {f"wall_{fix}": f"f_{fix}[{force}]" for fix in plane_fixes(assembly)}
     form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
     text = case.output.dump_format == "text"
     if not every:
@@ -154,18 +138,12 @@ def _forces_of_all(every: int, chosen: bool, resumed: bool) -> list[str]:
     form = f'"{joined(["%.17g"] * len(columns))}"'
     return [
         "# The forces of all contacts at every snapshot.",
-        f"dump            contact_forces all local {every} {DUMPS}/{FRAME_FORCES_FILE} {joined(columns.values())}",
+        f"dump            contact_forces all local {every} {DUMPS}/{run_directory.FRAME_FORCES_FILE} "
+        f"{joined(columns.values())}",
         f"dump_modify     contact_forces {first_or_append(resumed)} format line {form}",
         *(f"dump_modify     contact_forces {renamed}" for renamed in column_names(columns)),
         *(["dump_modify     contact_forces every v_frame"] if chosen else []),
     ]
-
-
-def wall_force_columns(assembly: Assembly) -> dict[str, str]:
-    """Return the columns of the normal forces of walls on each sphere, in snapshots with contact forces."""
-    fixes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
-    force = names(WALL_CONTACTS).index("force") + 1
-    return {f"wall_{fix}": f"f_{fix}[{force}]" for fix in dict.fromkeys(fixes)}
 
 
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
@@ -175,10 +153,10 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     does one that writes in parts, since it may have another number of ranks.
     """
     form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
-    name = FRAMES_FILES[form]
+    name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
-        prefix, suffix = CHECKPOINT_FILE.split("{}")
-        name = FRAMES_RESUMED[form].format(restart_from.removeprefix(prefix).removesuffix(suffix))
+        prefix, suffix = run_directory.CHECKPOINT_FILE.split("{}")
+        name = run_directory.FRAMES_RESUMED[form].format(restart_from.removeprefix(prefix).removesuffix(suffix))
     return of_each_rank(name) if parts else name
 
 
@@ -206,10 +184,13 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     moved, forces = sources(HISTORY), sources(FORCES)
     return [
         "# The chain in time.",
-        *command(f"dump            history all custom {every} {DUMPS}/{HISTORY_FILE}", *moved.values()),
+        *command(
+            f"dump            history all custom {every} {DUMPS}/{run_directory.HISTORY_FILE}",
+            *moved.values(),
+        ),
         f'dump_modify     history {first_or_append(resumed)} sort id format line "%d %.17g %.17g"',
         *(f"dump_modify     history {renamed}" for renamed in column_names(moved)),
-        f"dump            forces all local {every} {DUMPS}/{FORCES_FILE} {joined(forces.values())}",
+        f"dump            forces all local {every} {DUMPS}/{run_directory.FORCES_FILE} {joined(forces.values())}",
         f'dump_modify     forces {first_or_append(resumed)} format line "%.9g %.9g %.17g"',
         *(f"dump_modify     forces {renamed}" for renamed in column_names(forces)),
     ]
@@ -225,13 +206,16 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
         "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
         "compute         sums all gran/hysteretic/sums",
         *command("group           lines id", id_ranges(all_line_ids(assembly))),
-        *command(f"dump            lines lines custom {schedule.line_every} {DUMPS}/{LINES_FILE}", *columns.values()),
+        *command(
+            f"dump            lines lines custom {schedule.line_every} {DUMPS}/{run_directory.LINES_FILE}",
+            *columns.values(),
+        ),
         f'dump_modify     lines {first_or_append(resumed)} sort id format line "%d{" %.12g" * (len(columns) - 1)}"',
         *command("dump_modify     lines", *column_names(columns)),
     ]
 
 
-def contacts_file(assembly: Assembly, name: str = CONTACTS_FILE) -> str:
+def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
     """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank writes its own."""
     return of_each_rank(name) if written_in_parts(assembly) else name
 
@@ -255,20 +239,17 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
             f'"{joined(["%.17g"] * len(contacts))}"',
             *column_names(contacts),
         ),
-        *([count_written(COUNT_FILE)] if written_in_parts(assembly) else []),
+        *([count_written(run_directory.COUNT_FILE)] if written_in_parts(assembly) else []),
     ]
-    for wall in walls(assembly):
-        if wall.held_layer:
-            continue
-        for fix, _, _ in wall_fixes(assembly, wall):
-            columns = sources(WALL_CONTACTS, *recorded(case), of=fix)
-            lines += command(
-                f"write_dump      all custom {DUMPS}/{WALL_CONTACTS_FILE.format(fix)} id",
-                *columns.values(),
-                f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
-                f'"%d {joined(["%.17g"] * len(columns))}"',
-                *column_names(columns),
-            )
+    for fix in plane_fixes(assembly):
+        columns = sources(WALL_CONTACTS, *recorded(case), of=fix)
+        lines += command(
+            f"write_dump      all custom {DUMPS}/{run_directory.WALL_CONTACTS_FILE.format(fix)} id",
+            *columns.values(),
+            f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
+            f'"%d {joined(["%.17g"] * len(columns))}"',
+            *column_names(columns),
+        )
     return lines
 
 
@@ -305,17 +286,17 @@ def initial_forces(assembly: Assembly) -> list[str]:
     """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
     columns = sources(FORCES)
     lines = command(
-        f"write_dump      all local {DUMPS}/{contacts_file(assembly, INITIAL_FORCES_FILE)}",
+        f"write_dump      all local {DUMPS}/{contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)}",
         *columns.values(),
         "modify format line",
         f'"{joined(["%.17g"] * len(columns))}"',
         *_names(columns),
     )
-    lines += [count_written(INITIAL_COUNT_FILE)] if written_in_parts(assembly) else []
-    for fix in (fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)):
+    lines += [count_written(run_directory.INITIAL_COUNT_FILE)] if written_in_parts(assembly) else []
+    for fix in plane_fixes(assembly):
         columns = sources(WALL_FORCES, of=fix)
         lines += command(
-            f"write_dump      all custom {DUMPS}/{INITIAL_WALL_FORCES_FILE.format(fix)} id",
+            f"write_dump      all custom {DUMPS}/{run_directory.INITIAL_WALL_FORCES_FILE.format(fix)} id",
             *columns.values(),
             f'modify sort id thresh {columns["force"]} > 0.0 format line "%d %.17g"',
             *_names(columns),
@@ -335,22 +316,25 @@ def _names(columns: dict[str, str]) -> list[str]:
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files that LAMMPS writes to dumps/."""
     case = assembly.case
-    planes = [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
+    planes = plane_fixes(assembly)
     files = [
-        ENERGY_FILE,
+        run_directory.ENERGY_FILE,
         frames_file(assembly),
         contacts_file(assembly),
-        *(WALL_CONTACTS_FILE.format(fix) for fix in planes),
+        *(run_directory.WALL_CONTACTS_FILE.format(fix) for fix in planes),
     ]
-    files += [COUNT_FILE] if written_in_parts(assembly) else []
-    files += [WALLS_FILE] if wall_forces(assembly, schedule) else []
-    files += [PROBES_FILE] if case.probes else []
-    files += [HISTORY_FILE, FORCES_FILE] if schedule.history_every else []
-    files += [FRAME_FORCES_FILE] if case.output.contact_forces else []
-    files += [LINES_FILE] if case.line else []
+    files += [run_directory.COUNT_FILE] if written_in_parts(assembly) else []
+    files += [run_directory.WALLS_FILE] if wall_forces(assembly, schedule) else []
+    files += [run_directory.PROBES_FILE] if case.probes else []
+    files += [run_directory.HISTORY_FILE, run_directory.FORCES_FILE] if schedule.history_every else []
+    files += [run_directory.FRAME_FORCES_FILE] if case.output.contact_forces else []
+    files += [run_directory.LINES_FILE] if case.line else []
     if case.precompression is None:
         return files
-    files += [MOVED_WALLS_FILE] if case.precompression.presses else []
-    files += [contacts_file(assembly, INITIAL_FORCES_FILE), *(INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes)]
-    files += [INITIAL_COUNT_FILE] if written_in_parts(assembly) else []
-    return [*files, STATIC_STAGE_FILE, STATIC_FILE]
+    files += [run_directory.MOVED_WALLS_FILE] if case.precompression.presses else []
+    files += [
+        contacts_file(assembly, run_directory.INITIAL_FORCES_FILE),
+        *(run_directory.INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes),
+    ]
+    files += [run_directory.INITIAL_COUNT_FILE] if written_in_parts(assembly) else []
+    return [*files, run_directory.STATIC_STAGE_FILE, run_directory.STATIC_FILE]

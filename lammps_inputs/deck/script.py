@@ -10,8 +10,7 @@ import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.commands import num
-from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, dents, wall_commands
+from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, dents, num, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, lines, probes, wall_forces
 from granwave.lammps_inputs.deck.static_stage import (

@@ -26,14 +26,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
-from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
+from granwave.lammps_inputs.deck.commands import joined, moved_wall, num, pair_coefficients, plane_names, wall_commands
 from granwave.lammps_inputs.deck.motion import POTENTIAL
 from granwave.lammps_inputs.deck.output import contacts_of_stage, displacements, initial_forces, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import Wall, moving_fix, support_timestep, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import Wall, moving_fix, plane_fixes, support_timestep, walls
 from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
 
 _STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
@@ -114,12 +113,12 @@ def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
-    longest_move = _LONGEST_MOVE * 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
+    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
         *pair_coefficients(assembly, elastic=True),
-        *(f"variable        {moved_wall(name)} equal {num(d)}" for name, d in _first_moves(assembly).items()),
+        *(f"variable        {moved_wall(name)} equal {num(overlap)}" for name in _pressed_walls(assembly)),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
@@ -134,7 +133,7 @@ def first_half(assembly: Assembly) -> list[str]:
         "thermo          1000",
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
-        f"min_modify      norm inf dmax {num(longest_move)}",
+        f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
         _minimize(assembly, first=True),
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
@@ -148,8 +147,14 @@ def first_half(assembly: Assembly) -> list[str]:
 def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
+    step = support_timestep(assembly, static_stiffness(assembly))
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    record = _record(assembly)
+    record, support = _record(assembly), moving_fix(assembly)
+    stored = [
+        "c_static",
+        *(f"f_{name}[4]" for name in plane_fixes(assembly)),
+        *([f"f_{support}[12]"] if support else []),
+    ]
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
@@ -168,11 +173,12 @@ def second_half(assembly: Assembly) -> list[str]:
         "unfix           static_halt",
         "velocity        all set 0.0 0.0 0.0 units box",
         "reset_timestep  0 time 0.0",
-        *_step_of_support(assembly),
+        # FIRE may leave a step that is too long for the support of the bottom
+        *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
         *contacts_of_stage(assembly),
         "run             0 post no",
         *initial_forces(assembly),
-        f"variable        static_stored equal {'+'.join(_stored(assembly))}",
+        f"variable        static_stored equal {'+'.join(stored)}",
         f"variable        static_load equal {num(force_of_contact(assembly))}",
         f'print           """{values}""" file {DUMPS}/{STATIC_STAGE_FILE} screen no',
         f"variable        static_all equal v_static_stored+{POTENTIAL}",
@@ -227,14 +233,6 @@ def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
             for name in stage.presses}  # fmt: skip
 
 
-def _first_moves(assembly: Assembly) -> dict[str, float]:
-    """Return the distances by which walls that move in to a force do so at first: the overlap of a contact, m."""
-    stage = assembly.case.precompression
-    assert stage is not None
-    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    return dict.fromkeys(stage.presses, overlap)
-
-
 def _pressing(assembly: Assembly) -> list[str]:
     """Return the commands that move walls in, round by round, until they bear their forces.
 
@@ -280,12 +278,6 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
-def _step_of_support(assembly: Assembly) -> list[str]:
-    """Return the command for a timestep short enough for the bottom's support; FIRE may leave a longer one."""
-    step = support_timestep(assembly, static_stiffness(assembly))
-    return [f"timestep        {num(step)}"] if math.isfinite(step) else []
-
-
 def _waiting(assembly: Assembly) -> list[str]:
     """Return the commands that hold strikers in place until the run begins."""
     first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
@@ -295,23 +287,12 @@ def _waiting(assembly: Assembly) -> list[str]:
     )
 
 
-def _stored(assembly: Assembly) -> list[str]:
-    """Return the terms of the energy stored in contacts, walls and the support of the bottom."""
-    planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
-    support = moving_fix(assembly)
-    return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
-
-
-def _rounding(assembly: Assembly) -> float:
-    """Estimate the net force due to rounding of coordinates, N."""
-    span = float(np.abs(assembly.bounds()).max())
-    return float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)
-
-
 def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
     """Return the net force on a sphere at convergence, N: a small fraction of contact forces, plus rounding."""
     case = assembly.case
-    rounding, mean = _rounding(assembly), force_of_contact(assembly)
+    span = float(np.abs(assembly.bounds()).max())
+    rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
+    mean = force_of_contact(assembly)
     if not has_gaps(case) or first:
         part = _FIRST_HALF if has_gaps(case) else _TOLERANCE
         return num(float(f"{part * mean + rounding:.3g}"))

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.shape import Shape, mass_of
+from granwave.lammps_inputs.case.material import Material, Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
 from granwave.lammps_inputs.packing.cylinders import grains_called

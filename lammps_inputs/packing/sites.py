@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.run import Output
-from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
 from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, random_vacancies
 from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres

@@ -96,7 +96,14 @@ MAY_BE_ZERO = MAY_BE_NEGATIVE | {
     "contact.initial_overlap", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
-MAY_BE_EMPTY = {"figures.formats", "figures.only", "output.probes", "packing.vacancies", "slurm.before", "slurm.options"}
+MAY_BE_EMPTY = {
+    "figures.formats",
+    "figures.only",
+    "output.probes",
+    "packing.vacancies",
+    "slurm.before",
+    "slurm.options",
+}
 NOT_IN_A_PAIR = {"pair.1.initial_overlap"}
 
 NEVER: list[Any] = [{"x": 1}, math.nan, math.inf, datetime.date(2024, 2, 29), [True], ""]
