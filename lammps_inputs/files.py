@@ -57,7 +57,8 @@ def naming(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         number = error.errno or _number_in(str(error))
-        if number is None or (error.filename is not None and not _is_scratch(error.filename, path)):
+        scratch = f".{path.name}.{os.getpid()}"  # of `replacing`
+        if number is None or (error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch):
             raise
         reason = os.strerror(number) if error.errno is None or "errno = " in str(error) else error.strerror
         raise OSError(number, reason, str(path)) from error
@@ -71,11 +72,6 @@ def _number_in(message: str) -> int | None:
     """Return the system's error number in a message of HDF5."""
     found = re.search(r"errno = (\d+)", message)
     return int(found[1]) if found else None
-
-
-def _is_scratch(name: Any, path: Path) -> bool:
-    """Return True for a scratch file of `replacing`."""
-    return Path(os.fsdecode(name)).name == f".{path.name}.{os.getpid()}"
 
 
 def replace_text(path: Path, text: str) -> None:

@@ -14,6 +14,7 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import checksum, read_json, read_tables, replace_text
 from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
+from granwave.lammps_inputs.run_directory import DUMPS
 
 _RESOLVED = "resolved"  # derived values in case.toml
 _DIGEST_LENGTH = 16
@@ -219,7 +220,9 @@ def check_deck(directory: Path) -> None:
         path, is_data = directory / name, name == run_directory.DATA_FILE
         if by_hand:
             taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
-            late = "; it is newer than the output of LAMMPS, so the run may have been of another" * _is_newer(path)
+            written = [one.stat().st_mtime for one in (directory / DUMPS).glob("*") if one.is_file()]
+            newer = bool(written) and path.stat().st_mtime > max(written)
+            late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
             logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
         elif is_data:
             raise InputError(
@@ -228,12 +231,6 @@ def check_deck(directory: Path) -> None:
             )
         else:
             logger.warning("%s: was changed after the run; the results are of what was run", path)
-
-
-def _is_newer(path: Path) -> bool:
-    """Return True if a file was changed after LAMMPS wrote its last output."""
-    written = [one.stat().st_mtime for one in (path.parent / run_directory.DUMPS).glob("*") if one.is_file()]
-    return bool(written) and path.stat().st_mtime > max(written)
 
 
 def _digest(path: Path) -> str:

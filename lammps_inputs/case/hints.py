@@ -188,7 +188,8 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
         return _NOTES[word]
     elsewhere = _elsewhere([word], vocabulary) or (_elsewhere([meant], vocabulary) if meant else [])
     if not elsewhere:
-        elsewhere = _elsewhere(difflib.get_close_matches(word, _last_parts(vocabulary), cutoff=_SIMILAR), vocabulary)
+        last_parts = list(dict.fromkeys(key.rpartition(".")[2] for key in vocabulary))
+        elsewhere = _elsewhere(difflib.get_close_matches(word, last_parts, cutoff=_SIMILAR), vocabulary)
     if elsewhere:
         there = [f"{key}, outside [{prefix}]" if prefix and "." not in key else key for key in elsewhere]
         return f"did you mean {' or '.join(there[:_MOST])}?"
@@ -200,7 +201,3 @@ def _elsewhere(words: Iterable[str], vocabulary: Sequence[str]) -> list[str]:
     """Return the dotted keys that end in one of the words; numbered tables only if no other table has them."""
     found = [key for word in words for key in vocabulary if key.rpartition(".")[2] == word]
     return [key for key in found if not any(part.isdigit() for part in key.split("."))] or found
-
-
-def _last_parts(vocabulary: Sequence[str]) -> list[str]:
-    return list(dict.fromkeys(key.rpartition(".")[2] for key in vocabulary))

@@ -15,7 +15,7 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact, DashpotRestitution, Loss
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -230,11 +230,15 @@ def viscous_loss(
     ValueError
         No loss time gives the restitution.
     """
-    loss = contact.loss
-    if loss is None:
+    if (loss := contact.loss) is None:
         return None
+    if loss.time is not None:
+        return ("time", loss.time) if loss.time else None
     if loss.restitution is None or loss.velocity is None:
-        return _given(loss)
+        factor = loss.dashpot
+        if isinstance(factor, DashpotRestitution):
+            factor = dashpot_factor(factor.restitution)
+        return ("dashpot", factor) if factor else None
     own = nominal_grain(assembly, first, None if shapes is None else shapes[:1])
     bodies, inverse_mass = [(assembly.diameter_of(own) / 2, assembly.shape_of(own))], 1 / assembly.mass_of(own)
     if flat or second is None:
@@ -249,15 +253,6 @@ def viscous_loss(
         1 / inverse_mass, loss.restitution, loss.velocity,
     )  # fmt: skip
     return ("time", time) if time else None
-
-
-def _given(loss: Loss) -> Viscous | None:
-    if loss.time is not None:
-        return ("time", loss.time) if loss.time else None
-    factor = loss.dashpot
-    if isinstance(factor, DashpotRestitution):
-        factor = dashpot_factor(factor.restitution)
-    return ("dashpot", factor) if factor else None
 
 
 @lru_cache(maxsize=256)

@@ -85,14 +85,9 @@ def separations(
     for one in np.unique(code).tolist():
         rows = np.flatnonzero(code == one)
         between = nearest_image(position[first[rows]] - position[second[rows]], period)
-        distance[rows], beyond[rows] = _separation(between, each[one // len(each)], each[one % len(each)])
+        apart, beyond[rows] = nearest_vectors(between, each[one // len(each)], each[one % len(each)])
+        distance[rows] = np.linalg.norm(apart, axis=1)
     return distance, beyond
-
-
-def _separation(between: NDArray[np.float64], first: Shape, second: Shape) -> tuple[NDArray[np.float64], ...]:
-    """Return distances and places beyond the ends for vectors between centres, from the second to the first."""
-    apart, beyond = nearest_vectors(between, first, second)
-    return np.linalg.norm(apart, axis=1), beyond
 
 
 def nearest_vectors(

@@ -22,10 +22,8 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
         return centre + tuple(one for one in assembly.lattice.top_layer.tolist() if one not in centre)
     if case.load.kind == "grains":
         return tuple(own_velocities(assembly))
-    moving = [
-        number for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1) if striker.moves
-    ]
-    return tuple(moving)
+    first = assembly.lattice.n_spheres + 1
+    return tuple(number for number, striker in enumerate(case.striker, start=first) if striker.moves)
 
 
 def struck_site(assembly: Assembly) -> int | None:

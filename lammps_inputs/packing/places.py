@@ -212,7 +212,10 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     ValueError
         The packing has no such neighbours.
     """
-    centre = _central(lattice)
+    ids = lattice.top_layer
+    top = lattice.positions(1, int(ids[-1]))[ids - 1, :2]
+    distance = np.linalg.norm(top - top.mean(axis=0), axis=1)
+    centre = int(ids[np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0]])
     if count == 1:
         return (centre,)
     if not lattice.rule.hexagonal:
@@ -237,10 +240,3 @@ def centred(strikers: Sequence[Striker], packing: PackingSection, boundary: Boun
         return tuple(strikers)
     centre = struck_spheres(layout_of(packing, boundary), 1)
     return tuple(one if one.touches else dataclasses.replace(one, touches=centre) for one in strikers)
-
-
-def _central(lattice: Layout) -> int:
-    ids = lattice.top_layer
-    top = lattice.positions(1, int(ids[-1]))[ids - 1, :2]
-    distance = np.linalg.norm(top - top.mean(axis=0), axis=1)
-    return int(ids[np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0]])

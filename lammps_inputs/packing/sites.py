@@ -184,7 +184,9 @@ class Sites:
         slack = TOUCHING * self.lattice.diameter
         reach = (self.diameter[large] + self.diameter[present].max()) / 2 + slack
         found: list[NDArray[np.float64]] = []
-        for shift in self._images():
+        x, y = self.lattice.lengths
+        steps = (0, -1, 1) if self.lattice.periodic else (0,)
+        for shift in (np.array([i * x, j * y, 0.0]) for i in steps for j in steps):
             around = tree.query_ball_point(centres[large] + shift, reach)
             one = np.repeat(large, [len(others) for others in around])
             other = present[np.concatenate([np.asarray(others, dtype=np.int64) for others in around])]
@@ -203,12 +205,6 @@ class Sites:
         if self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
-
-    def _images(self) -> list[NDArray[np.float64]]:
-        if not self.lattice.periodic:
-            return [np.zeros(3)]
-        x, y = self.lattice.lengths
-        return [np.array([i * x, j * y, 0.0]) for i in (0, -1, 1) for j in (0, -1, 1)]
 
     def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""

@@ -184,12 +184,6 @@ class WallTime:
         return self.most_static + self.most_steps + self.rest + self.figures
 
 
-def _figures(case: Case) -> float:
-    """Return the time of drawing the figures of a run, s."""
-    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
-    return as_png * (1 + _FORMAT * len(case.figures.formats))
-
-
 def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
     """Estimate the wall time of the run of a case.
 
@@ -199,7 +193,10 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
         True if figures are drawn.
     """
     case = assembly.case
-    n, part = assembly.n_particles, _usual_part(case, schedule)
+    n, part = assembly.n_particles, 1.0  # of the longest possible run
+    if schedule.block_steps:
+        blocks = _USUAL_BLOCKS if case.contact.yields or case.has_friction else 1
+        part = min(1.0, (blocks * schedule.block_steps + case.load.lasts / schedule.timestep) / schedule.n_steps)
     most_steps = schedule.n_steps / schedule.first_step
     gain = (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN) if schedule.adaptive else 1.0
     each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
@@ -207,15 +204,22 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
     records = snapshot * max(2.0, part * schedule.n_frames)
     records += _HISTORY * part * schedule.n_steps / schedule.history_every if schedule.history_every else 0.0
     an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, has_friction=False) / n_ranks
-    usual, most = _iterations(case)
+    usual, most = (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else 2 * (_ITERATIONS,)
+    if case.precompression is None:
+        usual = most = 0.0
+    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
     return WallTime(
         static=usual * an_iteration,
         most_static=most * an_iteration,
         steps=part * most_steps / gain * each,
         most_steps=most_steps * each,
         rest=_START + n * records,
-        figures=_figures(case) if figures else 0.0,
+        figures=as_png * (1 + _FORMAT * len(case.figures.formats)) if figures else 0.0,
     )
+
+
+def _share_loaded(case: Case) -> float:
+    return _SHARE_LOADED if case.precompression is None else 1.0
 
 
 def seconds_per_step(assembly: Assembly) -> float:
@@ -229,10 +233,6 @@ def _seconds(assembly: Assembly, *, loaded: float, has_friction: bool) -> float:
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
 
 
-def _share_loaded(case: Case) -> float:
-    return _SHARE_LOADED if case.precompression is None else 1.0
-
-
 def _of_yielding(assembly: Assembly) -> float:
     """Estimate the additional time of a step due to yielding, averaged over the run, s."""
     case = assembly.case
@@ -242,21 +242,6 @@ def _of_yielding(assembly: Assembly) -> float:
     each = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / n
     share = 1 / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 0.0
     return _YIELDED * n * _share_loaded(case) * share
-
-
-def _usual_part(case: Case, schedule: Schedule) -> float:
-    """Share of the longest possible run that a run usually takes."""
-    if not schedule.block_steps:
-        return 1.0
-    blocks = _USUAL_BLOCKS if case.contact.yields or case.has_friction else 1
-    return min(1.0, (blocks * schedule.block_steps + case.load.lasts / schedule.timestep) / schedule.n_steps)
-
-
-def _iterations(case: Case) -> tuple[float, float]:
-    """Return the typical and the largest number of iterations of the static stage."""
-    if case.precompression is None:
-        return 0.0, 0.0
-    return (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else (_ITERATIONS, _ITERATIONS)
 
 
 _LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
@@ -348,11 +333,8 @@ def _room(assembly: Assembly, lattice: Lattice) -> dict[str, float]:
         return found
     ends = []
     for axis, place, n, stride in ((0, i, nx, 1), (1, j, ny, nx)):
-        if n > 1:
-            for end in (0, n - 1):
-                other = sphere + (end - place) * stride
-                (position,) = lattice.positions(other, other)
-                ends.append(abs(float(position[axis] - centre[axis])))
+        for other in (sphere + (end - place) * stride for end in (0, n - 1) if n > 1):
+            ends.append(abs(float(lattice.positions(other, other)[0, axis] - centre[axis])))
     if ends:
         found["sides"] = min(ends)
     return found

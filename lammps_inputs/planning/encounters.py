@@ -54,7 +54,7 @@ def fastest(assembly: Assembly) -> float:
     case = assembly.case
     given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
     if case.load.kind == "force":
-        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / _least_mass(assembly)))
+        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min())))
     elif case.load.kind == "displacement":
         given = max(given, case.load.fastest)
     elif case.load.plate is not None:
@@ -80,32 +80,19 @@ def energy_of_plate(load: Load) -> float:
     return mass * velocity**2 / 2
 
 
-def _least_mass(assembly: Assembly) -> float:
-    case = assembly.case
-    return float(assembly.sphere_masses().min()) if not assembly.plain else case.sphere_mass
-
-
 _MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Kinds:
-    """Kinds of spheres at the sites of a lattice.
+def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Classify spheres by material and diameter, or by ranges of diameters if there are too many.
 
-    Attributes
-    ----------
+    Returns
+    -------
     of
         Kind by site: (n_sites,); -1 for vacant ones.
     example
         Id of a sphere of each kind.
     """
-
-    of: NDArray[np.int64]
-    example: NDArray[np.int64]
-
-
-def kinds_of_grains(sites: Sites) -> _Kinds:
-    """Classify spheres by material and diameter, or by ranges of diameters if there are too many."""
     diameters, size = np.unique(sites.diameter, return_inverse=True)
     if len(diameters) * len(sites.bodies) > _MOST_KINDS:
         size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
@@ -113,7 +100,7 @@ def kinds_of_grains(sites: Sites) -> _Kinds:
     order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
     codes, first = np.unique(code[order], return_index=True)
     example = order[first][codes >= 0] + 1
-    return _Kinds(np.searchsorted(codes[codes >= 0], code) - (code < 0), example)
+    return np.searchsorted(codes[codes >= 0], code) - (code < 0), example
 
 
 def kinds_of_last_layer(assembly: Assembly) -> list[int]:
@@ -121,9 +108,9 @@ def kinds_of_last_layer(assembly: Assembly) -> list[int]:
     sites = assembly.sites
     if sites is None:
         return [assembly.lattice.n_spheres]
-    kinds = kinds_of_grains(sites)
-    there = np.unique(kinds.of[assembly.lattice.last_layer - 1])
-    return kinds.example[there[there >= 0]].tolist()
+    of, example = kinds_of_grains(sites)
+    there = np.unique(of[assembly.lattice.last_layer - 1])
+    return example[there[there >= 0]].tolist()
 
 
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
@@ -133,14 +120,12 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     if sites is None:
         pairs += [(1, 1)] if assembly.lattice.n_spheres > 1 else []
     else:
-        kinds = kinds_of_grains(sites)
-        n = len(kinds.example)
-        codes = {
-            int(code) for near, _ in sites.neighbours() for code in np.unique(kinds.of[near - 1] @ np.array([n, 1]))
-        }
+        of, example = kinds_of_grains(sites)
+        n = len(example)
+        codes = {int(code) for near, _ in sites.neighbours() for code in np.unique(of[near - 1] @ np.array([n, 1]))}
         if isinstance(assembly.lattice, Places):  # any two grains may meet
             codes = {first * n + second for first in range(n) for second in range(first, n)}
-        pairs += [(int(kinds.example[code // n]), int(kinds.example[code % n])) for code in sorted(codes)]
+        pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
         plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
         pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
@@ -311,7 +296,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in kinds_of_last_layer(assembly)]
     if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
-        kinds = [1] if assembly.sites is None else kinds_of_grains(assembly.sites).example.tolist()
+        kinds = [1] if assembly.sites is None else kinds_of_grains(assembly.sites)[1].tolist()
         flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
@@ -334,7 +319,7 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     if load.plate is not None:
         # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
         share = energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
-        return min(energy, max(_OF_PLATE * share, _largest_mass(assembly) * (2 * load.velocity) ** 2 / 2))
+        return min(energy, max(_OF_PLATE * share, float(assembly.sphere_masses().max()) * (2 * load.velocity) ** 2 / 2))
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
@@ -354,7 +339,3 @@ def _work_to_force(law: ContactLaw, force: float) -> float:
 
 def _work(law: ContactLaw, overlap: float) -> float:
     return float(law.loading_work(np.array([overlap]))[0])
-
-
-def _largest_mass(assembly: Assembly) -> float:
-    return float(assembly.sphere_masses().max()) if not assembly.plain else assembly.case.sphere_mass

@@ -182,23 +182,14 @@ def _refuse_endless(case: Case) -> None:
 def _note_times(case: Case, schedule: Schedule) -> None:
     """Log warnings about a timestep that is far too long, and a probe interval shorter than the timestep."""
     given, interval = case.run.timestep, case.output.probe_interval
-    best = math.inf
-    with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
-        best = auto_timestep(case) if not isinstance(given, str) else math.inf
-    if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
-        _LOG.warning(
-            '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close',
-            case.name,
-            given,
-            best,
-        )
+    if not isinstance(given, str):
+        with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
+            if given > _FAR_TOO_LONG * (best := auto_timestep(case)):
+                text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
+                _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
-        _LOG.warning(
-            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
-            case.name,
-            interval,
-            schedule.first_timestep,
-        )
+        text = "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s"
+        _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
 
 def check_run(

@@ -63,7 +63,9 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    return _round_down(timestep_limits(assemble(case), tolerance)[0].step)
+    step = timestep_limits(assemble(case), tolerance)[0].step
+    scale = 1 - math.floor(math.log10(step))
+    return float(f"{math.floor(step * 10.0**scale * (1 + 1e-12))}e{-scale}")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,11 +147,6 @@ def _limits_of_load(assembly: Assembly) -> list[Limit]:
     if load.duration:
         return [Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load")]
     return []
-
-
-def _round_down(value: float, digits: int = 2) -> float:
-    scale = digits - 1 - math.floor(math.log10(value))
-    return float(f"{math.floor(value * 10.0**scale * (1 + 1e-12))}e{-scale}")
 
 
 _LOG = logging.getLogger("granwave")
