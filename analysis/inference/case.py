@@ -15,6 +15,7 @@ from granwave.analysis.inference.contacts import Wall
 from granwave.analysis.inference.grains import STATES
 from granwave.analysis.inference.infer import Settings
 from granwave.analysis.inference.weights import WEIGHTS, Noise
+from granwave.lammps_inputs.case.hints import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -29,8 +30,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.case.si_values import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
 GIVEN, FIND = "given", "find"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granwave.analysis.spectra.network import Array, Network
-from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of, rise_of
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 _FREEDOMS, _Z = 6, 2

@@ -14,7 +14,7 @@ import numpy as np
 
 from granwave.analysis.spectra.network import Array, Network
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
 

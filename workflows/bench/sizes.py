@@ -14,7 +14,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import library

@@ -12,7 +12,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows.run.lammps_engine import Engine
 

@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from granwave.lammps_inputs.case.si_values import POSSIBLE
+from granwave.lammps_inputs.case.hints import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import bench

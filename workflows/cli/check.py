@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.plan_values import packing_values

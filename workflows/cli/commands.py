@@ -20,13 +20,12 @@ from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
 from granwave.lammps_inputs.directories import refuse_other_file, refuse_source, results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.run_directory import CASE_FILE, EXPORT_DIRECTORY, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.lammps_inputs.run_state import restore_case
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.colour import BOLD, GREEN, RED, coloured

@@ -7,7 +7,7 @@ import dataclasses
 import tomllib
 from typing import Any
 
-from granwave.lammps_inputs.case.figures import Figures
+from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import InputError
 

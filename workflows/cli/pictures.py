@@ -6,7 +6,7 @@ import argparse
 import difflib
 import sys
 
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.commands import Arguments, as_wrong_input
 from granwave.workflows.cli.figure_options import FILM_OPTIONS, apply_options

@@ -10,14 +10,13 @@ import numpy as np
 
 from granwave.analysis.measures.target.bare_target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
-from granwave.lammps_inputs.packing.motion import struck_site
-from granwave.lammps_inputs.packing.records import written_in_parts
+from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
 
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 

@@ -9,12 +9,11 @@ from granwave.analysis.measures.target.bare_target import no_bare_target
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.grain_words import GRAINS
-from granwave.lammps_inputs.packing.records import written_in_parts
+from granwave.lammps_inputs.packing.cylinders import GRAINS
+from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.planning.wall_time import WallTime
-from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
 from granwave.workflows.cli.plan_values import (
     beyond_law,
     coordination_of,

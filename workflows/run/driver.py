@@ -20,8 +20,8 @@ from granwave.analysis.result.balance import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import input_script, part
-from granwave.lammps_inputs.deck.snapshots import frames_file
 from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, output_names

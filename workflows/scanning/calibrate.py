@@ -17,9 +17,9 @@ from typing import cast
 import tomli_w
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.wall_time import seconds_per_step
+from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point

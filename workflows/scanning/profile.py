@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from granwave.workflows.scanning import layout
 
 _LEAST_MINUTES = 10  # shortest default time limit

@@ -5,9 +5,7 @@ tube. Check values are those of the same formulas, worked out apart from granwav
 precompressions a of which the balance of a small sphere is asked: it had moved in by the same part of D for every n.
 """
 
-import csv
 import math
-from pathlib import Path
 
 from confined_rows import BEAD, DENSITY, FORCE, K_BEADS, MODULUS, TIME, VELOCITY, Rows
 
@@ -81,8 +79,3 @@ def rows(runs):
             yield gw.Row(f"a of the legends, n = {n}, small spheres moved in by {part:g} D", source=printed,
                          theory=without, where="thesis figures 6.2, 6.3", remark=remark)
     # fmt: on
-
-
-def tables(runs):
-    lines = list(csv.DictReader(Path(__file__).with_name("errata.csv").open(encoding="utf-8")))
-    yield "Errata of chapter 6", {heading: [line[heading] for line in lines] for heading in lines[0]}

@@ -1,24 +1,72 @@
-"""Checks of loads that oscillate: time for the waves to arrive and to become steady, records that resolve them.
+"""Checks of loads, and of what bounds and damps the motion that they cause.
 
-A row passes a packet of the frequency f on at its group velocity, which is zero at the edges of a band. Runs that end
-before it has arrived show a row that seems to stop such waves: a cut-off that is not there.
+A load that oscillates needs time for the waves to arrive and to become steady, and records that resolve them: a row
+passes a packet of the frequency f on at its group velocity, which is zero at the edges of a band. Runs that end before
+it has arrived show a row that seems to stop such waves: a cut-off that is not there.
 """
 
 from __future__ import annotations
 
 import logging
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.contact.measured_row import MeasuredRow, measured_row
-from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.contact.travel_time import Row, row_of
+from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.contact.initial_dents import LARGEST
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_of_contact, rise_of
+from granwave.lammps_inputs.contact.travel_time import MeasuredRow, Row, measured_row, row_of
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.records import chain_history, line_history
+from granwave.lammps_inputs.packing.motion import chain_history, line_history, struck_of
+from granwave.lammps_inputs.packing.walls import materials_on_top
+
+
+def check_plate(parts: Mapping[str, Any], errors: ErrorList) -> None:
+    """Check that nothing else is on the top that a plate strikes."""
+    load: Load | None = parts.get("load")
+    if load is None or load.kind != "plate":
+        return
+    for name in ("striker", "incident_bar"):
+        if parts.get(name):
+            errors.add(name, 'found beside load.kind = "plate", which covers the whole top; take one of them out')
+    stage: Precompression | None = parts.get("precompression")
+    if stage is not None and stage.kind != "walls":
+        errors.add(
+            "precompression.kind",
+            f'found {show(stage.kind)} beside load.kind = "plate", expected "walls": the plate is held while the walls '
+            "move in, and would bear any other load",
+        )
+
+
+def check_side_gap(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+    """Check that there are side walls to leave a gap to, and that a negative gap leaves room for the packing."""
+    gap, key = boundary.gap, "boundary.side_gap"
+    if not gap:
+        return
+    if not (boundary.has_planes("x") or boundary.has_planes("y")):
+        errors.add(key, f'found {gap:g} m, but there are no side walls; expected boundary.sides = "wall"')
+    elif gap < -(most := LARGEST * packing.diameter / 2):
+        errors.add(key, f"found {gap:g} m, expected {-most:g} m or more: the walls press at most {LARGEST} radii")
+
+
+def check_top(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that a plate rests on spheres of one material, as each material has a fix of its own."""
+    if assembly.case.load.plate is None:
+        return
+    names = [material.name or "?" for material in materials_on_top(assembly)]
+    if len(names) != 1:
+        errors.add(
+            "load.kind",
+            f'found "plate" on spheres of {" and ".join(names) or "no material"}, expected a top layer of one material',
+        )
+
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
 LEAST_PERIODS = 3  # that sines are fitted to, in the last half of a run
@@ -171,3 +219,56 @@ def _up(value: float) -> str:
     """Write a bound with three digits, rounded up."""
     scale = 10.0 ** (math.floor(math.log10(value)) - 2)
     return f"{math.ceil(value / scale * (1 - _TOLERANCE)) * scale:.3g}"
+
+
+def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
+    """Check which spheres absorb waves, and by what."""
+    seen: dict[int, int] = {}
+    for number, entry in enumerate(assembly.case.absorb, start=1):
+        key = f"absorb.{number}"
+        before = len(errors.lines)
+        _check_entry(assembly, entry, key, errors)
+        if len(errors.lines) > before:
+            continue
+        chosen = absorbing_ids(assembly, entry)
+        _check_motion(assembly, chosen, key, errors)
+        for one in chosen:
+            if one in seen:
+                errors.add(key, f"damps sphere {one}, which absorb.{seen[one]} damps too; expected each sphere once")
+                break
+            seen[one] = number
+
+
+def _check_entry(assembly: Assembly, entry: Absorb, key: str, errors: ErrorList) -> None:
+    case, lattice = assembly.case, assembly.lattice
+    if (entry.index is None) == (entry.layers is None):
+        errors.add(key, f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them")
+    elif entry.index is not None and max(entry.index) > lattice.n_spheres:
+        n = lattice.n_spheres
+        errors.add(f"{key}.index", f"found {max(entry.index)}, expected ids from 1 to {n}, the end of the packing")
+    elif entry.layers is not None and case.packing.grains is not None:
+        errors.add(f"{key}.layers", "found for grains of a file, which have no layers; give index")
+    elif entry.layers is not None and entry.layers >= max(2, lattice.shape[2]):
+        errors.add(f"{key}.layers", f"found {entry.layers}, expected fewer than all {lattice.shape[2]} layers")
+    if (entry.rate is None) == (entry.impedance is None):
+        errors.add(key, f"found {'both' if entry.rate else 'neither'} of rate and impedance, expected one of them")
+    elif entry.impedance == MATCHED and (
+        case.precompression is None or case.precompression.kind == "walls" or not len(lattice.rule.supports)
+    ):
+        errors.add(
+            f"{key}.impedance",
+            f"found {show(MATCHED)} for a packing whose contacts bear no known static force along z, so that there is "
+            "no impedance of long waves; expected a number, N s/m, or a precompression",
+        )
+    if entry.impedance is not None and entry.towards != Absorb.towards:
+        errors.add(f"{key}.towards", "belongs to a rate; an impedance is the same for each sphere")
+
+
+def _check_motion(assembly: Assembly, chosen: tuple[int, ...], key: str, errors: ErrorList) -> None:
+    """Check that no prescribed motion is damped, and that a rate has a way to rise."""
+    case = assembly.case
+    if case.load.kind == "displacement" and (driven := set(chosen) & set(struck_of(assembly))):
+        errors.add(key, f"damps sphere {min(driven)}, whose displacement is prescribed; expected others")
+    entry = case.absorb[int(key.split(".")[1]) - 1]
+    if entry.rate is not None and (rise := rise_of(assembly, entry)) is not None and rise[0] == rise[1]:
+        errors.add(f"{key}.towards", 'found spheres without extent in this direction, expected "none"')
