@@ -59,7 +59,7 @@ class Kind:
     parts
         Unit of their size: spheres or elements.
     versions
-        Names, in `granwave.workflows.run.versions`, of the programs that their results depend on.
+        Names, in `granwave.workflows.run.record`, of the programs that their results depend on.
     read
         Function that makes a case, as `case_from_dict`.
     size

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.workflows.cli.fitting import fit
-from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.helpers.twin import OTHER
 

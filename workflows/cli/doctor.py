@@ -17,9 +17,9 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.shells import SWITCH_ON
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
-from granwave.workflows.run.versions import versions
+from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.engine import SLURM, check_installed
-from granwave.workflows.scanning.profile import load_profile
+from granwave.workflows.scanning.slurm import load_profile
 
 _DECK = """\
 units si

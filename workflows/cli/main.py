@@ -21,7 +21,7 @@ from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.workflows.cli.colour import RED, YELLOW, coloured
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
 from granwave.workflows.run import mpi
-from granwave.workflows.run.messages import each_warning_once, not_enough_memory
+from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
 FAILED, STOPPED, READER_LEFT = 1, 130, 141
 

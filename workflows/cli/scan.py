@@ -24,15 +24,13 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.tables import expected_cut, static_stage_note
-from granwave.workflows.scanning import needs
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
-from granwave.workflows.scanning.directory import decide
+from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
-from granwave.workflows.scanning.needs import check_points
-from granwave.workflows.scanning.profile import Profile, load_profile
 from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
@@ -100,7 +98,7 @@ def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> i
             print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
     total = sum(
         expected_scan_time(
-            needs.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
+            points_left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
         )
         for part in found.scans
     )
@@ -181,7 +179,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
     """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
-    left = needs.left(scan, directory, fresh=options.force)
+    left = points_left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
     typical = sorted(left, key=expected_time)[len(left) // 2]
@@ -199,7 +197,7 @@ def plan_text(
 ) -> str:
     """Return the table of a planned scan."""
     points = scan.distinct.values()
-    left = needs.left(scan, directory, fresh=fresh)
+    left = points_left(scan, directory, fresh=fresh)
     counts = f"{scan.n_points}"
     if scan.scale > 1:
         counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
@@ -238,7 +236,7 @@ def plan_values(
     scan: Scan, directory: Path, profile: Profile | None, jobs: int, slowness: float | None, *, fresh: bool = False
 ) -> dict[str, Any]:
     """Return the values of a planned scan; units are part of the names."""
-    points, left = scan.distinct.values(), needs.left(scan, directory, fresh=fresh)
+    points, left = scan.distinct.values(), points_left(scan, directory, fresh=fresh)
     sizes = [point.size for point in points]
     parts = scan.points[0].kind.parts
     return {

@@ -37,7 +37,7 @@ from granwave.lammps_inputs.toml_files import read_tables
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
-from granwave.workflows.scanning.ended_jobs import end_of
+from granwave.workflows.scanning.slurm import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s

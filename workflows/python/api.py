@@ -239,7 +239,7 @@ def scan(
     """
     from granwave.workflows.scanning.driver import STOPPED, run_scan
     from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
-    from granwave.workflows.scanning.profile import load_profile
+    from granwave.workflows.scanning.slurm import load_profile
 
     with words_of_python():
         if executor not in EXECUTORS:

@@ -1,18 +1,20 @@
-"""Cost of a scan, and batches of points: each batch is one job, so that small points share its start-up."""
+"""Cost of a scan, batches of points that are jobs, so that small points share its start-up, and the remaining time."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Sequence
+import time
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.workflows.scanning.profile import Profile
 from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.scanning.slurm import Profile
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Snakemake, Python, libraries
 _ENGINE_START = 1.5  # s, start of Snakemake before the first job
@@ -129,3 +131,51 @@ def _batch(name: str, points: Sequence[Point], time: float, slowness: float) -> 
     plans = [point.plan for point in points]
     longest = slowness * sum(one.times.longest if isinstance(one, Plan) else one.wall_time for one in plans)
     return Batch(name, tuple(points), points[0].ranks, max(one.memory for one in plans), time, longest)
+
+
+class Outlook:
+    """Estimate of the remaining time of a scan that begins now.
+
+    Parameters
+    ----------
+    points
+        Points to be run.
+    profile, workers, slowness
+        As in `expected_scan_time`.
+    """
+
+    def __init__(self, points: Sequence[Point], profile: Profile | None, workers: int, slowness: float) -> None:
+        self._profile, self._workers = profile, workers
+        self._ids = {point.id for point in points}
+        self._planned = expected_scan_time(points, profile, workers, slowness)
+        self._taken = self._expected = 0.0  # by the points that are done, s
+        self._begin = time.monotonic()
+
+    def done(self, point: Point, seconds: float) -> None:
+        """Register a finished point and its wall time (s); points done earlier are ignored."""
+        if point.id not in self._ids:
+            return
+        self._taken += seconds
+        self._expected += expected_time(point)
+
+    def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
+        """Return elapsed and remaining time as text.
+
+        Parameters
+        ----------
+        left
+            Unfinished points.
+        ages
+            Elapsed time of running points, by id, s.
+        """
+        seconds = time.monotonic() - self._begin
+        passed = duration(seconds)
+        if not left:
+            return f"{passed}; table, figures and report are next"
+        if not self._expected:
+            longer = seconds > self._planned
+            return f"{passed}{', longer than the planned' if longer else ' of about'} {duration(self._planned)}"
+        pace = self._taken / self._expected
+        times = [max(0.0, expected_time(point, pace) - ages.get(point.id, 0.0)) for point in left]
+        rest = spread(times, [point.ranks for point in left], self._profile, self._workers) + PUBLISH
+        return f"{passed}, about {duration(rest)} left"

@@ -12,7 +12,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.scan import plan_text, plan_values
-from granwave.workflows.scanning.needs import check_points
+from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
