@@ -14,7 +14,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
-from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
 from granwave.workflows.scanning.batches import Outlook, expected_scan_time, expected_time, make_batches

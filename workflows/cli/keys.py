@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
 from granwave.lammps_inputs.case.si_values import Usual, plain
 from granwave.lammps_inputs.case.tables import case_tables
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.colour import BOLD, coloured
+from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize

@@ -22,8 +22,8 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.as_json import print_json
-from granwave.workflows.cli.tables import expected_cut, static_stage_note
+from granwave.workflows.cli.check import expected_cut, static_stage_note
+from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time
 from granwave.workflows.scanning.calibrate import slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
