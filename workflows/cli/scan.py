@@ -15,8 +15,7 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.means import means_of
-from granwave.analysis.scans.protection import REDUCTION, protects
-from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
@@ -24,8 +23,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.check import expected_cut, static_stage_note
 from granwave.workflows.cli.terminal import print_json
-from granwave.workflows.scanning.batches import expected_scan_time, expected_time
-from granwave.workflows.scanning.calibrate import slowness_of
+from granwave.workflows.scanning.batches import expected_scan_time, expected_time, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed

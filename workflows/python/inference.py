@@ -14,8 +14,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import inference
-from granwave.workflows.python.inputs import home
-from granwave.workflows.python.words import words_of_python
+from granwave.workflows.python.inputs import home, words_of_python
 
 
 def infer(

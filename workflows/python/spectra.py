@@ -13,8 +13,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.analysis.spectra.defaults import POINTS
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.python.inputs import CaseLike, home, read_case
-from granwave.workflows.python.words import words_of_python
+from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
 
 if TYPE_CHECKING:
