@@ -17,7 +17,7 @@ from granwave.lammps_inputs.ownership import refuse_foreign, results_in
 from granwave.workflows import inference
 from granwave.workflows.cli.parser import chosen
 from granwave.workflows.cli.results import as_wrong_input
-from granwave.workflows.cli.terminal import print_json
+from granwave.workflows.cli.terminal import columns, print_json
 from granwave.workflows.run.directory import held
 
 if TYPE_CHECKING:
@@ -106,33 +106,20 @@ def fit_summary(found: Fit) -> str:
     """Format the constants with their uncertainties, and the misfits, for the terminal."""
     from granwave.analysis.contact_law.fit_output import constants_table
 
-    rows: list[tuple[str, ...]] = [("constant", "value", "+-", "published", "")]
+    rows = [["constant", "value", "+-", "published", ""]]
     for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
-        rows.append((name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how))
-    fits: list[tuple[str, ...]] = [("off by, per cent", "rows", "rms", "largest", "published rms", "largest")]
+        rows.append([name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how])
+    fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
     for here, there in zip(found.misfit, found.published_misfit, strict=True):
         numbers = (here.rms, here.largest, there.rms, there.largest)
-        fits.append((here.part, str(here.rows), *(f"{number:.3g}" for number in numbers)))
-    text = f"{_columns(rows, left=(0, 4))}\n\n{_columns(fits, left=(0,))}\n"
+        fits.append([here.part, str(here.rows), *(f"{number:.3g}" for number in numbers)])
+    text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
     text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
     if found.correlation:
         text += (
             f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
         )
     return text
-
-
-def _columns(rows: list[tuple[str, ...]], left: tuple[int, ...]) -> str:
-    """Format a table; the columns ``left`` are aligned left, the others right."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    aligned = [
-        [
-            text.ljust(width) if k in left else text.rjust(width)
-            for k, (text, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        for row in rows
-    ]
-    return "\n".join("  ".join(row).rstrip() for row in aligned)
 
 
 def _material(text: str) -> Material:

@@ -1,10 +1,11 @@
-"""Output on terminals and for programs: colours, JSON, and lines of shells that switch tab completion on."""
+"""Output on terminals and for programs: colours, tables, JSON, and lines of shells that switch tab completion on."""
 
 from __future__ import annotations
 
 import json
 import os
 import sys
+from collections.abc import Container, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,16 @@ def coloured(text: str, code: str, stream: Any) -> str:
     """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not set."""
     shows = stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
     return f"\033[{code}m{text}\033[0m" if shows else text
+
+
+def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
+    """Format a table; the columns ``left`` are aligned left, the others right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    aligned = [
+        [f"{text:{'<' if k in left else '>'}{width}}" for k, (text, width) in enumerate(zip(row, widths, strict=True))]
+        for row in rows
+    ]
+    return "\n".join("  ".join(row).rstrip() for row in aligned)
 
 
 def warn(text: str) -> None:
