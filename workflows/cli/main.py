@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
-from granwave.workflows.cli.colour import RED, YELLOW, coloured
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
+from granwave.workflows.cli.terminal import RED, YELLOW, coloured
 from granwave.workflows.run import mpi
-from granwave.workflows.run.messages import each_warning_once, not_enough_memory
+from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
 FAILED, STOPPED, READER_LEFT = 1, 130, 141
 
@@ -46,7 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
     try:
-        status = int(options.command(options, words))
+        options.given = words
+        status = options.command.run(options)
         sys.stdout.flush()  # here, where an error can still be reported
         return status
     except InputError as error:

@@ -30,17 +30,13 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
 from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case
-from granwave.workflows.run import checkpoint, record
-from granwave.workflows.run.balance import TOLERANCE, Balance
-from granwave.workflows.run.coordination import check_coordination, expected_neighbours
+from granwave.workflows.run import record
+from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
-from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
-from granwave.workflows.run.messages import announce
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
-from granwave.workflows.run.progress import Progress
-from granwave.workflows.run.record import Record
-from granwave.workflows.run.versions import versions
+from granwave.workflows.run.progress import Progress, announce
+from granwave.workflows.run.record import Record, versions
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -235,7 +231,7 @@ class _Run:
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
-            checkpoint.keep_only(self.directory, None)
+            record.keep_checkpoint(self.directory, None)
         return Outcome(self.directory, self.record.state, summary)
 
     def _record_there(self) -> Record:
@@ -250,7 +246,7 @@ class _Run:
         def write() -> Deck:
             if go_on:
                 return read_deck(self.directory)
-            checkpoint.keep_only(self.directory, None)
+            record.keep_checkpoint(self.directory, None)
             clear(self.directory, output_names(self.directory))
             return write_deck(self.case, self.directory, timestep=timestep)
 
@@ -272,7 +268,7 @@ class _Run:
         saved = self.record.checkpoint
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
-                on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
+                on_first(self.comm, lambda: record.cut_back(self.directory, saved))
                 on_first(self.comm, lambda: self._claim_output(saved["file"]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
@@ -398,10 +394,10 @@ class _Run:
             self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
-        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory, self.record.checkpoint)
+        self.record.checkpoint = record.write_checkpoint(engine, self.comm, self.directory, self.record.checkpoint)
         self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
-        on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
+        on_first(self.comm, lambda: record.keep_checkpoint(self.directory, self.record.checkpoint))
 
     # ------------------------------------------------------------------ the record
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import RunError
-from granwave.workflows.run.messages import not_enough_memory
+from granwave.workflows.run.progress import not_enough_memory
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
