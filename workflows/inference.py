@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -14,38 +13,18 @@ from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, 
 from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
 
 if TYPE_CHECKING:
-    from granwave.analysis.figures.style import Columns
+    from granwave.analysis.inference.output import Inferred
     from granwave.analysis.inference.plan import Camera
 
 CASE_MISSING = "--case: missing; expected a file with [material] and [infer] (granwave keys infer)"
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Inferred:
-    """Forces of a table or of a run, before they are written.
+def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
+    """Write the files of an inference into a directory, which is locked meanwhile."""
+    from granwave.workflows.run.directory import held
 
-    Attributes
-    ----------
-    summary
-        Content of summary.json.
-    forces, grains, measurement
-        Columns of the files of these names; the last is None for a table.
-    write
-        Function that writes all files into a directory; its second argument is True for figures.
-    """
-
-    summary: dict[str, Any]
-    forces: Columns
-    grains: Columns
-    measurement: Columns | None
-    write: Callable[[Path, bool], None]
-
-    def save(self, directory: Path, *, figures: bool) -> None:
-        """Write the files into a directory, which is locked meanwhile."""
-        from granwave.workflows.run.directory import held
-
-        with held(directory):
-            self.write(directory, figures)
+    with held(directory):
+        inferred.write(directory, figures=figures)
 
 
 def is_run(source: Path) -> bool:
@@ -99,15 +78,15 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *
         The table or the case is wrong, or the equations do not determine the forces.
     """
     from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.equations import Noise
     from granwave.analysis.inference.infer import infer
     from granwave.analysis.inference.measurement import read_measurement
-    from granwave.analysis.inference.output import write_inference
-    from granwave.analysis.inference.tables import force_columns, grain_columns, summary_of
-    from granwave.analysis.inference.weights import Noise
+    from granwave.analysis.inference.output import Inferred
+    from granwave.analysis.inference.tables import summary_of
 
     case = read_infer_case(case_file)
     measured = read_measurement(source, case)
-    settings = case.settings
+    settings = case.infer
     if repetitions is not None:
         settings = dataclasses.replace(settings, repetitions=repetitions)
     found = []
@@ -118,15 +97,11 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
     notes = list(measured.notes)
-    lacking = settings.noise.missing(measured.grains[0])
-    if lacking and settings.noise != Noise():
+    lacking = settings.deviations.missing(measured.grains[0])
+    if lacking and settings.deviations != Noise():
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
     summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
-
-    def write(directory: Path, figures: bool) -> None:
-        write_inference(directory, found, measured.times, summary, figures=figures)
-
-    return Inferred(summary, force_columns(found, measured.times), grain_columns(found, measured.times), None, write)
+    return Inferred(found, measured.times, summary)
 
 
 def infer_run(source: Path, case_file: Path | None, camera: Camera, *, progress: bool = False) -> Inferred:
@@ -139,13 +114,6 @@ def infer_run(source: Path, case_file: Path | None, camera: Camera, *, progress:
     """
     from granwave.analysis.inference.case import read_infer_case
     from granwave.analysis.inference.plan import plan_experiment
-    from granwave.analysis.inference.tables import grain_columns
 
     case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    planned = plan_experiment(source, case, camera, progress=progress)
-
-    def write(directory: Path, figures: bool) -> None:
-        planned.write(directory, figures=figures)
-
-    grains = grain_columns([planned.found], [planned.time])
-    return Inferred(planned.summary, planned.forces, grains, planned.measurement, write)
+    return plan_experiment(source, case, camera, progress=progress)

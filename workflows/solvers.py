@@ -101,7 +101,7 @@ def _check_mesh(
     raise_all(checks)
 
 
-def _continuum_kind(package: str, case: str) -> Kind:
+def _continuum_kind(package: str, case: str, planning: str) -> Kind:
     """Make a kind whose modules are imported on demand; ``case`` is the name of its class."""
 
     def part(module: str, name: str) -> Any:
@@ -113,7 +113,7 @@ def _continuum_kind(package: str, case: str) -> Kind:
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         size=lambda found: found.run.elements,
-        cost=lambda found, *_: part("plan", "plan")(found),
+        cost=lambda found, *_: part(planning, "plan")(found),
         check=_check_mesh,
     )
 
@@ -128,5 +128,5 @@ GRANULAR = Kind(
     check=check_run,
     parallel=True,
 )
-CONTINUUM = _continuum_kind("punch", "ContinuumCase")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase")
+CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "plan")

@@ -174,10 +174,10 @@ def continuum(options: argparse.Namespace, _: Arguments) -> int:
     kind = solver_of(read_toml(path))
     if kind is SPHERE_CONTACT:
         from granwave.workflows.finite_elements.sphere_contact import SphereContactCase as OwnCase
-        from granwave.workflows.finite_elements.sphere_contact import run_sphere_contact as run_it
+        from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact as run_it
     else:
         from granwave.workflows.finite_elements.punch import ContinuumCase as OwnCase  # type: ignore[assignment]
-        from granwave.workflows.finite_elements.punch import run_continuum as run_it  # type: ignore[assignment]
+        from granwave.workflows.finite_elements.punch.run import run_continuum as run_it  # type: ignore[assignment]
 
     case = OwnCase.load(path, options.overrides)
     directory = results_directory(options.directory or case.name)
@@ -282,7 +282,7 @@ def _write_law(options: argparse.Namespace, materials: Sequence[Material], outpu
 
 
 def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
-    from granwave.analysis.contact_law.restitution import write_restitution
+    from granwave.analysis.contact_law.curves import write_restitution
 
     masses = [
         sphere_mass(m, r)

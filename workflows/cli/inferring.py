@@ -7,7 +7,7 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.as_json import print_json
-from granwave.workflows.inference import CASE_MISSING, infer_run, infer_table, is_run, results_place
+from granwave.workflows.inference import CASE_MISSING, infer_run, infer_table, is_run, results_place, save
 
 _OF_RUNS = ("noise", "frame_rate", "position_noise", "time")
 
@@ -20,8 +20,8 @@ def infer(options: argparse.Namespace) -> int:
     InputError
         An option, the measurement or the case is wrong; nothing was written.
     """
-    from granwave.analysis.inference.in_words import in_words
     from granwave.analysis.inference.plan import Camera
+    from granwave.analysis.inference.tables import in_words
 
     source: Path = options.measurement
     directory = results_place(options.directory or "infer", force=options.force)
@@ -44,6 +44,6 @@ def infer(options: argparse.Namespace) -> int:
         if options.case is None:
             raise InputError(CASE_MISSING)
         found = infer_table(source, options.case, options.repeat, progress=True)
-    found.save(directory, figures=options.figures)
+    save(found, directory, figures=options.figures)
     print_json(found.summary) if options.json else print(f"{in_words(found.summary)}\n\nresults in {directory}")
     return 0

@@ -14,14 +14,14 @@ from granwave.workflows.cli.as_json import print_json
 
 if TYPE_CHECKING:
     from granwave.analysis.spectra.band_structure import BandStructure
-    from granwave.workflows.spectra.commands import Finite
+    from granwave.workflows.spectra import Finite
 
 _KILO = 1e-3
 
 
 def bands(options: argparse.Namespace, _: Any) -> int:
     """Execute ``granwave bands``."""
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     source = commands.source_of(options.case, options.overrides)
     found, written = commands.bands(
@@ -46,7 +46,7 @@ def bands(options: argparse.Namespace, _: Any) -> int:
 
 def modes(options: argparse.Namespace, _: Any) -> int:
     """Execute ``granwave modes``."""
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     source = commands.source_of(options.case, options.overrides)
     found, written = commands.modes(
@@ -65,7 +65,7 @@ def modes(options: argparse.Namespace, _: Any) -> int:
 
 def transmission(options: argparse.Namespace, _: Any) -> int:
     """Execute ``granwave transmission``."""
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     source = commands.source_of(options.case, options.overrides)
     found, state, written = commands.steady(

@@ -20,9 +20,9 @@ def run_elements_case(found: Any, kind: Kind, place: Path, *, resume: bool, **ho
 
     run_it: Any
     if kind is SPHERE_CONTACT:
-        from granwave.workflows.finite_elements.sphere_contact import run_sphere_contact as run_it
+        from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact as run_it
     else:
-        from granwave.workflows.finite_elements.punch import run_continuum as run_it
+        from granwave.workflows.finite_elements.punch.run import run_continuum as run_it
     if not resume:
         kind.check(found, kind.cost(found, 1, how["figures"]), place)
     with held(place):

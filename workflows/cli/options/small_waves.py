@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from granwave.analysis.spectra.defaults import MOST_BANDS, MOST_MODES, POINTS
+from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.workflows.cli import spectra
 from granwave.workflows.cli.arguments import output_name, positive
 from granwave.workflows.cli.options import shared
