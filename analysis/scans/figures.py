@@ -250,7 +250,7 @@ def _bars(
 def _collapses(
     points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
 ) -> dict[str, Callable[[], Drawing | None]]:
-    """Return functions that draw the collapse of materials on normalised axes (thesis 5.3)."""
+    """Return functions that draw the collapse of materials on normalised axes."""
     velocity = _values(points, rows, value_of("velocity_normalised"))
     energy = _values(points, rows, value_of("energy_input_normalised"))
     dissipated = _values(points, rows, value_of("dissipated_fraction"))

@@ -38,7 +38,7 @@ _LEAD = (
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
-_REFERENCE = "fcc-impact-values"
+_REFERENCE = "second_solver"
 #: The ten results of the README: what is before the quantity, suite, study, starts of the quantities (the first such
 #: rows). Several rows share a line, and the words before are then all that names it.
 CHOSEN = (

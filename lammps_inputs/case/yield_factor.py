@@ -7,8 +7,8 @@ On the axis below the centre of a Hertzian contact of radius a and peak pressure
     sigma_r / p0 = -(1 + nu) (1 - zeta arctan(1/zeta)) + 1 / (2 (1 + zeta^2))
 
 The von Mises stress there is |sigma_z - sigma_r|; for nu >= 0 its largest value over the depth is the largest
-in the body. Hence C = 1 / max |sigma_z - sigma_r| with p0 = 1: 1.613 at nu = 0.30, which the source rounds to
-1.60.
+in the body. Hence C = 1 / max |sigma_z - sigma_r| with p0 = 1: 1.613 at nu = 0.30; the
+default of the laws is 1.60.
 """
 
 from __future__ import annotations

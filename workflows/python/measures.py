@@ -1,7 +1,10 @@
 """Measures of signals and waves: arrays in SI units in, numbers out; ``granwave.measures``."""
 
 from granwave.analysis.measures.chains.record import Chain
+from granwave.analysis.measures.impact.dissipation import rays
 from granwave.analysis.measures.impact.energies import energy_by_region
+from granwave.analysis.measures.impact.involved import spheres_involved
+from granwave.analysis.measures.impact.quadratic_law import quadratic_law
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
 from granwave.analysis.measures.precompressed.line_waves import long_wave_speed, speed_along_layers
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
@@ -34,6 +37,8 @@ __all__ = [
     "power_law",
     "pulse_lengths",
     "pulse_peaks",
+    "quadratic_law",
+    "rays",
     "reflection",
     "sensor_accelerations",
     "sensor_velocities",
@@ -41,6 +46,7 @@ __all__ = [
     "speed_along_layers",
     "speed_between",
     "sphere_energies",
+    "spheres_involved",
     "travelling_frame",
     "two_region_decay",
     "width",

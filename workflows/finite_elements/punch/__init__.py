@@ -1,4 +1,4 @@
-"""Continuum reference: impact of a rigid punch on an elastic-perfectly-plastic block (thesis 5.1.2, 5.4).
+"""Continuum reference: impact of a rigid punch on an elastic-perfectly-plastic block.
 
 Axisymmetric, small strains, von Mises plasticity, explicit dynamics; see
 `granwave.workflows.finite_elements.punch.solver`.

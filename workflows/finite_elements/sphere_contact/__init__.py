@@ -1,4 +1,4 @@
-"""Static contact of two elastic-perfectly-plastic spheres, the basis of the contact law (thesis 2.1, 3.1).
+"""Static contact of two elastic-perfectly-plastic spheres, the basis of the contact law.
 
 Axisymmetric, large displacement, von Mises plasticity. See `granwave.workflows.finite_elements.sphere_contact.solver`.
 """

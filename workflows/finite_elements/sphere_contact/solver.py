@@ -12,7 +12,7 @@ against a rigid frictionless plane that advances by half the overlap is exactly 
 The contact is a penalty on the gap at two points of each surface segment of both bodies, with `PENALTY` times the
 stiffness of an element; mass added to the surface nodes keeps it stable. The remaining penetration is reported.
 
-The overlap is that of the flat faces, as in the source, not of remote points as in Hertz's theory: a half-sphere
+The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
 between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.study`.
 """
 
