@@ -1,20 +1,31 @@
-"""Elastic-perfectly-plastic material: von Mises yield, associative flow.
+"""What both finite-element programs share: material, state of an element, hourglass control.
+
+The material is elastic-perfectly-plastic: von Mises yield, associative flow.
 
     sigma = lambda tr(e_el) 1 + 2 mu e_el        q = sqrt(3/2 s:s) <= sigma_y        de_pl = dgamma s
 
 Backward Euler is then the radial return: the trial deviator s* is scaled by sigma_y/q* if q* > sigma_y. Its inner
-loop is in `granwave.workflows.finite_elements.punch.kernels`.
+loops are in the ``kernels`` of both programs. State of an element, in the last axis of ``state``: `RR` ... `BULK`.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.material import Material
+
+#: stress (Pa), hourglass displacements (elastic part, m), equivalent plastic strain, plastic work (J/m^3) and
+#: bulk-viscous stress (Pa)
+RR, ZZ, TT, RZ, HOUR_R, HOUR_Z, STRAIN, PLASTIC, BULK = range(9)
+N_STATE = 9
+LINEAR_VISCOSITY = 0.06
+HOURGLASS = 0.1  # fraction of the stiffness in `hourglass_stiffness`
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,3 +75,31 @@ class Elastoplastic:
         matrix[:3, :3] = lam
         matrix += np.diag([2 * mu, 2 * mu, 2 * mu, mu])
         return matrix
+
+
+def compiled(function: Callable) -> Callable:
+    """Compile at the first call, and cache the code on disk if possible."""
+    from numba import njit  # takes a second to load
+
+    options: dict[str, Any] = {"fastmath": {"contract", "arcp", "nsz", "reassoc"}, "error_model": "numpy"}
+    try:
+        return njit(cache=True, **options)(function)
+    except RuntimeError:  # neither the package's directory nor the user's cache is writable
+        return njit(**options)(function)
+
+
+def hourglass_stiffness(
+    volume: NDArray[np.float64], squares: NDArray[np.float64], material: Elastoplastic
+) -> NDArray[np.float64]:
+    """Return the stiffness (N/m) for the amplitude q of an hourglass mode, u = q xi eta.
+
+    Full integration would give ``(4/3) V [(lambda + 2 mu)/dr^2 + mu/dz^2]`` (r mode); the control takes the fraction
+    `HOURGLASS` of ``(16/3) V (lambda + 2 mu) (br^2 + bz^2)`` (Flanagan and Belytschko 1981, stiffness form).
+    """
+    return HOURGLASS * 16 / 3 * volume * material.longitudinal_modulus * squares
+
+
+def von_mises(state: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the von Mises stresses, (...,), Pa, of states of elements, (..., N_STATE)."""
+    rr, zz, tt, rz = np.moveaxis(state[..., :4], -1, 0)
+    return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)
