@@ -264,8 +264,8 @@ class HasShape(Protocol):
     """Table with the keys of a shape."""
 
     @property
-    def shape(self) -> str:
-        """``sphere`` or ``cylinder``."""
+    def shape(self) -> str | None:
+        """``sphere`` or ``cylinder``; None, of a striker: a sphere."""
 
     @property
     def length(self) -> float | None:

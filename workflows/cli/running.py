@@ -90,6 +90,7 @@ def continuum(options: argparse.Namespace) -> int:
     directory = results_directory(options.directory or case.name)
     if not options.resume:  # a finished run needs no resources
         kind.check(case, kind.cost(case, 1, options.figures), directory)
+    assert kind.run is not None  # of continuum cases
     with held(directory):
         summary = kind.run(case, directory, progress=True, **_how(options))
     print_json(summary) if options.json else print(f"{continuum_table(summary)}\n\nresults in {directory}")

@@ -287,7 +287,7 @@ class _Run:
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
-        interrupted = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
+        interrupted: dict[str, Any] = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
 
         def end() -> None:
             if self.comm.size == 1:

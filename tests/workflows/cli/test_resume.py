@@ -129,3 +129,33 @@ def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130, errors
     assert json.loads((tmp_path / "run" / "run.json").read_text())["state"] == "interrupted"
+
+
+LOST = """
+import sys, time, weakref
+from granwave.workflows.cli import main
+
+class Thing: pass
+
+def interrupted(_):
+    raise KeyboardInterrupt  # as if a signal came while an object is cleared up
+
+def wait(_):
+    thing = Thing()
+    weakref.ref(thing, interrupted)
+    kept = weakref.ref(thing, interrupted)
+    del thing
+    time.sleep(20)
+
+main._set_up_logging = lambda: None
+class Options:
+    class command: run = staticmethod(wait)
+main.make_parser = lambda: type("P", (), {"parse_args": lambda self, words: Options()})()
+sys.exit(main.main([]))
+"""
+
+
+def test_ctrl_c_while_python_clears_up_is_not_lost():
+    """Errors in callbacks of weak references are printed and dropped."""
+    done = subprocess.run([sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN)
+    assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")
