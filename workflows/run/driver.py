@@ -289,7 +289,11 @@ class _Run:
         """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
         interrupted: dict[str, Any] = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
 
+        ended = False
+
         def end() -> None:
+            nonlocal ended
+            ended = True
             if self.comm.size == 1:
                 return engine.end_command()
             if self.comm.rank == 0:  # LAMMPS cannot end a command at the same step on all ranks
@@ -306,9 +310,9 @@ class _Run:
             if isinstance(error, SingleRankError) and self.comm.size > 1:
                 raise
             failure = error
-        if stop.wanted():
+        if ended:
             self._note(**interrupted)
-            raise KeyboardInterrupt
+            raise KeyboardInterrupt(f"{self.directory}: stopped before its first step")
         if failure:
             raise failure
 
