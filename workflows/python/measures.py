@@ -1,8 +1,11 @@
 """Measures of signals and waves: arrays in SI units in, numbers out; ``granwave.measures``."""
 
 from granwave.analysis.measures.chains.record import Chain
+from granwave.analysis.measures.driven.amplitude_sweep import amplitude_sweep_of as amplitude_sweep
 from granwave.analysis.measures.impact.energies import energy_by_region
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
+from granwave.analysis.measures.lines.decay import parted_at
+from granwave.analysis.measures.lines.record import LineRecord, lines_of
 from granwave.analysis.measures.precompressed.line_waves import long_wave_speed, speed_along_layers
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import arrival, at_time, first_peak, maxima, width
@@ -19,6 +22,8 @@ from granwave.analysis.statistics import differ_significantly, estimate
 
 __all__ = [
     "Chain",
+    "LineRecord",
+    "amplitude_sweep",
     "arrival",
     "at_time",
     "differ_significantly",
@@ -29,8 +34,10 @@ __all__ = [
     "exponential_decay",
     "first_peak",
     "line_velocity",
+    "lines_of",
     "long_wave_speed",
     "maxima",
+    "parted_at",
     "power_law",
     "pulse_lengths",
     "pulse_peaks",
