@@ -22,8 +22,8 @@ from granwave.analysis.measures.zone.in_diameters import Zone, zone_in_diameters
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words
 from granwave.analysis.measures.zone.size import SHARES
 from granwave.analysis.scans.axes import draw_marks, log_ticks, marked_marker, marks_of
-from granwave.analysis.studies.granular_continuum.curves import GRANULAR_ENERGY
-from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum, Granular, Impacts, energy_unit
+from granwave.analysis.studies.packing_and_block.curves import GRANULAR_ENERGY
+from granwave.analysis.studies.packing_and_block.impacts import SAME, Continuum, Granular, Impacts, energy_unit
 from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
