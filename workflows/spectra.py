@@ -187,7 +187,7 @@ def steady(
     *,
     drive: int | Sequence[int],
     sensors: Sequence[int],
-    frequency: Array,
+    frequencies: Array,
     axis: str = "",
     end: str = "",
     directions: str = "",
@@ -202,16 +202,16 @@ def steady(
         As in `bands`.
     drive
         Grain that is moved, or several that are moved alike.
-    frequency
+    frequencies
         (n,), Hz.
     axis
         Direction of drive and sensors; empty for z, or x in a packing of one layer.
     """
     place = None if directory is None else check_place(directory, _TRANSMISSION, force=force, case=_text(source))
-    if not len(frequency) or not np.isfinite(frequency).all() or (frequency < 0).any():
+    if not len(frequencies) or not np.isfinite(frequencies).all() or (frequencies < 0).any():
         raise InputError("--frequencies: expected numbers from 0 up (Hz)")
-    if frequency.max() > _HIGHEST:
-        raise InputError(f"--frequencies: found {frequency.max():g} Hz, expected at most {_HIGHEST:g} Hz")
+    if frequencies.max() > _HIGHEST:
+        raise InputError(f"--frequencies: found {frequencies.max():g} Hz, expected at most {_HIGHEST:g} Hz")
     state = _finite(source, directions, damped=True)
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
@@ -223,7 +223,7 @@ def steady(
     _note_buckling(state)
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
-        stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers,
+        stiffness_of(state.network), first, sensors, frequencies, axis=axis, end=end, dampers=dampers,
         losses=losses_of(assembly, state.network), together=together, bottom=damping,
     )  # fmt: skip
     if place is None:
