@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 from granwave.lammps_inputs.case.hints import (
     ACCELERATION,
@@ -95,7 +95,7 @@ class SupportBar:
     length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
     area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
-    end: Literal["free", "fixed", "infinite"] = choice(
+    end: str = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )
 
@@ -146,7 +146,7 @@ class BarConstants:
     elements: int
     mass: float
     stiffness: float
-    end: float | Literal["free", "fixed"]
+    end: float | str
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -278,23 +278,19 @@ def _parse_touched(value: Any) -> Touched:
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
+    bottom: str = choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         BOTTOMS,
         default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
-    sides: Literal["free", "wall", "periodic"] = choice(
+    sides: str = choice(
         "what is at the sides: nothing, planes, or the packing again",
         ("free", "wall", "periodic"),
         default="free",
     )
-    x: Literal["free", "wall"] | None = choice(
-        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
-    )
-    y: Literal["free", "wall"] | None = choice(
-        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
-    )
+    x: str | None = choice("the two planes across x, where they differ from sides", ("free", "wall"), default=None)
+    y: str | None = choice("the two planes across y, where they differ from sides", ("free", "wall"), default=None)
     side_gap: float | None = number(
         "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
         "before the run, as [precompression] of walls does",
@@ -352,7 +348,7 @@ _WALLS = ("x", "y", "tube")
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: Literal["uniaxial", "uniform", "gravity", "walls", "overlaps"] = choice(
+    kind: str = choice(
         "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),

@@ -264,8 +264,8 @@ class HasShape(Protocol):
     """Table with the keys of a shape."""
 
     @property
-    def shape(self) -> str:
-        """``sphere`` or ``cylinder``."""
+    def shape(self) -> str | None:
+        """``sphere``, ``cylinder``, or None for the usual one, a sphere."""
 
     @property
     def length(self) -> float | None:
@@ -278,7 +278,7 @@ class HasShape(Protocol):
 
 def shape_of(table: HasShape, axis: Vector = _AXES["y"]) -> Shape:
     """Return the shape of a table that `check_shape` found right; ``axis`` is the usual direction."""
-    if table.shape == "sphere" or table.length is None:
+    if table.shape != "cylinder" or table.length is None:
         return None
     return Cylinder(table.length, table.axis or axis)
 

@@ -61,13 +61,13 @@ def parse_share(text: str, expected: str) -> float:
 class Run:
     """``[run]``: end time, timestep and snapshots."""
 
-    end_time: float | Literal["auto"] = positive_or_auto(
+    end_time: float | str = positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
         unit="s",
         usual=TIME,
         default=1e-3,
     )
-    timestep: float | Literal["auto"] = positive_or_auto(
+    timestep: float | str = positive_or_auto(
         "auto: follows the error of the energy balance; a number: all steps are that long",
         unit="s",
         usual=INTERVAL,
@@ -78,12 +78,12 @@ class Run:
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
-    smallest_timestep: float | Literal["auto"] = positive_or_auto(
+    smallest_timestep: float | str = positive_or_auto(
         "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
     )
-    largest_timestep: float | Literal["auto"] = positive_or_auto(
+    largest_timestep: float | str = positive_or_auto(
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
@@ -157,13 +157,13 @@ class Probe:
 class Output:
     """``[output]``: form of the snapshots, and records besides snapshots and energies."""
 
-    dump_format: Literal["binary", "text"] = choice(
+    dump_format: str = choice(
         "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
         ("binary", "text"),
         default="binary",
     )
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
-    probe_interval: float | Literal["auto"] = positive_or_auto(
+    probe_interval: float | str = positive_or_auto(
         "time between records of probes and walls; auto: five timesteps",
         unit="s",
         usual=INTERVAL,
@@ -314,7 +314,7 @@ class Figures:
         _parse_formats,
         default=("pdf",),
     )
-    film: Literal["none", "mp4", "gif", "webp"] = choice(
+    film: str = choice(
         f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "
         "where it is not given",
         ("none", *FILM_FORMATS),

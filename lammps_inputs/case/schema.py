@@ -72,6 +72,12 @@ class ErrorList:
             if wrong:
                 self.add(key, message)
 
+    def check_first(self, *rows: tuple[object, str, str]) -> bool:
+        """Add the error of the first row whose first entry is true; return True if there is none."""
+        found = next((row for row in rows if row[0]), None)
+        self.check(*([found] if found else []))
+        return found is None
+
     def add_unknown(self, key: str, message: str) -> None:
         """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
@@ -116,7 +122,7 @@ def number(
             raise ValidationError(expected)
         return result
 
-    return _field(description, unit, default, parse, usual)
+    return _field(description, unit, default, parse, usual, (word,) if word else None)
 
 
 def positive_or_auto(description: str, *, unit: str, usual: Usual, default: float | str = "auto") -> Any:
