@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import re
 from collections.abc import Mapping
 from itertools import pairwise
@@ -16,6 +15,7 @@ from granwave.lammps_inputs.case.schema import (
     ValidationError,
     choice,
     custom,
+    did_you_mean,
     finite,
     number,
     numbers,
@@ -112,10 +112,7 @@ class Run:
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
-def _parse_probes(value: Any) -> tuple[Probe, ...]:
-    if not isinstance(value, list | tuple):
-        raise ValidationError(_PROBE_FORM)
-    return tuple(_parse_probe(probe) for probe in value)
+_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
 
 
 def _parse_parts(value: Any) -> bool | str:
@@ -124,20 +121,19 @@ def _parse_parts(value: Any) -> bool | str:
     raise ValidationError('true, false or "auto"')
 
 
-_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
-
-
-def _parse_probe(value: Any) -> Probe:
-    if not isinstance(value, Mapping) or len(value) != 1:
+def _parse_probes(value: Any) -> tuple[Probe, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(one, Mapping) and len(one) == 1 for one in value):
         raise ValidationError(_PROBE_FORM)
-    ((what, which),) = value.items()
-    expected = f"{_PROBE_FORM} with ids from 1 up"
-    if what == "sphere":
-        return Probe(sphere=whole(which, expected))
-    if what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
-        first, second = (whole(sphere, expected) for sphere in which)
-        return Probe(contact=(first, second))
-    raise ValidationError(_PROBE_FORM)
+    probes, expected = [], f"{_PROBE_FORM} with ids from 1 up"
+    for what, which in (item for one in value for item in one.items()):
+        if what == "sphere":
+            probes.append(Probe(sphere=whole(which, expected)))
+        elif what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
+            first, second = (whole(sphere, expected) for sphere in which)
+            probes.append(Probe(contact=(first, second)))
+        else:
+            raise ValidationError(_PROBE_FORM)
+    return tuple(probes)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -229,11 +225,8 @@ def _parse_only(value: Any) -> tuple[str, ...]:
         raise ValidationError(expected)
     for name in value:
         if name not in FIGURE_NAMES:
-            near = difflib.get_close_matches(name.lower(), FIGURE_NAMES, n=1, cutoff=0.5)
-            raise ValidationError(
-                f"names of figures: there is no {show(name)}"
-                + (f"; did you mean {near[0]}?" if near else f", but {', '.join(FIGURE_NAMES)}")
-            )
+            hint = did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
+            raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
     return tuple(dict.fromkeys(value))
 
 
@@ -259,8 +252,7 @@ def _parse_colour_map(value: Any) -> str:
     from matplotlib import colormaps  # takes longer to load than most commands need
 
     if value not in colormaps:
-        near = difflib.get_close_matches(value.lower(), list(colormaps), n=1, cutoff=0.5)
-        raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+        raise ValidationError(expected + did_you_mean(value, colormaps, cutoff=0.5))
     return value
 
 
@@ -270,8 +262,7 @@ def _parse_formats(value: Any) -> tuple[str, ...]:
     if not all(isinstance(name, str) for name in names):
         raise ValidationError(expected)
     if unknown := [name for name in names if name not in (*FORMATS, "png")]:
-        near = difflib.get_close_matches(unknown[0].lower(), FORMATS, n=1)
-        raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+        raise ValidationError(expected + did_you_mean(unknown[0], FORMATS))
     return tuple(name for name in FORMATS if name in names)
 
 

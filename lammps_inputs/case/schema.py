@@ -12,7 +12,7 @@ import dataclasses
 import difflib
 import logging
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -136,11 +136,16 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
 
     def parse(value: Any) -> Any:
         if value not in options or type(value) is not type(options[0]):
-            near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
-            raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+            raise ValidationError(expected + did_you_mean(value, map(str, options)))
         return value
 
     return _field(description, None, default, parse, options=options)
+
+
+def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return a hint at the known word most like another one; empty if none is like it."""
+    near = difflib.get_close_matches(str(word).lower(), list(known), n=1, cutoff=cutoff)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def text(description: str, *, default: Any = REQUIRED) -> Any:
@@ -288,7 +293,13 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
+def read_table(
+    section: type[Section],
+    table: Any,
+    prefix: str,
+    errors: ErrorList,
+    nested: Mapping[str, Callable[[Any, ErrorList, str], Any]] | None = None,
+) -> Section | None:
     """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
     Fields that are not made by the functions above keep their defaults.
@@ -297,14 +308,19 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
     ----------
     prefix
         Dotted name of the table, as in the file; empty for the top level.
+    nested
+        Readers of tables in it, by key; they add faults themselves, and return None with any.
     """
     if not isinstance(table, Mapping):
         errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
     before = len(errors.lines)
+    values = {
+        name: read(table[name], errors, f"{prefix}.{name}") for name, read in (nested or {}).items() if name in table
+    }
+    table = {name: value for name, value in table.items() if name not in values}
     fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
     refuse_unknown(table, list(fields), prefix, errors)
-    values: dict[str, Any] = {}
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]
