@@ -282,12 +282,7 @@ def with_added_grains(
         for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
             position[sphere:, 2] += width
         own = Grains(
-            position,
-            np.full(n, packing.diameter),
-            [""] * n,
-            [""] * n,
-            np.zeros((n, 3)),
-            [packing.of_grain] * n,
+            position, np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)), [packing.of_grain] * n
         )
     centres, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
     shape = [*own.shape]
@@ -314,12 +309,7 @@ def with_added_grains(
     starts = np.cumsum([1, *map(len, centres)]).tolist()
     still = np.zeros((sum(map(len, centres[1:])), 3))
     grains = Grains(
-        np.concatenate(centres),
-        np.concatenate(diameter),
-        material,
-        group,
-        np.concatenate([own.velocity, still]),
-        shape,
+        np.concatenate(centres), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still]), shape
     )
     grains.file, grains.lines, grains.added_from = own.file, own.lines, starts[1:-1]
     return PackingSection(

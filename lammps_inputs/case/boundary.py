@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from granwave.lammps_inputs.case.hints import (
     ACCELERATION,
@@ -146,7 +146,7 @@ class BarConstants:
     elements: int
     mass: float
     stiffness: float
-    end: float | str
+    end: float | Literal["free", "fixed"]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -189,7 +189,8 @@ class Support:
             return NodeConstants(0.0, stiffness, damping)
         assert self.bar is not None
         impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
-        end = impedance if self.bar.end == "infinite" else self.bar.end
+        end: float | Literal["free", "fixed"] = "fixed" if self.bar.end == "fixed" else "free"
+        end = impedance if self.bar.end == "infinite" else end
         return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
 
     def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
@@ -274,6 +275,9 @@ def _parse_touched(value: Any) -> Touched:
     return Touched(**found)
 
 
+_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "usual": FRICTION}
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
@@ -285,9 +289,7 @@ class Boundary:
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
     sides: str = choice(
-        "what is at the sides: nothing, planes, or the packing again",
-        ("free", "wall", "periodic"),
-        default="free",
+        "what is at the sides: nothing, planes, or the packing again", ("free", "wall", "periodic"), default="free"
     )
     x: str | None = choice("the two planes across x, where they differ from sides", ("free", "wall"), default=None)
     y: str | None = choice("the two planes across y, where they differ from sides", ("free", "wall"), default=None)
@@ -308,25 +310,14 @@ class Boundary:
     bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
-        "coefficient of Coulomb friction of the walls; that of the contacts by default",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
     )
     holder_friction: float | None = number(
         "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        **_FRICTION,
     )
     forget_gap: float = number(
-        "gap beyond which a dent is forgotten, never sooner",
-        unit="diameters",
-        above=0,
-        at_most=2,
-        default=0.1,
+        "gap beyond which a dent is forgotten, never sooner", unit="diameters", above=0, at_most=2, default=0.1
     )
 
     @property
@@ -339,8 +330,9 @@ class Boundary:
         return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
 
 
-_MOVE: dict[str, Any] = {"unit": "m", "above": 0, "default": None, "usual": DISPLACEMENT}
-_PRESS: dict[str, Any] = {"unit": "N", "above": 0, "default": None, "usual": FORCE}
+_NONE: dict[str, Any] = {"above": 0, "default": None}
+_MOVE = _NONE | {"unit": "m", "usual": DISPLACEMENT}
+_PRESS = _NONE | {"unit": "N", "usual": FORCE}
 _WALLS = ("x", "y", "tube")
 
 
@@ -353,16 +345,8 @@ class Precompression:
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
-    pressure: float | None = number(
-        "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
-    )
-    force: float | None = number(
-        "force on each sphere of the top layer (uniaxial; also beside walls)",
-        unit="N",
-        above=0,
-        default=None,
-        usual=FORCE,
-    )
+    pressure: float | None = number("pressure on the faces of the packing", unit="Pa", **_NONE, usual=PRESSURE)
+    force: float | None = number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
     x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
     y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
     tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)

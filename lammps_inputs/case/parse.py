@@ -258,8 +258,12 @@ def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> An
         return read_packing(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, errors)
-    before, read = len(errors.lines), {}
-    readers = {"bottom": (read_bottom, "support"), "sides": (_read_sides, "tube")}
+    before = len(errors.lines)
+    read: dict[str, Any] = {}
+    readers: dict[str, tuple[Callable[..., Any], str]] = {
+        "bottom": (read_bottom, "support"),
+        "sides": (_read_sides, "tube"),
+    }
     walls = {key: table[key] for key in WALL_KEYS if isinstance(table.get(key), Mapping)}
     for key, wall in walls.items():
         reader, what = readers[key]

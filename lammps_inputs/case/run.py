@@ -68,9 +68,7 @@ class Run:
         default=1e-3,
     )
     timestep: float | str = positive_or_auto(
-        "auto: follows the error of the energy balance; a number: all steps are that long",
-        unit="s",
-        usual=INTERVAL,
+        "auto: follows the error of the energy balance; a number: all steps are that long", unit="s", usual=INTERVAL
     )
     energy_tolerance: float = number(
         "largest error of the energy balance, over the input, that an automatic timestep aims at",
@@ -160,9 +158,7 @@ class Output:
     )
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
     probe_interval: float | str = positive_or_auto(
-        "time between records of probes and walls; auto: five timesteps",
-        unit="s",
-        usual=INTERVAL,
+        "time between records of probes and walls; auto: five timesteps", unit="s", usual=INTERVAL
     )
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
@@ -289,9 +285,7 @@ class Figures:
         default=None,
     )
     dissipation_limits: tuple[float, float] | None = custom(
-        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
-        _LIMITS,
-        default=None,
+        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default", _LIMITS, default=None
     )
     width: float = number(
         "width of a figure of one column; wider ones grow in proportion, texts stay as they are",

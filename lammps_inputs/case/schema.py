@@ -172,12 +172,7 @@ def parse_label(value: Any) -> str:
 
 
 def custom(
-    description: str,
-    parse: Parse,
-    *,
-    unit: str | None = None,
-    default: Any = REQUIRED,
-    usual: Usual | None = None,
+    description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED, usual: Usual | None = None
 ) -> Any:
     """Field of a value with its own ``parse`` function; numbers outside ``usual`` give a warning."""
     return _field(description, unit, default, parse, usual)

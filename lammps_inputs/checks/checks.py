@@ -106,7 +106,8 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
     check_cylinders(case, errors)
-    check_touched(case, errors)
+    if not check_touched(case, errors):
+        return None
     check_tube(case, errors)
     try:
         assembly = assemble(case)

@@ -183,24 +183,28 @@ def check_chosen(
             )  # fmt: skip
 
 
-def check_touched(case: Case, errors: ErrorList) -> None:
-    """Check that the side walls that act on some grains only find these, and that there are such walls."""
+def check_touched(case: Case, errors: ErrorList) -> bool:
+    """Check that the side walls that act on some grains only find these, and that there are such walls.
+
+    Return False if walls would act on no grain, so that they have no place.
+    """
     boundary, key = case.boundary, "boundary.sides_touch"
     if boundary.sides_touch is None or errors.lines:
-        return
+        return True
     if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
         errors.add(key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}')
-        return
+        return True
     grains = case.packing.grains
     groups = sorted(set(grains.group) - {""}) if grains is not None else []
     sites = sites_of(case, lattice_of(case))
-    used = [case.material] if sites is None else [sites.materials[kind] for kind in np.unique(sites.kind)]
+    used = [case.material] if sites is None else [sites.materials[k] for k in np.unique(sites.kind[sites.present])]
     materials = sorted({str(material.name) for material in used if material.name})
     for what, known in (("material", materials), ("group", groups)):
         for name in getattr(boundary.sides_touch, what):
             if name not in known:
                 there = f"one of {', '.join(map(show, known))}" if known else f"none: no grain has a {what}"
                 errors.add(f"{key}.{what}", f"found {show(name)}, expected {there}")
+    return bool(touched(case, sites, boundary.sides_touch).any())
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:

@@ -183,9 +183,9 @@ def error_in_dents(assembly: Assembly) -> str:
             found = f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
             return f"{found}, as far as the contact law holds"
     boxes = [region for region in _regions(case) if region.low or region.high]
-    found = contacts_at_start(assembly) if boxes else []
+    there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
-        if not any(_inside(near, box).any() for near in found):
+        if not any(_inside(near, box).any() for near in there):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
