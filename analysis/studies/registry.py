@@ -37,10 +37,6 @@ STUDIES: dict[str, str] = {
     "confined-scaling": "confined.scaling",
     "confined-theory": "confined.asymptotics",
     "confined-yielding": "confined.yielding",
-    "filter": "rows.filter",
-    "filter-dented": "rows.dented",
-    "gap-switch": "rows.switch",
-    "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
 
