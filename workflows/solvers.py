@@ -129,4 +129,4 @@ GRANULAR = Kind(
     parallel=True,
 )
 CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "plan")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "study")
