@@ -48,4 +48,4 @@ STUDIES: dict[str, str] = {
 OF_SPHERE_CONTACTS = ("sphere-contact",)
 
 #: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
-COMPARISON: dict[str, str] = {"comparison": "granular_continuum.study"}
+COMPARISON: dict[str, str] = {"comparison": "packing_and_block.study"}

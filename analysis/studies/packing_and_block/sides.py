@@ -12,10 +12,10 @@ from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing
 from granwave.analysis.measures.impact.involved import Involved, elements_involved, spheres_involved
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.granular_continuum.blocks import masses
-from granwave.analysis.studies.granular_continuum.curves import FRACTION, MARKERS, add
-from granwave.analysis.studies.granular_continuum.impacts import Continuum, Granular, Impacts, constants, energy_unit
-from granwave.analysis.studies.granular_continuum.packings import variants
+from granwave.analysis.studies.packing_and_block.blocks import masses
+from granwave.analysis.studies.packing_and_block.curves import FRACTION, MARKERS, add
+from granwave.analysis.studies.packing_and_block.impacts import Continuum, Granular, Impacts, constants, energy_unit
+from granwave.analysis.studies.packing_and_block.packings import variants
 from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError

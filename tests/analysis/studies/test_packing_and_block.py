@@ -16,9 +16,9 @@ from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.sections import comparison
-from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
-from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect
-from granwave.analysis.studies.granular_continuum.study import select
+from granwave.analysis.studies.packing_and_block import blocks, forces, packings, sides, zone
+from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
+from granwave.analysis.studies.packing_and_block.study import select
 from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim

@@ -14,14 +14,14 @@ from granwave.analysis.document.model import Column, Note, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.impact.quadratic_law import QuadraticLaw, quadratic_law
-from granwave.analysis.studies.granular_continuum.curves import (
+from granwave.analysis.studies.packing_and_block.curves import (
     FRACTION,
     GRANULAR_ENERGY,
     add,
     draw_scaling,
     reference_and_marks,
 )
-from granwave.analysis.studies.granular_continuum.impacts import (
+from granwave.analysis.studies.packing_and_block.impacts import (
     SAME,
     Curve,
     Granular,

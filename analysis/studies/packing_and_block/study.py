@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.cells import show
 from granwave.analysis.document.model import Note, Table
-from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
-from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect, energy_unit
+from granwave.analysis.studies.packing_and_block import blocks, forces, packings, sides, zone
+from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect, energy_unit
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.analysis.studies.study import Sketch
 

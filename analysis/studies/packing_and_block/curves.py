@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
-from granwave.analysis.studies.granular_continuum.impacts import Curve
+from granwave.analysis.studies.packing_and_block.impacts import Curve
 
 COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKERS = "os^DvP*"

@@ -23,8 +23,8 @@ from granwave.analysis.measures.zone.marks import Mark, bounds_in_words
 from granwave.analysis.measures.zone.size import SHARES
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
-from granwave.analysis.studies.granular_continuum.curves import GRANULAR_ENERGY
-from granwave.analysis.studies.granular_continuum.impacts import SAME, Continuum, Granular, Impacts, energy_unit
+from granwave.analysis.studies.packing_and_block.curves import GRANULAR_ENERGY
+from granwave.analysis.studies.packing_and_block.impacts import SAME, Continuum, Granular, Impacts, energy_unit
 from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 

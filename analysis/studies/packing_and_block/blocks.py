@@ -11,14 +11,14 @@ from granwave.analysis.document.cells import percent
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.studies.granular_continuum.curves import (
+from granwave.analysis.studies.packing_and_block.curves import (
     CONTINUUM_ENERGY,
     FRACTION,
     add,
     colour_and_marker,
     draw_scaling,
 )
-from granwave.analysis.studies.granular_continuum.impacts import (
+from granwave.analysis.studies.packing_and_block.impacts import (
     SAME,
     Continuum,
     Curve,

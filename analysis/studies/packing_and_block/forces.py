@@ -21,8 +21,8 @@ from granwave.analysis.measures.impact.impulse import Linearity, linearity, peak
 from granwave.analysis.measures.waves.front import Front, front_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.axes import log_ticks
-from granwave.analysis.studies.granular_continuum.curves import colour_and_marker
-from granwave.analysis.studies.granular_continuum.impacts import Granular, Impacts
+from granwave.analysis.studies.packing_and_block.curves import colour_and_marker
+from granwave.analysis.studies.packing_and_block.impacts import Granular, Impacts
 from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
