@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 _STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
-Body = tuple["Material | None", "Shape"]
+Body = tuple["Material", "Shape"]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -187,14 +187,20 @@ class PairLaws:
         return {}
 
     def _touches(
-        self, first: Body, second: Body, radii: tuple[float, float], friction: float, *, scaled: bool = False
+        self,
+        first: Body,
+        second: tuple[Material | None, Shape],
+        radii: tuple[float, float],
+        friction: float,
+        *,
+        scaled: bool = False,
     ) -> Touches:
         """Return the law of two bodies of these radii, m."""
         key = first, second, radii, friction, scaled
         if key not in self._known:
-            materials, shapes = zip(first, second, strict=True)
-            line = self.case.contact.line == "plane-strain"
-            law = law_between(self.case.contact_between(*materials), materials, radii, shapes=shapes, plane_strain=line)
+            (one, shape), (other, partner) = first, second
+            contact, line = self.case.contact_between(one, other), self.case.contact.line == "plane-strain"
+            law = law_between(contact, (one, other), radii, shapes=(shape, partner), plane_strain=line)
             self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
         return self._known[key]
 
