@@ -9,21 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.spectra.bands import (
-    Bands,
-    Gap,
-    band_edges,
-    describe_floppy,
-    gaps,
-    lowest,
-    refuse_floppy,
-    solve_bands,
-    upper_bound,
-)
+from granwave.analysis.spectra.bands import Bands, Gap, band_edges, describe_floppy, gaps, refuse_floppy, solve_bands
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
-from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness, stiffness_of
+from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness, lowest, stiffness_of, upper_bound
 from granwave.analysis.spectra.wave_vectors import ComplexBands, complex_bands, make_path
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
