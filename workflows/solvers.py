@@ -145,4 +145,4 @@ GRANULAR = Kind(
     parallel=True,
 )
 CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh", "run_continuum")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "plan", "run_sphere_contact")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "study", "run_sphere_contact")
