@@ -7,7 +7,7 @@
 #include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
 #include "../laws/line_batch.h"
-#include "../laws/line_contact.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/load_shape.h"
 
 #include <pybind11/numpy.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Batch of contacts along lines (line_contact.h) as plain arrays: forces and stiffnesses of several at a time, with the same
+/* Batch of contacts along lines (elastic_contact.h) as plain arrays: forces and stiffnesses of several at a time, with the same
    bits as one by one. No LAMMPS types. */
 
 #ifndef GRANWAVE_LINE_BATCH_H
 #define GRANWAVE_LINE_BATCH_H
 
-#include "line_contact.h"
+#include "elastic_contact.h"
 
 namespace granwave {
 

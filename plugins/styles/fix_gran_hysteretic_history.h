@@ -51,9 +51,6 @@ class FixGranHystereticHistory : public Fix {
   int size(int i, int further = 0) const;
   int pack(int, double *) const;
   int unpack(int, const double *);
-  void unpack_unchecked(int i, const double *, int n);
-  const double *unpack_records(int i, int count, const granwave::BlockLayout &, const double *);
-  bool is_sound(const double *records, int count, const granwave::BlockLayout &) const;
 };
 
 }    // namespace LAMMPS_NS

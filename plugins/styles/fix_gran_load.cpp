@@ -4,12 +4,11 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "finite_motion.h"
+#include "motion.h"
 #include "fix_gran_timestep.h"
 #include "group.h"
 #include "modify.h"
 #include "restart_state.h"
-#include "simulated_time.h"
 #include "update.h"
 
 #include <algorithm>

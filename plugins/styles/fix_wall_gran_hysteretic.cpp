@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: arguments, spheres at the wall, and motion of the plane. Forces of one contact are in
-   fix_wall_gran_hysteretic_contact.cpp, per-sphere state, initial dents and restart files in
-   fix_wall_gran_hysteretic_state.cpp, totals in fix_wall_gran_hysteretic_totals.cpp. */
+/* Fix wall/gran/hysteretic: arguments, spheres at the wall, and motion of the plane. Forces of one contact and
+   totals are in fix_wall_gran_hysteretic_contact.cpp, per-sphere state, initial dents and restart files in
+   fix_wall_gran_hysteretic_state.cpp. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -10,9 +10,8 @@
 #include "error.h"
 #include "fix_gran_cylinder.h"
 #include "../laws/law_arguments.h"
-#include "moved_mass.h"
+#include "motion.h"
 #include "neighbor.h"
-#include "simulated_time.h"
 #include "update.h"
 
 #include <algorithm>
@@ -263,7 +262,7 @@ void FixWallGranHysteretic::evaluate()
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
     for (int side = 0; side < 2; side++) {
-      Side &mine = sides[2 * i + side];
+      Side &mine = sides(i)[side];
       if (!touches[side] && mine.touching == 0.0) continue;
       Contact contact{};
       if (touches[side]) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: settings, coefficients, requirements. */
+/* Pair style gran/hysteretic: settings, coefficients, requirements, and what of them is in restart files. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -11,8 +11,9 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
-#include "moved_mass.h"
+#include "motion.h"
 #include "neighbor.h"
+#include "restart_state.h"
 #include "update.h"
 
 #include <algorithm>
@@ -23,7 +24,6 @@ using namespace LAMMPS_NS;
 using granwave::ContactLaw;
 using granwave::LawArguments;
 using granwave::ScaledLaw;
-using granwave::Turning;
 
 PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
 {
@@ -235,18 +235,66 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   return p;
 }
 
+/* ---------------------------------------------------------------------- restart */
+
+void PairGranHysteretic::write_restart_settings(FILE *fp)
+{
+  fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
+  granwave::write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten)});
+}
+
+void PairGranHysteretic::read_restart_settings(FILE *fp)
+{
+  int format = 0;
+  if (comm->me == 0) utils::sfread(FLERR, &format, sizeof(int), 1, fp, nullptr, error);
+  MPI_Bcast(&format, 1, MPI_INT, 0, world);
+  if (format != RESTART_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads format {}", format,
+               RESTART_FORMAT);
+  const std::vector<double> settings = granwave::read_state(lmp, fp, "the settings of pair style gran/hysteretic");
+  from_restart = true;
+  gap = settings[0];
+  has_friction = settings[1] != 0.0;
+  has_initial_dents = settings[2] != 0.0;
+  lists_forgotten = settings[3] != 0.0;
+}
+
+/* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */
+
+void PairGranHysteretic::write_restart(FILE *fp)
+{
+  write_restart_settings(fp);
+  std::string text;
+  for (int i = 1; i <= atom_types; i++)
+    for (int j = i; j <= atom_types; j++)
+      if (setflag[i][j])
+        text += fmt::format("{} {} {}\n", i, j, utils::join_words(coefficients[i * (atom_types + 1) + j].words, " "));
+  std::vector<double> state(text.size() / sizeof(double) + 1);
+  text.resize(state.size() * sizeof(double), ' ');
+  std::memcpy(state.data(), text.data(), text.size());
+  granwave::write_state(fp, state);
+}
+
+void PairGranHysteretic::read_restart(FILE *fp)
+{
+  read_restart_settings(fp);
+  allocate();
+  const std::vector<double> state = granwave::read_state(lmp, fp, "the laws of pair style gran/hysteretic");
+  const std::string text(reinterpret_cast<const char *>(state.data()), state.size() * sizeof(double));
+  for (const std::string &line : utils::split_lines(text)) {
+    std::vector<std::string> words = utils::split_words(line);
+    std::vector<char *> args;
+    for (std::string &word : words) args.push_back(word.data());
+    if (!args.empty()) coeff(static_cast<int>(args.size()), args.data());
+  }
+}
+
 double PairGranHysteretic::memory_usage()
 {
+  const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + c.resting.bytes() + c.groups.bytes();
-  bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
-  bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
-  bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
-  bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
-  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) +
-           double(c.touched.capacity()) * sizeof(std::uint64_t);
-  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
-                  c.initial_extra.capacity()) *
-           sizeof(double);
-  return bytes;
+  return Pair::memory_usage() + c.resting.bytes() + c.groups.bytes() +
+         bytes(c.row, c.begin, c.row_sphere, c.partner, c.partner_sphere, c.peak, c.time_first, c.time_peak, c.time_yield,
+               c.turning, c.turnings, c.work_lost, c.circle, c.spring, c.touched, c.extra, c.initial, c.reached,
+               c.initial_extra);
 }

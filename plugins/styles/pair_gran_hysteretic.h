@@ -32,6 +32,8 @@
 #include "fix_gran_hysteretic_history.h"
 #include "pair.h"
 
+#include "atom.h"
+
 #include <functional>
 #include <map>
 #include <memory>
@@ -104,20 +106,27 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
-     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` gets the dent of each pair within reach
-     from a function, lower ID first (negative: none given), and reports its status. All three are called on all processors. */
-  enum class DentStatus { SET, TOO_DEEP, OUT_OF_REACH };
+     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` sets those of pairs of IDs, lower first,
+     and returns how this went for the pairs within reach. All three are called on all processors. */
+  using Ids = std::pair<tagint, tagint>;
+  enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };
   void prepare_initial_dents();
   void begin_initial_dents();
-  void set_dents(const std::function<double(tagint, tagint)> &dent,
-                 const std::function<void(tagint, tagint, DentStatus)> &report);
+  std::map<Ids, DentStatus> set_dents(const std::map<Ids, double> &dents);
 
  private:
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
+  static constexpr int RESTART_FORMAT = 8;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
+
+  struct Sphere {
+    tagint tag;
+    double radius;
+    int type;
+  };
 
   /* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */
   struct Contacts {
@@ -139,11 +148,16 @@ class PairGranHysteretic : public Pair {
     std::vector<std::uint64_t> touched;                // with friction or losses: bits of the pairs whose springs may end
     std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
     std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
-    std::vector<tagint> row_tag, partner_tag;
-    std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
-    std::vector<int> row_type, partner_type;
+    std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
     granwave::RestingBlocks resting;
     granwave::RowGroups groups;    // of the plain rows
+
+    /* Call a function for each row r and pair k with the indices i and j of its spheres. */
+    template <class Visit> void each_pair(const Visit &visit) const
+    {
+      for (int r = 0; r < static_cast<int>(row.size()); r++)
+        for (int k = begin[r]; k < begin[r + 1]; k++) visit(r, k, row[r], partner[k]);
+    }
   };
 
   struct PairParameters {    // parameters of a contact, from its two spheres
@@ -181,6 +195,10 @@ class PairGranHysteretic : public Pair {
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
+  PairParameters pair_parameters(int i, int j)
+  {
+    return pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
+  }
   double init_shape(int itype, int jtype);
   bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
   granwave::ScaledLaw special_law(int itype, int jtype, double ri, double rj);
@@ -189,8 +207,14 @@ class PairGranHysteretic : public Pair {
     if (is_special(itype, jtype)) return special_law(itype, jtype, ri, rj);
     return {law(itype, jtype), effective_radius(ri, rj)};
   }
+  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)    // of a forgotten contact of sphere i
+  {
+    return scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
+  }
   granwave::CylinderPair::Separation separation(int i, int j) const;
+  double distance_squared(int i, int j) const;
   double distance(int i, int j, double rsq) const;
+  double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   double longest_cylinder(int axis) const;
   bool near_special(int i, int j) const;
   void add_rows(const std::vector<std::pair<int, int>> &);
@@ -237,7 +261,6 @@ class PairGranHysteretic : public Pair {
   double gap = 0.0;
   bool lists_forgotten = false;    // true if forgotten dents stay on record
   int atom_types = 0;
-  int restart_format = 0;       // of the file being written or read
   bool from_restart = false;    // true if the settings are from a restart file
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts

@@ -5,8 +5,7 @@
 
 #include "atom.h"
 #include "error.h"
-#include "finite_motion.h"
-#include "simulated_time.h"
+#include "motion.h"
 #include "update.h"
 
 #include <algorithm>
@@ -251,14 +250,12 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
 
 void PairGranHysteretic::forget_far_pairs(int r)
 {
-  const double *const *const x = atom->x;
   const int i = contacts.row[r];
   for (int k = contacts.begin[r]; k < contacts.begin[r + 1]; k++) {
     if (contacts.peak[k] == 0.0) continue;
     const int j = contacts.partner[k];
-    const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
     const double reach = atom->radius[i] + atom->radius[j] + gap;
-    if (delx * delx + dely * dely + delz * delz > reach * reach) forget(r, k);
+    if (distance_squared(i, j) > reach * reach) forget(r, k);
   }
 }
 

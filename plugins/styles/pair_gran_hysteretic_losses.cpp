@@ -5,7 +5,7 @@
 
 #include "atom.h"
 #include "comm.h"
-#include "moved_mass.h"
+#include "motion.h"
 #include "neighbor.h"
 #include "update.h"
 
@@ -36,10 +36,7 @@ void PairGranHysteretic::release_contact(int k)
   if (has_loss && viscous(k)->step > 0.0) {
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
-    const double *const *const x = atom->x;
-    const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-    const double apart = distance(i, j, delx * delx + dely * dely + delz * delz);
-    viscous(k)->release(atom->radius[i] + atom->radius[j] - apart);
+    viscous(k)->release(atom->radius[i] + atom->radius[j] - distance(i, j));
   }
   if (has_friction) release(c.spring[k]);
 }

@@ -90,6 +90,13 @@ CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
   return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
 }
 
+double PairGranHysteretic::distance_squared(int i, int j) const
+{
+  const double *const xi = atom->x[i], *const xj = atom->x[j];
+  const double delx = xi[0] - xj[0], dely = xi[1] - xj[1], delz = xi[2] - xj[2];
+  return delx * delx + dely * dely + delz * delz;
+}
+
 /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
 
 double PairGranHysteretic::distance(int i, int j, double rsq) const
