@@ -34,6 +34,11 @@ namespace {
 
 using Two = std::pair<double, double>;
 
+std::pair<Material, Material> elastic_bodies(Two modulus, Two poisson)
+{
+  return {{modulus.first, poisson.first, granwave::INFINITE}, {modulus.second, poisson.second, granwave::INFINITE}};
+}
+
 py::dict by_name(const granwave::LawConstants &constants)
 {
   py::dict found;
@@ -96,7 +101,7 @@ class Contact {
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
     if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
-    scaled = ScaledLaw::any(law, effective);
+    scaled = ScaledLaw(law, effective);
     if (line) {
       elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
       scaled = ScaledLaw(law, effective, *elastic);
@@ -159,18 +164,10 @@ class Contact {
   LawHistory history(double peak) const { return {peak, extra.data()}; }
 };
 
-template <auto Method> auto one()
+/* A constant of the contact, from its member of this method. */
+template <auto Member, auto Method> auto of()
 {
-  return [](const Contact &self, const py::array_t<double> &x) -> py::object {
-    return py::vectorize([&self](double v) { return (self.*Method)(v); })(x);
-  };
-}
-
-template <auto Method> auto two()
-{
-  return [](const Contact &self, const py::array_t<double> &overlap, const py::array_t<double> &peak) -> py::object {
-    return py::vectorize([&self](double a, double b) { return (self.*Method)(a, b); })(overlap, peak);
-  };
+  return [](const Contact &contact) { return ((contact.*Member).*Method)(); };
 }
 
 }    // namespace
@@ -199,9 +196,8 @@ PYBIND11_MODULE(_contact_laws, module)
                                     "Pairs are (first, second) body, rigid where the modulus is inf. SI units.")
       .def(py::init([](Two modulus, Two poisson, double diameter, double length) {
              if (!(diameter > 0.0 && length > 0.0)) throw py::value_error("diameter and length must be positive");
-             const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
-             return granwave::LineContact(body(modulus.first, poisson.first), body(modulus.second, poisson.second), diameter,
-                                          length);
+             const auto [first, second] = elastic_bodies(modulus, poisson);
+             return granwave::LineContact(first, second, diameter, length);
            }),
            py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("diameter"), py::arg("length"))
       .def_static(
@@ -211,32 +207,16 @@ PYBIND11_MODULE(_contact_laws, module)
               throw py::value_error("radii and length must be positive");
             if (!std::isfinite(radius.first) && !std::isfinite(radius.second))
               throw py::value_error("one of two bodies must be a cylinder, found two planes");
-            const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
-            return granwave::LineContact::plane_strain(body(modulus.first, poisson.first),
-                                                       body(modulus.second, poisson.second), radius.first, radius.second,
-                                                       length);
+            const auto [first, second] = elastic_bodies(modulus, poisson);
+            return granwave::LineContact::plane_strain(first, second, radius.first, radius.second, length);
           },
           py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("radius"), py::arg("length"),
           "Contact in plane strain after Johnson; a plane has the radius inf.")
       .def_property_readonly("largest_overlap", &granwave::LineContact::largest_overlap, "end of the law, m")
-      .def(
-          "force",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.force(a); })(overlap);
-          },
-          py::arg("overlap"), "Force at an overlap, N.")
-      .def(
-          "stiffness",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.stiffness(a); })(overlap);
-          },
-          py::arg("overlap"), "Slope of the force over the overlap, N/m.")
-      .def(
-          "energy",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.energy(a); })(overlap);
-          },
-          py::arg("overlap"), "Stored energy, J.")
+      .def("force", py::vectorize(&granwave::LineContact::force), py::arg("overlap"), "Force at an overlap, N.")
+      .def("stiffness", py::vectorize(&granwave::LineContact::stiffness), py::arg("overlap"),
+           "Slope of the force over the overlap, N/m.")
+      .def("energy", py::vectorize(&granwave::LineContact::energy), py::arg("overlap"), "Stored energy, J.")
       .def(
           "in_batches",
           [](const granwave::LineContact &self, const std::vector<double> &overlap) {
@@ -306,51 +286,44 @@ PYBIND11_MODULE(_contact_laws, module)
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
       .def_property_readonly(
           "constants", [](const Contact &b) { return by_name(b.law.constants()); }, "of the elasto-plastic law, by name")
+      .def_property_readonly("effective_radius", of<&Contact::scaled, &ScaledLaw::effective_radius>(), "R*, m")
+      .def_property_readonly("effective_modulus", of<&Contact::law, &ContactLaw::modulus>(), "E*, Pa")
+      .def_property_readonly("shear_modulus", of<&Contact::law, &ContactLaw::shear_modulus>(),
+                             "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
+      .def_property_readonly("yield_strength", of<&Contact::law, &ContactLaw::yield_strength>(), "of the softer body, Pa")
+      .def_property_readonly("yield_overlap", of<&Contact::scaled, &ScaledLaw::yield_overlap>(), "alpha_y, m")
       .def_property_readonly(
-          "effective_radius", [](const Contact &b) { return b.scaled.effective_radius(); }, "R*, m")
-      .def_property_readonly(
-          "effective_modulus", [](const Contact &b) { return b.law.modulus(); }, "E*, Pa")
-      .def_property_readonly(
-          "shear_modulus", [](const Contact &b) { return b.law.shear_modulus(); },
-          "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
-      .def_property_readonly(
-          "yield_strength", [](const Contact &b) { return b.law.yield_strength(); }, "of the softer body, Pa")
-      .def_property_readonly(
-          "yield_overlap", [](const Contact &b) { return b.scaled.yield_overlap(); }, "alpha_y, m")
-      .def_property_readonly(
-          "elastic_limit", [](const Contact &b) { return b.scaled.elastic_limit(); },
+          "elastic_limit", of<&Contact::scaled, &ScaledLaw::elastic_limit>(),
           "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
-      .def_property_readonly(
-          "valid_overlap", [](const Contact &b) { return b.scaled.valid_overlap(); },
-          "overlap beyond which the law no longer describes the contact, m")
-      .def_property_readonly(
-          "yield_force", [](const Contact &b) { return b.scaled.yield_force(); }, "F_y, N")
-      .def_property_readonly(
-          "share_of_first", [](const Contact &b) { return b.law.share_of_first(); },
-          "share of the dissipated energy that belongs to the first body")
-      .def("force", two<&Contact::force>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def_property_readonly("valid_overlap", of<&Contact::scaled, &ScaledLaw::valid_overlap>(),
+                             "overlap beyond which the law no longer describes the contact, m")
+      .def_property_readonly("yield_force", of<&Contact::scaled, &ScaledLaw::yield_force>(), "F_y, N")
+      .def_property_readonly("share_of_first", of<&Contact::law, &ContactLaw::share_of_first>(),
+                             "share of the dissipated energy that belongs to the first body")
+      .def("force", py::vectorize(&Contact::force), py::arg("overlap"), py::arg("peak_overlap"),
            "Force at an overlap when the largest so far was peak_overlap, N.")
-      .def("loading_force", one<&Contact::loading_force>(), py::arg("overlap"), "Force of first loading, N.")
-      .def("loading_work", one<&Contact::loading_work>(), py::arg("overlap"), "Work of first loading from zero, J.")
-      .def("elastic_energy", two<&Contact::elastic_energy>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("loading_force", py::vectorize(&Contact::loading_force), py::arg("overlap"), "Force of first loading, N.")
+      .def("loading_work", py::vectorize(&Contact::loading_work), py::arg("overlap"), "Work of first loading from zero, J.")
+      .def("elastic_energy", py::vectorize(&Contact::elastic_energy), py::arg("overlap"), py::arg("peak_overlap"),
            "Energy that unloading would give back, J.")
-      .def("dissipated_energy", one<&Contact::dissipated_energy>(), py::arg("peak_overlap"),
+      .def("dissipated_energy", py::vectorize(&Contact::dissipated_energy), py::arg("peak_overlap"),
            "Energy lost once peak_overlap was reached, J.")
-      .def("residual_overlap", one<&Contact::residual_overlap>(), py::arg("peak_overlap"),
+      .def("residual_overlap", py::vectorize(&Contact::residual_overlap), py::arg("peak_overlap"),
            "Overlap of the unloaded dent, m.")
-      .def("unloading_exponent", one<&Contact::unloading_exponent>(), py::arg("peak_overlap"), "n of the unloading branch.")
-      .def("unloading_stiffness", one<&Contact::unloading_stiffness>(), py::arg("peak_overlap"),
+      .def("unloading_exponent", py::vectorize(&Contact::unloading_exponent), py::arg("peak_overlap"),
+           "n of the unloading branch.")
+      .def("unloading_stiffness", py::vectorize(&Contact::unloading_stiffness), py::arg("peak_overlap"),
            "Slope dF/d(overlap) where unloading starts, N/m.")
-      .def("tangent_stiffness", two<&Contact::tangent_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("tangent_stiffness", py::vectorize(&Contact::tangent_stiffness), py::arg("overlap"), py::arg("peak_overlap"),
            "Slope dF/d(overlap) at an overlap, of loading at the peak and of unloading below it, N/m.")
       .def("collide", &Contact::collide, py::arg("effective_mass"), py::arg("speed"), py::kw_only(),
            py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
-      .def("contact_radius", one<&Contact::peak_contact_radius>(), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::peak_contact_radius), py::arg("peak_overlap"),
            "Radius of the contact circle at a peak, m.")
-      .def("contact_radius", two<&Contact::contact_radius>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::contact_radius), py::arg("overlap"), py::arg("peak_overlap"),
            "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
-      .def("tangential_stiffness", two<&Contact::tangential_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
-           "k_t = 8 G* a of that circle, N/m.");
+      .def("tangential_stiffness", py::vectorize(&Contact::tangential_stiffness), py::arg("overlap"),
+           py::arg("peak_overlap"), "k_t = 8 G* a of that circle, N/m.");
 }

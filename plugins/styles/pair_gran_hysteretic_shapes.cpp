@@ -56,13 +56,13 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
 {
   const granwave::ContactLaw &of_types = law(itype, jtype);
   const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
-  if (!geometry) return ScaledLaw::any(of_types, effective_radius(ri, rj));
+  if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj));
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
   if (pair.contact.effective_radius() > 0.0) return pair.contact;
   if (ri == 0.0 || rj == 0.0)
     error->one(FLERR, "Pair style gran/hysteretic: a flat face meets a cylinder; it touches spheres only");
   const double radius = geometry->effective_radius(ri, rj);
-  pair.contact = ScaledLaw::any(of_types, radius);
+  pair.contact = ScaledLaw(of_types, radius);
   if (geometry->parallel()) {
     const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
     const granwave::Material second = args.second.value_or(args.first);
