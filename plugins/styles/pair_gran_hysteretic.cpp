@@ -235,6 +235,31 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   return p;
 }
 
+/* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
+   if spheres of a type are. */
+
+void PairGranHysteretic::set_parameters()
+{
+  parameters_by_type.clear();
+  if (uniform) {
+    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
+    for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
+    return;
+  }
+  const int n = atom_types + 1;
+  std::vector<double> radius(n, -1.0);    // of the spheres of a type
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    double &of_type = radius[atom->type[i]];
+    if (of_type >= 0.0 && of_type != atom->radius[i]) return;
+    of_type = atom->radius[i];
+  }
+  parameters_by_type.resize(n * n);
+  for (int i = 1; i < n; i++)
+    for (int j = 1; j < n; j++)
+      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
+        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
+}
+
 /* ---------------------------------------------------------------------- restart */
 
 void PairGranHysteretic::write_restart_settings(FILE *fp)

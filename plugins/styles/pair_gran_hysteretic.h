@@ -25,8 +25,6 @@
 #include "../laws/law_arguments.h"
 #include "../laws/line_batch.h"
 #include "../laws/plastic_batch.h"
-#include "../laws/resting_blocks.h"
-#include "../laws/row_groups.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
 #include "fix_gran_hysteretic_history.h"
@@ -178,7 +176,20 @@ class PairGranHysteretic : public Pair {
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
-    void set(int m, const PairParameters &);
+    void set(int m, const PairParameters &p)
+    {
+      pair[m] = &p;
+      radius_i[m] = p.radius_i;
+      radius_j[m] = p.radius_j;
+      radsum[m] = p.radsum;
+      root_radius[m] = p.root_radius;
+      hertz[m] = p.contact.hertz();
+      shear_stiffness[m] = p.shear_stiffness;
+      largest_overlap[m] = p.largest_overlap;
+      elastic_limit[m] = p.contact.elastic_limit();
+      friction[m] = p.friction;
+      keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
+    }
   };
 
   /* Effective radius of two spheres, or of a sphere and a flat face (radius 0). */
