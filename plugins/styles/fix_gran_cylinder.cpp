@@ -67,8 +67,6 @@ const FixGranCylinder *FixGranCylinder::find(LAMMPS *lmp)
   return nullptr;
 }
 
-int FixGranCylinder::setmask() { return FixConst::POST_FORCE; }
-
 void FixGranCylinder::init()
 {
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);

@@ -40,8 +40,6 @@ void FixGranDamping::set_axis(const std::string &name, const char *usage)
   axis = name[0] - 'x';
 }
 
-int FixGranDamping::setmask() { return FixConst::POST_FORCE; }
-
 void FixGranDamping::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa"))
@@ -61,11 +59,8 @@ double FixGranDamping::total_power(double until_end)
   return all.value();
 }
 
-/* Velocities are those of the same instant as the forces. */
-
-void FixGranDamping::setup(int) { power = total_power(0.0); }
-
-/* Add the energy of the step, the trapezoid over the power at both ends. The velocities are still those of the middle of the step. */
+/* Add the energy of the step, the trapezoid over the power at both ends. The velocities are still those of the middle of the step; in
+   setup() they are those of the same instant as the forces. */
 
 void FixGranDamping::post_force(int)
 {

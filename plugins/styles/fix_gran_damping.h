@@ -29,9 +29,9 @@ class FixGranDamping : public Fix {
  public:
   FixGranDamping(LAMMPS *, int, char **);
 
-  int setmask() override;
+  int setmask() override { return FixConst::POST_FORCE; }
   void init() override;
-  void setup(int) override;
+  void setup(int) override { power = total_power(0.0); }
   void post_force(int) override;
   double compute_scalar() override { return taken; }
   void write_restart(FILE *) override;

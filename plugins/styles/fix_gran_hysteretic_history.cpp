@@ -43,8 +43,6 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
   atom->delete_callback(id, Atom::RESTART);
 }
 
-int FixGranHystereticHistory::setmask() { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
-
 /* Copy the flat list of the pair style back to the spheres before they migrate. LAMMPS subsequently assigns spheres to
    subdomains and bins, where one whose position is not finite would be lost. */
 
@@ -56,12 +54,6 @@ void FixGranHystereticHistory::gather()
   const int mine = most_numbers();
   MPI_Allreduce(&mine, &maxexchange, 1, MPI_INT, MPI_MAX, world);
 }
-
-void FixGranHystereticHistory::setup_pre_exchange() { gather(); }
-void FixGranHystereticHistory::pre_exchange() { gather(); }
-void FixGranHystereticHistory::min_pre_exchange() { gather(); }
-
-void FixGranHystereticHistory::grow_arrays(int nmax) { history.grow(nmax); }
 
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
    before gather() is called: the first call makes the per-sphere records the valid copy. */
@@ -170,5 +162,3 @@ int FixGranHystereticHistory::maxsize_restart()
   if (publish_contacts) publish_contacts();
   return AtomState::HEAD + most_numbers();
 }
-
-double FixGranHystereticHistory::memory_usage() { return history.memory_usage(); }

@@ -115,8 +115,6 @@ FixGranTimestep::~FixGranTimestep()
   if (update) update->dt = tick;
 }
 
-int FixGranTimestep::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::END_OF_STEP | FixConst::POST_RUN; }
-
 void FixGranTimestep::init()
 {
   if (std::strcmp(update->integrate_style, "verlet") != 0)
@@ -355,8 +353,6 @@ void FixGranTimestep::post_run()
   pending = true;
   if (reached >= update->laststep) timer->reset_timeout();
 }
-
-double FixGranTimestep::compute_vector(int n) { return reported[n]; }
 
 /* ---------------------------------------------------------------------- restart */
 

@@ -12,7 +12,6 @@
 #include "../laws/law_arguments.h"
 #include "motion.h"
 #include "neighbor.h"
-#include "update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -135,19 +134,6 @@ void FixWallGranHysteretic::setup(int)
   listed = false;
   evaluate();
 }
-
-void FixWallGranHysteretic::min_setup(int)
-{
-  listed = false;
-  evaluate();
-}
-
-void FixWallGranHysteretic::post_neighbor() { listed = false; }
-void FixWallGranHysteretic::min_post_neighbor() { listed = false; }
-
-void FixWallGranHysteretic::initial_integrate(int) { support->advance(update->dt); }
-void FixWallGranHysteretic::post_force(int) { evaluate(); }
-void FixWallGranHysteretic::final_integrate() { support->finish(update->dt); }
 
 void FixWallGranHysteretic::min_post_force(int)
 {

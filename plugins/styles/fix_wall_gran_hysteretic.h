@@ -25,6 +25,7 @@
 #include "../laws/tangential.h"
 #include "../laws/tube.h"
 #include "../laws/viscous_loss.h"
+#include "update.h"
 
 #include <map>
 #include <memory>
@@ -43,13 +44,13 @@ class FixWallGranHysteretic : public Fix {
   void init() override;
   void reset_dt() override;
   void setup(int) override;
-  void min_setup(int) override;
-  void initial_integrate(int) override;
-  void post_neighbor() override;
-  void min_post_neighbor() override;
-  void post_force(int) override;
+  void min_setup(int) override { setup(0); }
+  void initial_integrate(int) override { support->advance(update->dt); }
+  void post_neighbor() override { listed = false; }
+  void min_post_neighbor() override { listed = false; }
+  void post_force(int) override { evaluate(); }
   void min_post_force(int) override;
-  void final_integrate() override;
+  void final_integrate() override { support->finish(update->dt); }
   double compute_scalar() override;
   int modify_param(int, char **) override;
   double compute_vector(int) override;

@@ -8,7 +8,6 @@
 #include "domain.h"
 #include "error.h"
 #include "motion.h"
-#include "update.h"
 
 #include <algorithm>
 #include <cmath>

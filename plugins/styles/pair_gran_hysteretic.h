@@ -82,19 +82,10 @@ class PairGranHysteretic : public Pair {
   void for_each_dent(const std::function<void(const Report &)> &);
 
   /* Sums over the forgotten dents of an owned sphere that are not on record. */
-  granwave::ForgottenContacts forgotten(int i) const;
+  granwave::ForgottenContacts forgotten(int i) const { return fix_history->history.forgotten(i); }
 
-  enum {
-    DISSIPATED,
-    YIELDED,
-    BEYOND_LAW,
-    BEYOND_HALF,
-    LARGEST_FORCE,
-    TANGENTIAL,
-    FRICTIONAL,
-    VISCOUS,
-    N_TOTALS
-  };    // in pvector
+  // in pvector
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */

@@ -259,8 +259,6 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
   granwave::earliest(sums.time_yield, record.dent.time_yield);
 }
 
-granwave::ForgottenContacts PairGranHysteretic::forgotten(int i) const { return fix_history->history.forgotten(i); }
-
 void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)
 {
   require_contacts();
