@@ -15,6 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 using Report = PairGranHysteretic::Report;
 
 ComputeGranHysteretic::ComputeGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Compute(lmp, narg, arg) {}
@@ -102,8 +103,8 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[VISCOUS] += 0.5 * report.viscous_loss;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
-    granwave::earliest(row[FIRST], report.dent.time_first);
-    granwave::earliest(row[YIELD], report.dent.time_yield);
+    earliest(row[FIRST], report.dent.time_first);
+    earliest(row[YIELD], report.dent.time_yield);
   };
   pair->for_each_dent([&](const Report &report) {
     add(report.i, report.share_i, report);
@@ -111,7 +112,7 @@ void ComputeGranHystereticAtom::compute_peratom()
   });
   for (int i = 0; i < nlocal; i++) {
     double *row = array_atom[i];
-    const granwave::ForgottenContacts forgotten = pair->forgotten(i);
+    const ForgottenContacts forgotten = pair->forgotten(i);
     if (forgotten.peak_force > row[PEAK_FORCE]) {
       row[PEAK_FORCE] = forgotten.peak_force;
       row[PEAK] = forgotten.time_peak;
@@ -121,8 +122,8 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[FRICTIONAL] += 0.5 * forgotten.frictional_loss;
     row[VISCOUS] += 0.5 * forgotten.viscous_loss;
     row[YIELDED] += forgotten.yielded;
-    granwave::earliest(row[FIRST], forgotten.time_first);
-    granwave::earliest(row[YIELD], forgotten.time_yield);
+    earliest(row[FIRST], forgotten.time_first);
+    earliest(row[YIELD], forgotten.time_yield);
   }
   finish_atoms();
 }

@@ -16,6 +16,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 
 namespace {
 
@@ -53,9 +54,9 @@ double FixGranDamping::mass_of(int i) const { return atom->rmass ? atom->rmass[i
 
 double FixGranDamping::total_power(double until_end)
 {
-  granwave::ExactSum mine, all;
+  ExactSum mine, all;
   add_forces(until_end, mine);
-  MPI_Allreduce(mine.data(), all.data(), granwave::ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
+  MPI_Allreduce(mine.data(), all.data(), ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
   return all.value();
 }
 
@@ -71,10 +72,10 @@ void FixGranDamping::post_force(int)
 
 void FixGranDamping::write_restart(FILE *fp)
 {
-  if (comm->me == 0) granwave::write_state(fp, {taken});
+  if (comm->me == 0) write_state(fp, {taken});
 }
 
-void FixGranDamping::restart(char *buffer) { taken = *granwave::read_state(lmp, *this, buffer, 1); }
+void FixGranDamping::restart(char *buffer) { taken = *read_state(lmp, *this, buffer, 1); }
 
 /* ---------------------------------------------------------------------- absorb */
 
@@ -108,7 +109,7 @@ double FixGranAbsorb::rate_at(const double *x) const
 
 /* Add forces -c v with the velocity v at the end of the step, which is the present one plus that of all forces over `until_end`. */
 
-void FixGranAbsorb::add_forces(double until_end, granwave::ExactSum &power)
+void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
 {
   const bool turns = rate > 0.0 && atom->omega && atom->torque && atom->radius;
   const auto *const cylinders = FixGranCylinder::find(lmp);
@@ -165,7 +166,7 @@ void FixGranHolder::init()
 
 /* Add the friction, which is to bring the velocity to rest at the end of the step. */
 
-void FixGranHolder::add_forces(double until_end, granwave::ExactSum &power)
+void FixGranHolder::add_forces(double until_end, ExactSum &power)
 {
   const double until_stop = until_end + 0.5 * update->dt;
   for (int i = 0; i < atom->nlocal; i++) {

@@ -13,10 +13,7 @@
 #include <vector>
 
 using namespace LAMMPS_NS;
-using granwave::AtomState;
-using granwave::BlockLayout;
-using granwave::ContactRecord;
-using granwave::ForgottenContacts;
+using namespace granwave;
 
 namespace {
 
@@ -48,7 +45,7 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
 
 void FixGranHystereticHistory::gather()
 {
-  granwave::require_finite_motion(lmp);
+  require_finite_motion(lmp);
   if (release_contacts) release_contacts();
   // a sphere may be passed on by a processor that it did not come from
   const int mine = most_numbers();
@@ -124,7 +121,7 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
     std::memcpy(static_cast<void *>(&record), at, sizeof(record));
     at += ContactRecord::SIZE;
     block.assign(history.layout().size(), 0.0);
-    granwave::ContactHistory::copy_block(packed, at, history.layout(), block.data());
+    ContactHistory::copy_block(packed, at, history.layout(), block.data());
     at += packed.size();
     history.append(i, record, block.data());
   }
@@ -146,10 +143,10 @@ int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
 {
   if (publish_contacts) publish_contacts();
-  return granwave::seal_atom_state(buf, pack(i, buf + AtomState::HEAD));
+  return seal_atom_state(buf, pack(i, buf + AtomState::HEAD));
 }
 
-void FixGranHystereticHistory::unpack_restart(int i, int nth) { unpack(i, granwave::atom_state(lmp, *this, i, nth).values); }
+void FixGranHystereticHistory::unpack_restart(int i, int nth) { unpack(i, atom_state(lmp, *this, i, nth).values); }
 
 int FixGranHystereticHistory::size_restart(int i)
 {

@@ -22,6 +22,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 
 namespace {
 
@@ -98,7 +99,7 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   for (const auto *other : modify->get_fix_list())
     if (std::strcmp(other->style, STYLE) == 0)
       error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
-  controller = granwave::StepController(taken, longest);
+  controller = StepController(taken, longest);
   tick = update->dt;
   origin = update->atime - static_cast<double>(update->atimestep) * tick;
   nevery = 1;
@@ -371,13 +372,13 @@ void FixGranTimestep::write_restart(FILE *fp)
                                reported[1]};
   const std::vector<double> of_choice = controller.state();
   state.insert(state.end(), of_choice.begin(), of_choice.end());
-  granwave::write_state(fp, state);
+  write_state(fp, state);
 }
 
 void FixGranTimestep::restart(char *buffer)
 {
   constexpr std::size_t N_OWN = 10;
-  const double *const state = granwave::read_state(lmp, *this, buffer, N_OWN + controller.state().size());
+  const double *const state = read_state(lmp, *this, buffer, N_OWN + controller.state().size());
   if (state[0] != tick)
     error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, state[0],
                tick);

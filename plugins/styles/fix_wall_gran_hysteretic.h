@@ -20,10 +20,9 @@
 #include "../laws/elastic_contact.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
-#include "../laws/line_batch.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
-#include "../laws/tube.h"
+#include "../laws/cylinders.h"
 #include "../laws/viscous_loss.h"
 #include "update.h"
 

@@ -13,8 +13,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::ScaledLaw;
-using granwave::TangentialSpring;
+using namespace granwave;
 
 /* Squared distance between two locations on the wall, to the nearest image. */
 
@@ -50,10 +49,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   Side &side = sides(i)[which];
   const double radius = atom->radius[i];
   if (!(overlap <= radius)) {
-    granwave::require_finite_motion(lmp, i);
+    require_finite_motion(lmp, i);
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: {}", atom->tag[i],
-               overlap, id, radius,
-               granwave::causes_of_overlap(lmp, granwave::speed_of(lmp, i), radius, "it was placed into it"));
+               overlap, id, radius, causes_of_overlap(lmp, speed_of(lmp, i), radius, "it was placed into it"));
   }
   if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
@@ -96,7 +94,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     if (friction > 0.0)
       contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
-    const granwave::Turning turning = scaled.turning(law_history(i, which));
+    const Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0)
@@ -124,7 +122,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
 
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
-  granwave::ViscousHistory &history = viscous(i, which);
+  ViscousHistory &history = viscous(i, which);
   if (update->whichflag != 1) {
     history.forget_state();
     return;
@@ -163,21 +161,21 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       const double *const v = atom->v[i], *const omega = atom->omega[i];
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
-      granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
+      slip_of_step(velocity, spin, normal, update->dt, slip);
       granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq),
                                    friction * contact.force, tangential_model);
     }
     double torque[3];
-    granwave::torque_per_lever(normal, spring.force, torque);
+    torque_per_lever(normal, spring.force, torque);
     for (int d = 0; d < 3; d++) {
       atom->f[i][d] += spring.force[d];
       atom->torque[i][d] += lever * torque[d];
     }
     const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
     add_to_wall(i, on_wall);
-    if (contact.force == state[FORCE]) state[TANGENTIAL] = granwave::tangential_force(spring);
+    if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
   } else {
-    granwave::release(spring);
+    release(spring);
   }
   state[FRICTION_LOSS] = springs(i)[0].loss + springs(i)[1].loss;
 }
@@ -201,7 +199,7 @@ void FixWallGranHysteretic::tally()
     for (int side = 0; side < 2; side++) {
       const Side &own = sides(i)[side];
       const double overlap = depth(i, side);
-      if (friction > 0.0) mine[TANGENTIAL_STORED] += granwave::tangential_energy(springs(i)[side]);
+      if (friction > 0.0) mine[TANGENTIAL_STORED] += tangential_energy(springs(i)[side]);
       if (own.touching == 0.0 || overlap <= 0.0) continue;
       mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
     }

@@ -15,10 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::AtomState;
-using granwave::INFINITE;
-using granwave::LineContact;
-using granwave::ScaledLaw;
+using namespace granwave;
 
 namespace {
 
@@ -70,7 +67,7 @@ void FixWallGranHysteretic::init_cylinders()
     if (atom->mask[i] & groupbit) mine[atom->type[i]] = 1;
   MPI_Allreduce(mine.data(), present.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
   for (int type = 1; type <= atom->ntypes; type++) {
-    const granwave::Cylinder &cylinder = cylinders->shape(type);
+    const Cylinder &cylinder = cylinders->shape(type);
     if (cylinder.is_sphere() || !present[type]) continue;
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
@@ -103,7 +100,7 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
     const double length = cylinders->shape(type).length;
     const LineContact line = plane_strain ? LineContact::plane_strain(body, wall, radius, INFINITE, length)
                                           : LineContact(body, wall, 2.0 * radius, length);
-    found = lines.emplace(std::pair(type, radius), granwave::ElasticContact(line, VALID_LINE * radius)).first;
+    found = lines.emplace(std::pair(type, radius), ElasticContact(line, VALID_LINE * radius)).first;
   }
   return last.scaled = {law, radius, found->second};
 }
@@ -239,12 +236,12 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  return granwave::seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
+  return seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
-  const AtomState state = granwave::atom_state(lmp, *this, i, nth);
+  const AtomState state = atom_state(lmp, *this, i, nth);
   constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
   const bool whole =
       n_extra() == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
@@ -269,14 +266,14 @@ void FixWallGranHysteretic::write_restart(FILE *fp)
   if (comm->me != 0 || !support) return;
   std::vector<double> state = support->state();
   state.insert(state.begin(), double(state.size()));
-  granwave::write_state(fp, state);
+  write_state(fp, state);
 }
 
 void FixWallGranHysteretic::restart(char *buffer)
 {
   const char *const other = support ? "another number of elements in its support" : "a support";
   const std::size_t n = support ? support->state_size() : 0;
-  const double *const state = granwave::read_state(lmp, *this, buffer, 1 + n, other);
+  const double *const state = read_state(lmp, *this, buffer, 1 + n, other);
   if (!support || state[0] != static_cast<double>(n))
     error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id, other);
   support->restore(state + 1);

@@ -21,9 +21,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using granwave::ContactLaw;
-using granwave::LawArguments;
-using granwave::ScaledLaw;
+using namespace granwave;
 
 PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
 {
@@ -92,7 +90,7 @@ void PairGranHysteretic::coeff(int narg, char **arg)
 
   LawArguments args;
   try {
-    args = granwave::parse_law(std::vector<std::string>(arg + 2, arg + narg));
+    args = parse_law(std::vector<std::string>(arg + 2, arg + narg));
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: {}", fault.what());
   }
@@ -129,7 +127,7 @@ void PairGranHysteretic::init_style()
       any_loss = any_loss || args.loss;
       n_extra = std::max(n_extra, args.law->n_extra);
     }
-  if (any_loss) n_extra += granwave::ViscousHistory::SIZE;
+  if (any_loss) n_extra += ViscousHistory::SIZE;
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
     release_contacts();    // its list lacks these variables
   has_friction = any;
@@ -138,8 +136,8 @@ void PairGranHysteretic::init_style()
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "loss: give all laws before the first run");
   has_loss = any_loss;
-  frozen = has_loss ? granwave::frozen_group(lmp) : 0;
-  rigid = has_loss ? granwave::rigid_bodies(lmp) : nullptr;
+  frozen = has_loss ? frozen_group(lmp) : 0;
+  rigid = has_loss ? rigid_bodies(lmp) : nullptr;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
@@ -208,7 +206,7 @@ double PairGranHysteretic::init_one(int i, int j)
     args = a;
     args.second = b.first;
   }
-  const granwave::Material second = args.second.value_or(args.first);
+  const Material second = args.second.value_or(args.first);
   law(i, j) = args.contact(args.first, second);
   law(j, i) = args.contact(second, args.first);
   coefficients[j * n + i] = args;
@@ -217,13 +215,13 @@ double PairGranHysteretic::init_one(int i, int j)
 
 PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype, int jtype, double ri, double rj)
 {
-  const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+  const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
   const ContactLaw &contact_law = law(itype, jtype);
   PairParameters p;
   p.radius_i = ri;
   p.radius_j = rj;
   p.radsum = ri + rj;
-  p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
+  p.touch_sq = TouchingPairs::touch_squared(p.radsum);
   p.largest_overlap = largest_overlap(ri, rj);
   p.contact = scaled_law(itype, jtype, ri, rj);
   p.root_radius = std::sqrt(p.contact.effective_radius());
@@ -265,7 +263,7 @@ void PairGranHysteretic::set_parameters()
 void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
-  granwave::write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten)});
+  write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten)});
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -276,7 +274,7 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   if (format != RESTART_FORMAT)
     error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads format {}", format,
                RESTART_FORMAT);
-  const std::vector<double> settings = granwave::read_state(lmp, fp, "the settings of pair style gran/hysteretic");
+  const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;
   gap = settings[0];
   has_friction = settings[1] != 0.0;
@@ -297,14 +295,14 @@ void PairGranHysteretic::write_restart(FILE *fp)
   std::vector<double> state(text.size() / sizeof(double) + 1);
   text.resize(state.size() * sizeof(double), ' ');
   std::memcpy(state.data(), text.data(), text.size());
-  granwave::write_state(fp, state);
+  write_state(fp, state);
 }
 
 void PairGranHysteretic::read_restart(FILE *fp)
 {
   read_restart_settings(fp);
   allocate();
-  const std::vector<double> state = granwave::read_state(lmp, fp, "the laws of pair style gran/hysteretic");
+  const std::vector<double> state = read_state(lmp, fp, "the laws of pair style gran/hysteretic");
   const std::string text(reinterpret_cast<const char *>(state.data()), state.size() * sizeof(double));
   for (const std::string &line : utils::split_lines(text)) {
     std::vector<std::string> words = utils::split_words(line);

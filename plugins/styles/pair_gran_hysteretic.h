@@ -23,7 +23,7 @@
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
-#include "../laws/line_batch.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"

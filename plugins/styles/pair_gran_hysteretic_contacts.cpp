@@ -15,10 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::BlockLayout;
-using granwave::BlockView;
-using granwave::ContactRecord;
-using granwave::Dent;
+using namespace granwave;
 
 void PairGranHysteretic::build_contacts()
 {
@@ -65,7 +62,7 @@ void PairGranHysteretic::build_contacts()
   add_rows(plain);
   c.plain = static_cast<int>(c.row.size());
   c.resting.build(c.row, c.begin, c.partner);
-  c.groups.build(c.row, c.begin, c.partner, granwave::RestingBlocks::SIZE);
+  c.groups.build(c.row, c.begin, c.partner, RestingBlocks::SIZE);
   add_rows(special);
 
   const std::size_t n = c.partner.size();
@@ -79,7 +76,7 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
+  if (has_friction) c.spring.assign(n, TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
     c.reached.assign(n, 0.0);
@@ -159,7 +156,7 @@ void PairGranHysteretic::check_displacements()
 
 void PairGranHysteretic::restore_history()
 {
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   if (history.size() == 0 && !history.has_forgotten()) return;
   for (int i = 0; i < atom->nlocal; i++)
     if ((history.count(i) > 0 || !history.forgotten(i).none()) && history.owner(i) != atom->tag[i])
@@ -199,7 +196,7 @@ void PairGranHysteretic::publish_contacts()
 {
   Contacts &c = contacts;
   if (!c.valid || c.published || !fix_history) return;
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   std::vector<int> extra(c.owned, 0);
   c.each_pair([&](int, int k, int i, int j) {
     if (c.peak[k] > 0.0)
@@ -232,7 +229,7 @@ Dent PairGranHysteretic::dent_of(int k) const
   return {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
 }
 
-granwave::LawHistory PairGranHysteretic::law_history(int k) const
+LawHistory PairGranHysteretic::law_history(int k) const
 {
   const Contacts &c = contacts;
   return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
@@ -311,7 +308,7 @@ void PairGranHysteretic::forget(int row, int k)
 {
   Contacts &c = contacts;
   const Dent dent = dent_of(k);
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   std::vector<double> block(history.layout().size(), 0.0);
   const auto append = [&](int i, int j, double side) {
     if (i >= atom->nlocal) return;

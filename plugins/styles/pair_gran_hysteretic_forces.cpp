@@ -14,10 +14,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::RestingBlocks;
-using granwave::ScaledLaw;
-using granwave::TangentialSpring;
-using granwave::TouchingPairs;
+using namespace granwave;
 
 namespace {
 
@@ -125,8 +122,7 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
   }
   if (loading.size > 0) loading.compute();
   if (unloading.size > 0) unloading.compute();
-  for (const granwave::PlasticBatch *part :
-       {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
+  for (const PlasticBatch *part : {static_cast<PlasticBatch *>(&loading), static_cast<PlasticBatch *>(&unloading)})
     for (int n = 0; n < part->size; n++) {
       batch.force[part->place[n]] = part->force[n];
       batch.circle[part->place[n]] = std::sqrt(part->circle[n]);
@@ -155,10 +151,9 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
-granwave::ViscousHistory *PairGranHysteretic::viscous(int k)
+ViscousHistory *PairGranHysteretic::viscous(int k)
 {
-  return &granwave::viscous_history(contacts.extra.data() + std::size_t(k + 1) * contacts.n_extra -
-                                    granwave::ViscousHistory::SIZE);
+  return &viscous_history(contacts.extra.data() + std::size_t(k + 1) * contacts.n_extra - ViscousHistory::SIZE);
 }
 
 /* Return true if something ends when the pair parts. */
@@ -187,7 +182,7 @@ void PairGranHysteretic::set_masses()
 {
   if (!rigid || neighbor->ago != 0) return;
   moved_mass.resize(atom->nmax);
-  granwave::set_moved_masses(lmp, rigid, moved_mass);
+  set_moved_masses(lmp, rigid, moved_mass);
   comm->forward_comm(this);
 }
 
@@ -215,7 +210,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     const PairParameters &p = *batch.pair[m];
     if (!p.loss) continue;
     const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
-    granwave::ViscousHistory &history = *viscous(k);
+    ViscousHistory &history = *viscous(k);
     const double overlap = batch.overlap[m], force = batch.force[m];
     if (!moves) {
       history.forget_state();
@@ -350,11 +345,11 @@ void PairGranHysteretic::compute_forces(Tally what)
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
+  if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) require_finite_motion(lmp);
   if (!contacts.valid) build_contacts();
   set_masses();
   contacts.published = false;
-  now = granwave::simulated_time(*update);
+  now = simulated_time(*update);
   // springs are not updated in a setup, so that a continued run is identical to an uninterrupted one
   springs_advance = update->whichflag == 1 && !update->setupflag;
 
@@ -368,11 +363,11 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
-  for (const int sphere : {i, j}) granwave::require_finite_motion(lmp, sphere);
+  for (const int sphere : {i, j}) require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
-  const double speed = std::max(granwave::speed_of(lmp, i), granwave::speed_of(lmp, j));
+  const double speed = std::max(speed_of(lmp, i), speed_of(lmp, j));
   const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
   error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
              face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one",
-             granwave::causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
+             causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
 }

@@ -12,10 +12,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::BlockView;
-using granwave::ContactRecord;
-using granwave::LawHistory;
-using granwave::ScaledLaw;
+using namespace granwave;
 
 /* Largest force of this run: at the peak, or below the initial dent. */
 
@@ -44,7 +41,7 @@ int beyond_range(const ScaledLaw &contact, double peak)
 
 double PairGranHysteretic::viscous_loss(const double *extra) const
 {
-  return has_loss ? granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE).lost : 0.0;
+  return has_loss ? viscous_history(extra + contacts.n_extra - ViscousHistory::SIZE).lost : 0.0;
 }
 
 /* Sum the totals; a pair shared with another processor counts half. */
@@ -52,7 +49,7 @@ double PairGranHysteretic::viscous_loss(const double *extra) const
 double PairGranHysteretic::tally_totals()
 {
   require_contacts();
-  granwave::require_finite_motion(lmp);
+  require_finite_motion(lmp);
   double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
   const int nlocal = atom->nlocal;
@@ -64,8 +61,7 @@ double PairGranHysteretic::tally_totals()
     pvector[FRICTIONAL] += weight * view.spring.loss;
     if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
     if (has_loss) {
-      const granwave::ViscousHistory &viscous =
-          granwave::viscous_history(h.extra + c.n_extra - granwave::ViscousHistory::SIZE);
+      const ViscousHistory &viscous = viscous_history(h.extra + c.n_extra - ViscousHistory::SIZE);
       pvector[VISCOUS] += weight * viscous.lost;
       if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
     }
@@ -101,7 +97,7 @@ double PairGranHysteretic::tally_totals()
     count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
   });
 
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   history.each_record(nlocal, [&](int i, int m, const ContactRecord &record) {
     if (record.live) return;
     const ScaledLaw contact = law_of(i, record);
@@ -111,7 +107,7 @@ double PairGranHysteretic::tally_totals()
   });
   if (history.has_forgotten())
     for (int i = 0; i < nlocal; i++) {
-      const granwave::ForgottenContacts sums = history.forgotten(i);
+      const ForgottenContacts sums = history.forgotten(i);
       pvector[DISSIPATED] += 0.5 * sums.dissipated;
       pvector[FRICTIONAL] += 0.5 * sums.frictional_loss;
       pvector[VISCOUS] += 0.5 * sums.viscous_loss;
@@ -145,7 +141,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   // a pair that was moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
-    const granwave::Turning turning = contact.turning(h);
+    const Turning turning = contact.turning(h);
     report.yielded = h.peak > view.initial;
     report.peak_force = contact.peak_force(turning);
     if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
@@ -160,8 +156,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
   if (!has_loss) return;
-  const granwave::ViscousHistory &viscous =
-      granwave::viscous_history(view.extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
+  const ViscousHistory &viscous = viscous_history(view.extra + contacts.n_extra - ViscousHistory::SIZE);
   if (overlap > 0.0) report.force += viscous.force;
   if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
 }
@@ -188,7 +183,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
     fresh.assign(contacts.n_extra, 0.0);
     view.extra = view.initial_extra = fresh.data();
   }
-  fill_report(report, p.contact, view, report.overlap > granwave::TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
+  fill_report(report, p.contact, view, report.overlap > TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
   return report;
 }
 
@@ -211,11 +206,11 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
 void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
 {
   require_contacts();
-  granwave::require_finite_motion(lmp);
+  require_finite_motion(lmp);
   contacts.each_pair([&](int r, int k, int, int) {
     if (contacts.peak[k] != 0.0) visit(report_pair(r, k));
   });
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   history.each_record(atom->nlocal, [&](int i, int m, const ContactRecord &record) {
     if (!record.live) visit(report_forgotten(i, record, history.block(i, m)));
   });
@@ -242,7 +237,7 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
 {
   const Report report = report_forgotten(i, record, block);
   const int beyond = beyond_range(law_of(i, record), record.dent.peak);
-  granwave::ForgottenContacts &sums = fix_history->history.forgotten_to_change(i);
+  ForgottenContacts &sums = fix_history->history.forgotten_to_change(i);
   sums.dissipated += report.dissipated;
   sums.own_dissipated += report.share_i * report.dissipated;
   sums.frictional_loss += report.frictional_loss;
@@ -255,8 +250,8 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
     sums.time_peak = record.dent.time_peak;
   }
   sums.peak_overlap = std::max(sums.peak_overlap, record.dent.peak);
-  granwave::earliest(sums.time_first, record.dent.time_first);
-  granwave::earliest(sums.time_yield, record.dent.time_yield);
+  earliest(sums.time_first, record.dent.time_first);
+  earliest(sums.time_yield, record.dent.time_yield);
 }
 
 void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)

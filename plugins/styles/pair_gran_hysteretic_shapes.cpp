@@ -15,12 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::CylinderPair;
-using granwave::ElasticContact;
-using granwave::LineContact;
-using granwave::RestingBlocks;
-using granwave::ScaledLaw;
-using granwave::TouchingPairs;
+using namespace granwave;
 
 namespace {
 
@@ -54,7 +49,7 @@ double PairGranHysteretic::init_shape(int i, int j)
 
 ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, double rj)
 {
-  const granwave::ContactLaw &of_types = law(itype, jtype);
+  const ContactLaw &of_types = law(itype, jtype);
   const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
   if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj));
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
@@ -64,8 +59,8 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
   const double radius = geometry->effective_radius(ri, rj);
   pair.contact = ScaledLaw(of_types, radius);
   if (geometry->parallel()) {
-    const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
-    const granwave::Material second = args.second.value_or(args.first);
+    const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+    const Material second = args.second.value_or(args.first);
     const bool swapped = itype > jtype;
     const double length = geometry->length();
     const LineContact line =
@@ -129,7 +124,7 @@ bool PairGranHysteretic::near_special(int i, int j) const
 
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
-  static_assert(granwave::LineBatch::CAPACITY >= Batch::CAPACITY);
+  static_assert(LineBatch::CAPACITY >= Batch::CAPACITY);
   lines.size = 0;
   for (int m = 0; m < batch.size; m++) {
     const ScaledLaw &contact = batch.pair[m]->contact;
