@@ -14,7 +14,6 @@ multiplied by sqrt((1 + rho)/(1 - rho)), with the correlation rho of neighbours.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import logging
 import math
 from collections.abc import Sequence
@@ -27,6 +26,7 @@ from scipy.optimize import minimize_scalar
 
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
 from granwave.analysis.contact_law.measured_curve import Curve
+from granwave.analysis.errors import did_you_mean
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
@@ -276,8 +276,7 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
 def _known(free: Sequence[str]) -> list[str]:
     for name in free:
         if name not in LAW_CONSTANTS:
-            near = difflib.get_close_matches(name, LAW_CONSTANTS, n=1)
-            hint = f"did you mean {near[0]}?" if near else "expected some of " + ", ".join(LAW_CONSTANTS)
+            hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(LAW_CONSTANTS)
             raise InputError(f"--free: found {name}; {hint}")
     if not free:
         raise InputError("--free: found nothing, expected names of constants")
@@ -294,17 +293,13 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
     names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
-        "residual_": f"the curve is unloaded from {_count(turns)} only, and three tell all",
+        "residual_": f"the curve is unloaded from {turns} overlap{'s' * (turns != 1)} only, and three tell all",
         "unloading_": "the curve has no unloading",
     }
     for part, why in reasons.items():
         _keep([name for name in LAW_CONSTANTS if name.startswith(part) and name not in names], why, curve)
     _keep(names[most:], f"each constant needs a row beyond first yield, and {_FEWEST} more are needed", curve)
     return [name for name in LAW_CONSTANTS if name in names[:most]]
-
-
-def _count(turns: np.intp | int) -> str:
-    return f"{turns} overlap{'' if turns == 1 else 's'}"
 
 
 def _keep(names: Sequence[str], why: str, curve: Curve) -> None:

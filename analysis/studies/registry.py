@@ -24,16 +24,6 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
-    "confined-waves": "confined.waves",
-    "confined-velocities": "confined.velocities",
-    "confined-resonance": "confined.resonance",
-    "confined-scaling": "confined.scaling",
-    "confined-theory": "confined.asymptotics",
-    "confined-yielding": "confined.yielding",
-    "filter": "rows.filter",
-    "filter-dented": "rows.dented",
-    "gap-switch": "rows.switch",
-    "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
 
@@ -41,4 +31,4 @@ STUDIES: dict[str, str] = {
 OF_SPHERE_CONTACTS = ("sphere-contact",)
 
 #: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
-COMPARISON: dict[str, str] = {"comparison": "granular_continuum.study"}
+COMPARISON: dict[str, str] = {"comparison": "packing_and_block.study"}

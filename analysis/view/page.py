@@ -19,14 +19,13 @@ from pathlib import Path
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view.fields import fields
-from granwave.analysis.view.instants import instants_of
+from granwave.analysis.view.fields import fields, instants_of
 from granwave.analysis.view.scene import Chosen, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.packing.grain_words import SPHERES
+from granwave.lammps_inputs.packing.cylinders import SPHERES
 from granwave.lammps_inputs.run_directory import VIEW_FILE
 
 MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size
@@ -136,20 +135,16 @@ def _page(result: Result, chosen: Chosen, found: Sequence) -> str:
     mark = _MARK.format(version=k3d.__version__)
     policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
     head = f'<meta charset="utf-8">\n    {policy}'
-    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", _without_fallbacks, text, count=1)
+    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", lambda source: _without_fallbacks(source[0]), text, count=1)
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
     text = text.replace('<meta charset="utf-8">', head, 1)
     title = html.escape(f"{result.case.name} - granwave")
     return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
 
 
-def _without_fallbacks(source: re.Match[str]) -> str:
-    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
-    return _cleaned(source[0])
-
-
 @cache
-def _cleaned(source: str) -> str:
+def _without_fallbacks(source: str) -> str:
+    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
     text = zlib.decompress(base64.b64decode(source)).decode("utf-8")
     text = re.sub(r',url\(fonts/[^)]*\) format\("\w+"\)', "", text)
     return base64.b64encode(zlib.compress(text.encode("utf-8"), _COMPRESSION)).decode("ascii")

@@ -1,1 +1,0 @@
-"""Packings against each other and against the continuum: what many runs say together (thesis chapter 5)."""

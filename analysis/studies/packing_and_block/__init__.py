@@ -1,0 +1,1 @@
+"""Packings against each other and against the continuum: what many runs say together."""
