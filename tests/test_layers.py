@@ -48,13 +48,11 @@ lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
-lammps_inputs/run_state lammps_inputs/deck_changes
+lammps_inputs/run_state
 lammps_inputs/ownership
-lammps_inputs/unmarked_results
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/toml_files lammps_inputs/memory lammps_inputs/csv_rows
-lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
+lammps_inputs/files
 lammps_inputs/errors
 plugins
 """
@@ -183,11 +181,8 @@ def test_no_circle_of_includes():
 
 #: Rooms that still name a source, and the citations of the materials.
 NAME_A_SOURCE = (
-    "analysis/studies/lateral", "analysis/studies/bands", "analysis/studies/confined", "analysis/studies/rows",
-    "lammps_inputs/case/materials.toml",  # cites the origin of its values
-    "analysis/measures/confined", "analysis/measures/rows", "analysis/figures/chains/confined.py",
-    *(f"workflows/scans/{name}" for name in (
-        "lateral", "bands", "confined", "filter", "switch", "rectification", "resonance", "interstitial")),
+    "lammps_inputs/case/materials.toml", "analysis/studies/bands", "analysis/studies/lateral", "analysis/studies/rows",
+    "workflows/scans/bands", "workflows/scans/filter", "workflows/scans/switch",
 )  # fmt: skip
 
 

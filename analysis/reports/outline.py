@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from granwave.analysis.document.cells import named, show
-from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.cells import named, show, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Figure, Group, Note, Report, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.answer import answer_blocks, main_figures

@@ -13,8 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import significant
-from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.cells import significant, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
 from granwave.analysis.reports.sections.studies import row_tables
 from granwave.analysis.reports.writers.markdown import markdown

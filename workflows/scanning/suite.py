@@ -17,10 +17,9 @@ from typing import Any
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
 from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, STUDY_ROWS, SUITE, SUITE_INDEX
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
 from granwave.workflows.scanning.driver import ScanOutcome, run_scan

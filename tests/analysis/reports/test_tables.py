@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.cells import BLANK, spread_cell, value_cell
-from granwave.analysis.document.cleanup import tidied_table
+from granwave.analysis.document.cells import BLANK, spread_cell, tidied_table, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.sections.results import results_section

@@ -25,8 +25,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.workflows.finite_elements.punch.kernels import STRAIN
-from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere, squares_for
 from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Ledger, Solver
