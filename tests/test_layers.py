@@ -181,11 +181,8 @@ def test_no_circle_of_includes():
 
 #: Rooms that still name a source, and the citations of the materials.
 NAME_A_SOURCE = (
-    "analysis/studies/lateral", "analysis/studies/bands", "analysis/studies/confined", "analysis/studies/rows",
-    "lammps_inputs/case/materials.toml",  # cites the origin of its values
-    "analysis/measures/confined", "analysis/measures/rows", "analysis/figures/chains/confined.py",
-    *(f"workflows/scans/{name}" for name in (
-        "lateral", "bands", "confined", "filter", "switch", "rectification", "resonance", "interstitial")),
+    "lammps_inputs/case/materials.toml", "analysis/studies/bands", "analysis/studies/lateral", "analysis/studies/rows",
+    "workflows/scans/bands", "workflows/scans/filter", "workflows/scans/switch",
 )  # fmt: skip
 
 
