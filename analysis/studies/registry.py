@@ -31,12 +31,6 @@ STUDIES: dict[str, str] = {
     "lateral-crystals": "lateral.crystals",
     "lateral-width": "lateral.width",
     "lateral-parameters": "lateral.parameters",
-    "confined-waves": "confined.waves",
-    "confined-velocities": "confined.velocities",
-    "confined-resonance": "confined.resonance",
-    "confined-scaling": "confined.scaling",
-    "confined-theory": "confined.asymptotics",
-    "confined-yielding": "confined.yielding",
     "sphere-contact": "sphere_contact",
 }
 

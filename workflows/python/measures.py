@@ -3,7 +3,10 @@
 from granwave.analysis.measures.chains.grain_row import GrainRow
 from granwave.analysis.measures.chains.record import Chain
 from granwave.analysis.measures.driven.two_pushes import largest_of_pulses, push_starts
+from granwave.analysis.measures.impact.dissipation import rays
 from granwave.analysis.measures.impact.energies import energy_by_region
+from granwave.analysis.measures.impact.involved import spheres_involved
+from granwave.analysis.measures.impact.quadratic_law import quadratic_law
 from granwave.analysis.measures.lines.decay import fit_decay as two_region_decay
 from granwave.analysis.measures.precompressed.line_waves import long_wave_speed, speed_along_layers
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
@@ -40,6 +43,8 @@ __all__ = [
     "pulse_lengths",
     "pulse_peaks",
     "push_starts",
+    "quadratic_law",
+    "rays",
     "reflection",
     "sensor_accelerations",
     "sensor_velocities",
@@ -47,6 +52,7 @@ __all__ = [
     "speed_along_layers",
     "speed_between",
     "sphere_energies",
+    "spheres_involved",
     "travelling_frame",
     "two_region_decay",
     "width",

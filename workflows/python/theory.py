@@ -6,7 +6,7 @@ from granwave.analysis.measures.precompressed.loaded_line import crest_force, cr
 from granwave.analysis.measures.precompressed.loaded_line import line_of as precompressed_line
 from granwave.analysis.measures.target.hertz_impact import HertzImpact
 from granwave.analysis.measures.waves.pulses import theory as solitary_lengths
-from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 
 __all__ = [
     "ChainScales",
