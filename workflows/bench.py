@@ -18,10 +18,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
 from granwave.workflows import library

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -14,35 +14,15 @@ from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, 
 from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
 
 if TYPE_CHECKING:
-    from granwave.analysis.figures.style import Columns
+    from granwave.analysis.inference.output import Inferred
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Inferred:
-    """Forces of a table or of a run, before they are written.
+def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
+    """Write the files of an inference into a directory, which is locked meanwhile."""
+    from granwave.workflows.run.directory import held
 
-    Attributes
-    ----------
-    summary
-        Content of summary.json.
-    forces, grains, measurement
-        Columns of the files of these names; the last is None for a table.
-    write
-        Function that writes all files into a directory; its second argument is True for figures.
-    """
-
-    summary: dict[str, Any]
-    forces: Columns
-    grains: Columns
-    measurement: Columns | None
-    write: Callable[[Path, bool], None]
-
-    def save(self, directory: Path, *, figures: bool) -> None:
-        """Write the files into a directory, which is locked meanwhile."""
-        from granwave.workflows.run.directory import held
-
-        with held(directory):
-            self.write(directory, figures)
+    with held(directory):
+        inferred.write(directory, figures=figures)
 
 
 def results_place(wanted: str | Path, *, force: bool) -> Path:
@@ -98,7 +78,6 @@ def infer(
     """
     from granwave.analysis.inference.case import read_infer_case
     from granwave.analysis.inference.plan import Camera, plan_experiment
-    from granwave.analysis.inference.tables import grain_columns
 
     if not source.exists():
         raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
@@ -120,28 +99,20 @@ def infer(
         repetitions=10 if repeat is None else max(repeat, 1),
     )
     case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    planned = plan_experiment(source, case, camera, progress=progress)
-    grains = grain_columns([planned.found], [planned.time])
-    return Inferred(
-        planned.summary,
-        planned.forces,
-        grains,
-        planned.measurement,
-        lambda directory, figures: planned.write(directory, figures=figures),
-    )
+    return plan_experiment(source, case, camera, progress=progress)
 
 
 def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, progress: bool) -> Inferred:
     from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.equations import Noise
     from granwave.analysis.inference.infer import infer as infer_forces
     from granwave.analysis.inference.measurement import read_measurement
-    from granwave.analysis.inference.output import write_inference
-    from granwave.analysis.inference.tables import force_columns, grain_columns, summary_of
-    from granwave.analysis.inference.weights import Noise
+    from granwave.analysis.inference.output import Inferred
+    from granwave.analysis.inference.tables import summary_of
 
     case = read_infer_case(case_file)
     measured = read_measurement(source, case)
-    settings = case.settings
+    settings = case.infer
     if repetitions is not None:
         settings = dataclasses.replace(settings, repetitions=repetitions)
     found = []
@@ -152,15 +123,8 @@ def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, prog
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
     notes = list(measured.notes)
-    lacking = settings.noise.missing(measured.grains[0])
-    if lacking and settings.noise != Noise():
+    lacking = settings.deviations.missing(measured.grains[0])
+    if lacking and settings.deviations != Noise():
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
     summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
-
-    return Inferred(
-        summary,
-        force_columns(found, measured.times),
-        grain_columns(found, measured.times),
-        None,
-        lambda directory, figures: write_inference(directory, found, measured.times, summary, figures=figures),
-    )
+    return Inferred(found, measured.times, summary)

@@ -13,7 +13,7 @@ from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
-from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
+from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.grain_words import grains_called, in_grains
+from granwave.lammps_inputs.packing.cylinders import grains_called, in_grains
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import Places

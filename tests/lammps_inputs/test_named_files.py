@@ -10,8 +10,8 @@ import h5py
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.case.si_values import POSSIBLE
+from granwave.lammps_inputs.case.hints import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
 

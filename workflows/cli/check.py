@@ -11,13 +11,12 @@ from typing import Any
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.grain_words import GRAINS
+from granwave.lammps_inputs.packing.cylinders import GRAINS
+from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.planning.wall_time import WallTime
-from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves, wave_rows
 from granwave.workflows.cli.terminal import print_json, warn

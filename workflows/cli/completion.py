@@ -15,7 +15,7 @@ from typing import Any
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.scanning.engine import EXECUTORS

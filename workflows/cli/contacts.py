@@ -52,7 +52,7 @@ def _write_law(options: argparse.Namespace, materials: Sequence[Material], outpu
 
 
 def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
-    from granwave.analysis.contact_law.restitution import write_restitution
+    from granwave.analysis.contact_law.curves import write_restitution
 
     masses = [
         sphere_mass(m, r)
@@ -136,11 +136,11 @@ def _material(text: str) -> Material:
 @as_wrong_input()
 def infer(options: argparse.Namespace) -> int:
     """Execute ``granwave infer``."""
-    from granwave.analysis.inference.in_words import in_words
+    from granwave.analysis.inference.tables import in_words
 
     directory = inference.results_place(options.directory or "infer", force=options.force)
     how = chosen(options, inference.infer)
     found = inference.infer(options.measurement, options.case, progress=True, **how)
-    found.save(directory, figures=options.figures)
+    inference.save(found, directory, figures=options.figures)
     print_json(found.summary) if options.json else print(f"{in_words(found.summary)}\n\nresults in {directory}")
     return 0

@@ -13,6 +13,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.schema import printable
@@ -25,6 +26,7 @@ from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
 FAILED, STOPPED, READER_LEFT = 1, 130, 141
 
+_ONCE_MORE = 0.05  # s until a Ctrl-C that was lost is repeated
 _LONGEST_SHOWN = 300  # characters of a path in a message
 _NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
@@ -40,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_output()
     options = make_parser().parse_args(words)
     _set_up_logging()
+    if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
+        with contextlib.chdir(os.sep):
+            import matplotlib  # noqa: F401
+    sys.unraisablehook = _interrupt_again
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
     try:
@@ -64,6 +70,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+
+
+def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
+    """Repeat a Ctrl-C that came while Python was clearing up, where it drops all errors."""
+    if lost.exc_type is KeyboardInterrupt:
+        main_thread = threading.main_thread().ident
+        assert main_thread is not None
+        threading.Timer(_ONCE_MORE, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _set_up_output() -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from granwave import __version__
-from granwave.analysis.spectra.defaults import MOST_BANDS, MOST_MODES, POINTS
+from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.schema import printable, show
 from granwave.workflows.cli.arguments import (

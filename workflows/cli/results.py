@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES, Figures
+from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError

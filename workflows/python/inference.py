@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.notebook.inferred import InferredForces
+from granwave.analysis.notebook.load import InferredForces
 from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
@@ -82,7 +82,7 @@ def infer(
             repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
         )
         if place is not None:
-            found.save(place, figures=figures)
+            inference.save(found, place, figures=figures)
     return InferredForces(found.summary, found.forces, found.grains, found.measurement)
 
 

@@ -12,13 +12,12 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.notebook.run import Run
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.case import case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.files import read_toml, with_absolute_paths
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Kind, solver_of
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
-from granwave.analysis.spectra.defaults import POINTS
+from granwave.analysis.spectra.quantities import POINTS
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
@@ -64,14 +64,14 @@ def bands(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         The case is wrong, does not repeat, bears no load or is not rigid.
     """
-    from granwave.analysis.notebook.spectra import dataset
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_bands
     from granwave.workflows import spectra as commands
 
@@ -117,14 +117,14 @@ def modes(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         As of `bands`.
     """
-    from granwave.analysis.notebook.spectra import dataset
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_modes
     from granwave.workflows import spectra as commands
 
@@ -173,14 +173,14 @@ def transmission(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         As of `bands`; or a grain is not there or cannot move.
     """
-    from granwave.analysis.notebook.spectra import dataset
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_transmission
     from granwave.workflows import spectra as commands
 

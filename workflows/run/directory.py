@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs import directories
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all

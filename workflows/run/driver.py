@@ -20,8 +20,8 @@ from granwave.analysis.result.balance import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import input_script, part
-from granwave.lammps_inputs.deck.snapshots import frames_file
 from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, output_names
@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
+_FIRST_ENDS = 1.0  # s until other ranks end all if the first has not
 _PIECE = 1.0  # s of wall time between checks of the balance
 
 
@@ -276,13 +277,44 @@ class _Run:
                 script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            engine.commands(part(script, "setup"))
+            self._set_up(engine, part(script, "setup"), stop)
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
                 check_coordination(on_first(self.comm, lambda: expected_neighbours(self.case)), engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
+
+    def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
+        """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
+        interrupted: dict[str, Any] = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
+
+        ended = False
+
+        def end() -> None:
+            nonlocal ended
+            ended = True
+            if self.comm.size == 1:
+                return engine.end_command()
+            if self.comm.rank == 0:  # LAMMPS cannot end a command at the same step on all ranks
+                dataclasses.replace(self.record, **interrupted).write(self.directory)
+            else:
+                time.sleep(_FIRST_ENDS)
+            abort(self.comm, "stopped", 130)
+
+        failure = None
+        try:
+            with stop.answered_at_once(end):
+                engine.commands(commands)
+        except RunError as error:
+            if isinstance(error, SingleRankError) and self.comm.size > 1:
+                raise
+            failure = error
+        if ended:
+            self._note(**interrupted)
+            raise KeyboardInterrupt(f"{self.directory}: stopped before its first step")
+        if failure:
+            raise failure
 
     def _claim_output(self, restart_from: str) -> None:
         """Enter the snapshots that a resumed run will write in the marker, and what it will add to."""

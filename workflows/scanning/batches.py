@@ -20,11 +20,10 @@ import tomli_w
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.files import available_memory, replace_text
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.lammps_inputs.planning.wall_time import seconds_per_step
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point

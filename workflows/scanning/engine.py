@@ -17,8 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.files import available_memory, replace_text
 from granwave.lammps_inputs.run_directory import SCAN_WORK
 from granwave.workflows.run import mpi
 from granwave.workflows.scanning import layout

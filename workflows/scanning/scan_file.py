@@ -18,14 +18,12 @@ from typing import Any
 
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
-from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.case import Case, case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
-from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.named_files import with_short_paths
+from granwave.lammps_inputs.files import read_toml, with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions

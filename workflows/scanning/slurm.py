@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from granwave.workflows.scanning import layout
 
 

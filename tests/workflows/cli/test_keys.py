@@ -8,9 +8,9 @@ import tomllib
 import pytest
 
 from granwave.analysis.inference.case import InferCase
+from granwave.lammps_inputs.case.case import case_keys, case_tables
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.case.tables import case_keys, case_tables
 from granwave.workflows.cli import keys
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
