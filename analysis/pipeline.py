@@ -8,8 +8,8 @@ from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
-from granwave.analysis.lammps_output.completeness import check_complete, check_unchanged
 from granwave.analysis.lammps_output.dumps import read_data
+from granwave.analysis.lammps_output.time_series import check_complete, check_unchanged
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run

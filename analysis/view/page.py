@@ -19,8 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view.fields import fields
-from granwave.analysis.view.instants import instants_of
+from granwave.analysis.view.fields import fields, instants_of
 from granwave.analysis.view.scene import Chosen, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError

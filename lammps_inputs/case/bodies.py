@@ -2,7 +2,7 @@
 
 [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
-    [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain (thesis 3.2)
+    [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain
     [[hold]]                     grains that do not move
     [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured

@@ -233,20 +233,20 @@ class Contact:
 
     # Constants of the elasto-plastic law, for materials whose curve differs from the published one (None: published).
     # a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R* alpha_y.
-    pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 (thesis 2.8)", **_CONSTANT)
-    pressure_rate: float | None = number("c2 of the same; 0.098 (thesis 2.8)", at_least=1e-4, at_most=10, default=None)
+    pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 if left out", **_CONSTANT)
+    pressure_rate: float | None = number("c2 of the same; 0.098 if left out", at_least=1e-4, at_most=10, default=None)
     area_switch: float | None = number(
-        "a from which the area is A = c4 a - c5, a power of a below; 177.6 (thesis 2.10)", above=1, default=None
+        "a from which the area is A = c4 a - c5, a power of a below; 177.6 if left out", above=1, default=None
     )
-    area_slope: float | None = number("c4 of the area; 2.37 (thesis 2.10)", **_CONSTANT)
-    area_offset: float | None = number("c5 of the area; 59.96 (thesis 2.10)", default=None)
+    area_slope: float | None = number("c4 of the area; 2.37 if left out", **_CONSTANT)
+    area_offset: float | None = number("c5 of the area; 59.96 if left out", default=None)
     residual_slope: float | None = number(
-        "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 (thesis 2.13)", **_CONSTANT
+        "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 if left out", **_CONSTANT
     )
-    residual_offset: float | None = number("c7 of the same; 25.94 (thesis 2.13)", default=None)
-    residual_rate: float | None = number("c8 of the same; 0.015 (thesis 2.13)", **_CONSTANT)
+    residual_offset: float | None = number("c7 of the same; 25.94 if left out", default=None)
+    residual_rate: float | None = number("c8 of the same; 0.015 if left out", **_CONSTANT)
     unloading_exponent: float | None = number(
-        "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 (thesis 2.12)", at_least=1, default=None
+        "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 if left out", at_least=1, default=None
     )
 
     def __post_init__(self) -> None:

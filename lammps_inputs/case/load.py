@@ -9,8 +9,8 @@ impact         initial velocity of the struck spheres
 
 Time functions of forces and displacements, with amplitude A, duration T and frequency f:
 
-    half-sine      A sin(pi t / T) up to T (thesis 2.21)
-    rectangle      A up to T (thesis 4.2)
+    half-sine      A sin(pi t / T) up to T
+    rectangle      A up to T
     harmonic       A sin(2 pi f t), risen over a ramp R by sin^2(pi t / 2R) if there is one
     burst          A sin^2(pi t / T) sin(2 pi f t) up to T = n/f: n cycles under a window (Hann)
     up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T

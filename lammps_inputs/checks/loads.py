@@ -2,7 +2,7 @@
 
 A load that oscillates needs time for the waves to arrive and to become steady, and records that resolve them: a row
 passes a packet of the frequency f on at its group velocity, which is zero at the edges of a band. Runs that end before
-it has arrived show a row that stops such waves; so thesis 7.2 reads a cut-off of 5.6 kHz off runs of 5 ms.
+it has arrived show a row that seems to stop such waves: a cut-off that is not there.
 """
 
 from __future__ import annotations

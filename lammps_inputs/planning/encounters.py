@@ -12,10 +12,10 @@ velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loadi
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a pair of masses
 m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that of its impulse J on a free sphere,
-J^2/2m, and no contact force exceeds some 2.5 F (thesis 4.1: 2.3 F in a chain). If there are many diameters, those
-within 10 % of each other are represented by the smallest one, which has the stiffest contact for its mass. Equal
-spheres with diameter scatter are represented by the smallest one, struck by one of nominal size. Under a static load
-each contact also takes up the work of that load.
+J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, those within
+10 % of each other are represented by the smallest one, which has the stiffest contact for its mass. Equal spheres with
+diameter scatter are represented by the smallest one, struck by one of nominal size. Under a static load each contact
+also takes up the work of that load.
 """
 
 from __future__ import annotations

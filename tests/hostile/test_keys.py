@@ -26,7 +26,7 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRun
 from granwave.workflows.scanning.header import Header
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}

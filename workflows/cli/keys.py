@@ -24,11 +24,11 @@ from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.colour import BOLD, coloured
+from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
 CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE = FILES = (

@@ -36,7 +36,7 @@ from granwave.lammps_inputs.run_state import case_digest, tables_as_run
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
-from granwave.workflows.scanning.ended_jobs import end_of
+from granwave.workflows.scanning.slurm import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s

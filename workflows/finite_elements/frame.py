@@ -100,6 +100,26 @@ class ElementCase(abc.ABC):
         return tomli_w.dumps(self.to_dict())
 
 
+@dataclasses.dataclass(frozen=True)
+class ElementPlan:
+    """Size and cost of a finite-element run.
+
+    Attributes
+    ----------
+    memory, disk, disk_reserve
+        Estimates in bytes; files are written at the end, so that no reserve is needed.
+    wall_time
+        Estimated wall time, s.
+    """
+
+    name: str
+    n_elements: int
+    memory: float
+    disk: float
+    wall_time: float
+    disk_reserve: float = 0.0
+
+
 def check_memory(case: ElementCase, available: float | None = None) -> None:
     """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of the machine).
 

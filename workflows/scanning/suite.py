@@ -1,7 +1,7 @@
 """Suites: several scans run one after the other in one directory, with a common report.
 
-name = "granular-continuum"
-scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
+name = "packings"
+scans = ["velocity-fcc", "velocity-hcp"]            # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
 study = ["tolerance"]                               # of all runs, in addition to the studies of the scans
 """

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import run_case
-from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic

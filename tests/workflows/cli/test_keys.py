@@ -16,7 +16,7 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
 SECTIONS = {

@@ -91,7 +91,7 @@ class ContinuumCase(ElementCase):
 
     @property
     def energy_unit(self) -> float:
-        """Energy unit sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
+        """Energy unit sigma_y^2 D^3/E with the diameter of the punch, J."""
         material = self.material
         assert material.yield_strength is not None  # checked when read
         return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
