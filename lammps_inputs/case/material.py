@@ -258,7 +258,7 @@ class HasShape(Protocol):
 
     @property
     def shape(self) -> str | None:
-        """``sphere`` or ``cylinder``; None, of a striker: a sphere."""
+        """``sphere``, ``cylinder``, or None for the usual one, a sphere."""
 
     @property
     def length(self) -> float | None:
