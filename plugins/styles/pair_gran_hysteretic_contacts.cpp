@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -256,13 +257,11 @@ void PairGranHysteretic::pack_block(int k, double side, double *block) const
 {
   const BlockLayout &layout = fix_history->history.layout();
   if (layout.size() == 0) return;
-  const BlockView view = block_view(k);
+  BlockView view = block_view(k);
   std::copy_n(view.extra, contacts.n_extra, block);
   if (!layout.extended) return;
-  const double *const force = view.spring.force;
-  const double values[] = {side * force[0],  side * force[1], side * force[2], view.spring.compliance,
-                           view.spring.loss, view.initial,    view.reached};
-  std::copy_n(values, static_cast<int>(BlockLayout::N_EXTENDED), block + layout.spring());
+  for (double &force : view.spring.force) force *= side;
+  std::memcpy(block + layout.n_extra, static_cast<const ExtendedState *>(&view), sizeof(ExtendedState));
   if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
 }
 
