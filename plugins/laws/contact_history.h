@@ -168,10 +168,8 @@ class ContactHistory {
     } else if (first_[i] + count_[i] != pool_.size()) {
       const std::size_t from = first_[i], size = layout_.size();
       first_[i] = pool_.size();
-      for (int k = 0; k < count_[i]; k++) {
-        const ContactRecord moved = pool_[from + k];
-        pool_.push_back(moved);
-      }
+      pool_.resize(pool_.size() + count_[i]);
+      std::copy_n(pool_.data() + from, count_[i], pool_.data() + first_[i]);
       blocks_.resize(pool_.size() * size);
       std::copy_n(blocks_.data() + from * size, count_[i] * size, blocks_.data() + first_[i] * size);
     }

@@ -153,9 +153,7 @@ void ComputeGranHystereticSums::compute_peratom()
 
 /* ---------------------------------------------------------------------- per contact */
 
-namespace {
 constexpr int N_LOCAL = 20;
-}
 
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
@@ -199,9 +197,7 @@ double ComputeGranHystereticLocal::memory_usage()
 
 /* ---------------------------------------------------------------------- one contact */
 
-namespace {
 constexpr int N_CONTACT = 8;
-}
 
 ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg, 2, "expected the ids of two spheres")

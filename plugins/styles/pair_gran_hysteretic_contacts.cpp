@@ -68,9 +68,7 @@ void PairGranHysteretic::build_contacts()
 
   const std::size_t n = c.partner.size();
   c.peak.assign(n, 0.0);
-  c.time_first.assign(n, -1.0);
-  c.time_peak.assign(n, -1.0);
-  c.time_yield.assign(n, -1.0);
+  for (auto *times : {&c.time_first, &c.time_peak, &c.time_yield}) times->assign(n, -1.0);
   c.n_extra = fix_history->history.layout().n_extra;
   c.extra.assign(n * c.n_extra, 0.0);
   c.turning.assign(n, -1);

@@ -17,11 +17,7 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-namespace {
-
 constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
-
-}    // namespace
 
 /* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
 
