@@ -27,7 +27,7 @@ NOTES = {
     "energy_input_normalised": "Of a packing: over F_y alpha_y of two of its spheres. In the continuum: over "
     "sigma_y^2 D^3/E with the diameter of the punch. Not to be compared with each other.",
     "velocity_normalised": "(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v: units in which materials fall "
-    "on one curve (thesis 5.11).",
+    "on one curve.",
     "dissipated_fraction": "Dissipated energy over the input.",
     "energy_balance_error": "Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest "
     "input up to the end; of a prescribed displacement without the kinetic energy of the moved grains.",

@@ -179,7 +179,7 @@ def _no_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDAr
 
 
 _X, _Y, _Z, _DIAGONAL = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0)
-_CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions, thesis 5.2
+_CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
 KINDS: dict[str, Kind] = {

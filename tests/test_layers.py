@@ -48,13 +48,11 @@ lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
-lammps_inputs/run_state lammps_inputs/deck_changes
+lammps_inputs/run_state
 lammps_inputs/ownership
-lammps_inputs/unmarked_results
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/toml_files lammps_inputs/memory lammps_inputs/csv_rows
-lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
+lammps_inputs/files
 lammps_inputs/errors
 plugins
 """
@@ -179,3 +177,28 @@ def test_no_circle_of_includes():
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
     assert len(graph) > 30
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
+
+
+#: Rooms that still name a source, and the citations of the materials.
+NAME_A_SOURCE = (
+    "analysis/studies/lateral", "analysis/studies/bands", "analysis/studies/confined", "analysis/studies/rows",
+    "lammps_inputs/case/materials.toml",  # cites the origin of its values
+    "analysis/measures/confined", "analysis/measures/rows", "analysis/figures/chains/confined.py",
+    *(f"workflows/scans/{name}" for name in (
+        "lateral", "bands", "confined", "filter", "switch", "rectification", "resonance", "interstitial")),
+)  # fmt: skip
+
+
+def test_the_packages_name_no_source() -> None:
+    """What others printed belongs into reproductions/."""
+    word = re.compile(r"(?<![a-z])(thesis|errat(a|um)|source 00[123])(?![a-z])", re.IGNORECASE)
+    files = [path for name in PACKAGES[:3] for path in sorted((ROOT / name).rglob("*.*"))]
+    files = [path for path in files if path.is_file() and path.parent.name != "__pycache__"]
+    found = [
+        f"{name}:{number}"
+        for path in files
+        if not (name := path.relative_to(ROOT).as_posix()).startswith(NAME_A_SOURCE)
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
+        if word.search(line)
+    ]
+    assert found == []

@@ -1,7 +1,7 @@
 """Normalised inputs of impacts, and the continuum case that a packing compares with, or the reverse.
 
 Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the spheres or of the
-punch (thesis 5.30). The counterpart has the same material and D, so that equal energies are equal inputs.
+punch. The counterpart has the same material and D, so that equal energies are equal inputs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
-from granwave.lammps_inputs.planning.energy_input import expected_energy
+from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Inputs:
     energy_continuum
         Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
     velocity_normalised
-        Thesis 5.11.
+        In units in which materials fall on one curve.
     """
 
     energy: float

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -14,51 +14,15 @@ from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, 
 from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
 
 if TYPE_CHECKING:
-    from granwave.analysis.figures.style import Columns
-    from granwave.analysis.inference.plan import Camera
-
-CASE_MISSING = "--case: missing; expected a file with [material] and [infer] (granwave keys infer)"
+    from granwave.analysis.inference.output import Inferred
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Inferred:
-    """Forces of a table or of a run, before they are written.
+def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
+    """Write the files of an inference into a directory, which is locked meanwhile."""
+    from granwave.workflows.run.directory import held
 
-    Attributes
-    ----------
-    summary
-        Content of summary.json.
-    forces, grains, measurement
-        Columns of the files of these names; the last is None for a table.
-    write
-        Function that writes all files into a directory; its second argument is True for figures.
-    """
-
-    summary: dict[str, Any]
-    forces: Columns
-    grains: Columns
-    measurement: Columns | None
-    write: Callable[[Path, bool], None]
-
-    def save(self, directory: Path, *, figures: bool) -> None:
-        """Write the files into a directory, which is locked meanwhile."""
-        from granwave.workflows.run.directory import held
-
-        with held(directory):
-            self.write(directory, figures)
-
-
-def is_run(source: Path) -> bool:
-    """Return True for a run, False for a table of grains.
-
-    Raises
-    ------
-    InputError
-        There is no such file or directory.
-    """
-    if not source.exists():
-        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
-    return source.is_dir() or source.name == RESULT_FILE
+    with held(directory):
+        inferred.write(directory, figures=figures)
 
 
 def results_place(wanted: str | Path, *, force: bool) -> Path:
@@ -81,71 +45,86 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
     return directory
 
 
-def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *, progress: bool = False) -> Inferred:
-    """Infer the forces of a table of grains.
+def infer(
+    source: Path,
+    case_file: Path | None,
+    *,
+    noise: Sequence[float] | None = None,
+    frame_rate: float | None = None,
+    position_noise: float | None = None,
+    time: float | None = None,
+    repeat: int | None = None,
+    progress: bool = False,
+) -> Inferred:
+    """Infer the forces of a table of grains, or of measurements made of a run.
 
     Parameters
     ----------
+    source
+        Table, or directory of the run.
     case_file
-        File with [material] and [infer].
-    repetitions
-        Repetitions with noise; None: those of the case.
+        File with [material] and [infer]; a run can do without.
+    noise, frame_rate, position_noise, time
+        Measurements made of a run, as of `granwave.analysis.inference.plan.Camera`.
+    repeat
+        Repetitions with noise; None: those of the case, of a run 10.
     progress
         Show a bar on a terminal.
 
     Raises
     ------
     InputError
-        The table or the case is wrong, or the equations do not determine the forces.
+        There is no such table or run, it or the case is wrong, or the equations do not determine the forces.
     """
     from granwave.analysis.inference.case import read_infer_case
-    from granwave.analysis.inference.infer import infer
+    from granwave.analysis.inference.plan import Camera, plan_experiment
+
+    if not source.exists():
+        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
+    of_runs = {"noise": noise, "frame-rate": frame_rate, "position-noise": position_noise, "time": time}
+    if not (source.is_dir() or source.name == RESULT_FILE):
+        if given := [name for name, value in of_runs.items() if value is not None]:
+            raise InputError(
+                f"--{given[0]}: found it with a table, expected it with the directory of a run; what "
+                "holds for a table stands in [infer] of --case"
+            )
+        if case_file is None:
+            raise InputError("--case: missing; expected a file with [material] and [infer] (granwave keys infer)")
+        return _infer_table(source, case_file, repeat, progress=progress)
+    camera = Camera(
+        noise=tuple(noise or (0.0,)),
+        frame_rate=frame_rate,
+        position_noise=position_noise or 0.0,
+        time=time,
+        repetitions=10 if repeat is None else max(repeat, 1),
+    )
+    case = None if case_file is None else read_infer_case(case_file, of_run=True)
+    return plan_experiment(source, case, camera, progress=progress)
+
+
+def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, progress: bool) -> Inferred:
+    from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.equations import Noise
+    from granwave.analysis.inference.infer import infer as infer_forces
     from granwave.analysis.inference.measurement import read_measurement
-    from granwave.analysis.inference.output import write_inference
-    from granwave.analysis.inference.tables import force_columns, grain_columns, summary_of
-    from granwave.analysis.inference.weights import Noise
+    from granwave.analysis.inference.output import Inferred
+    from granwave.analysis.inference.tables import summary_of
 
     case = read_infer_case(case_file)
     measured = read_measurement(source, case)
-    settings = case.settings
+    settings = case.infer
     if repetitions is not None:
         settings = dataclasses.replace(settings, repetitions=repetitions)
     found = []
     for time, grains in zip(measured.times, measured.grains, strict=True):
         try:
-            found.append(infer(grains, case.walls, settings, progress=progress))
+            found.append(infer_forces(grains, case.walls, settings, progress=progress))
         except InputError as error:
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
     notes = list(measured.notes)
-    lacking = settings.noise.missing(measured.grains[0])
-    if lacking and settings.noise != Noise():
+    lacking = settings.deviations.missing(measured.grains[0])
+    if lacking and settings.deviations != Noise():
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
     summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
-
-    def write(directory: Path, figures: bool) -> None:
-        write_inference(directory, found, measured.times, summary, figures=figures)
-
-    return Inferred(summary, force_columns(found, measured.times), grain_columns(found, measured.times), None, write)
-
-
-def infer_run(source: Path, case_file: Path | None, camera: Camera, *, progress: bool = False) -> Inferred:
-    """Infer the forces of measurements made of a run.
-
-    Raises
-    ------
-    InputError
-        The run cannot be measured, or the case is wrong.
-    """
-    from granwave.analysis.inference.case import read_infer_case
-    from granwave.analysis.inference.plan import plan_experiment
-    from granwave.analysis.inference.tables import grain_columns
-
-    case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    planned = plan_experiment(source, case, camera, progress=progress)
-
-    def write(directory: Path, figures: bool) -> None:
-        planned.write(directory, figures=figures)
-
-    grains = grain_columns([planned.found], [planned.time])
-    return Inferred(planned.summary, planned.forces, grains, planned.measurement, write)
+    return Inferred(found, measured.times, summary)

@@ -14,7 +14,6 @@ multiplied by sqrt((1 + rho)/(1 - rho)), with the correlation rho of neighbours.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import logging
 import math
 from collections.abc import Sequence
@@ -27,6 +26,7 @@ from scipy.optimize import minimize_scalar
 
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
 from granwave.analysis.contact_law.measured_curve import Curve
+from granwave.analysis.errors import did_you_mean
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
@@ -276,8 +276,7 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
 def _known(free: Sequence[str]) -> list[str]:
     for name in free:
         if name not in LAW_CONSTANTS:
-            near = difflib.get_close_matches(name, LAW_CONSTANTS, n=1)
-            hint = f"did you mean {near[0]}?" if near else "expected some of " + ", ".join(LAW_CONSTANTS)
+            hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(LAW_CONSTANTS)
             raise InputError(f"--free: found {name}; {hint}")
     if not free:
         raise InputError("--free: found nothing, expected names of constants")

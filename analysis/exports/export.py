@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 from pathlib import Path
 
-from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.errors import MissingOutputError, OutputFormatError, did_you_mean
 from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
 from granwave.analysis.exports.staging import staged
 from granwave.analysis.result.not_a_run import around, similar
@@ -59,7 +58,9 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
         the output cannot be written; nothing was written.
     """
     directory = Path(directory)
-    _check_format(to)
+    if to not in FORMATS:
+        hint = did_you_mean(to.lower(), FORMATS, 0.4) or f"expected one of {', '.join(FORMATS)}"
+        raise InputError(f"--to {to}: no such form; {hint}")
     if not directory.exists():
         raise InputError(f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan")
     if not directory.is_dir():
@@ -111,13 +112,6 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
                 raise
             raise InputError(result.damaged(error)) from None
     return staging.placed
-
-
-def _check_format(to: str) -> None:
-    if to not in FORMATS:
-        near = difflib.get_close_matches(to.lower(), FORMATS, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]}?" if near else f"expected one of {', '.join(FORMATS)}"
-        raise InputError(f"--to {to}: no such form; {hint}")
 
 
 def _export_recipe(directory: Path, output: Path) -> list[Path]:

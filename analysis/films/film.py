@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 import errno
 import os
 import re
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures.style import WIDTH, style
 from granwave.analysis.films.scenes import QUANTITIES, VIEWS, Scene, scene
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.figures import Figures
+from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing
@@ -85,7 +86,9 @@ def write_film(
     with Result(directory) as result, style():
         if options is not None:
             result.figure_options = options
-        found = scene(result, quantity, view, None if size is None else _inches(size))
+        # the shorter side is a column, so that texts fit
+        inches = None if size is None else (WIDTH * size[0] / min(size), WIDTH * size[1] / min(size))
+        found = scene(result, quantity, view, inches)
         n = len(found.times)
         rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
         with replacing(path) as scratch:
@@ -106,8 +109,8 @@ def size_of(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)\s*[xX]\s*(\d+)", text)
     size = (int(found[1]), int(found[2])) if found else (0, 0)
     if not all(LEAST_WIDTH <= one <= MOST_WIDTH and one % 2 == 0 for one in size):
-        near = difflib.get_close_matches(text.lower(), SIZES, n=1, cutoff=0.5)
-        hint = f"; did you mean {near[0]}?" if near and not found else ""
+        near = "" if found else did_you_mean(text.lower(), SIZES, 0.5)
+        hint = f"; {near}" if near else ""
         raise InputError(
             f"--size: found {text}, expected {', '.join(SIZES)}, or width x height in pixels, even numbers from "
             f"{LEAST_WIDTH} to {MOST_WIDTH}, as 1280x720{hint}"
@@ -115,30 +118,20 @@ def size_of(text: str) -> tuple[int, int]:
     return size
 
 
-def _inches(size: tuple[int, int]) -> tuple[float, float]:
-    """Return the size of a figure whose shorter side is a column, so that texts fit."""
-    return WIDTH * size[0] / min(size), WIDTH * size[1] / min(size)
-
-
 def _check(
     path: Path, quantity: str, view: str | None, width: int, size: tuple[int, int] | None, rate: float | None
 ) -> None:
     if path.suffix.lower() not in FORMS:
         raise InputError(f"-o {path}: expected a name that ends in {', '.join(FORMS)}")
-    _check_word("--quantity", quantity, list(QUANTITIES))
-    if view is not None:
-        _check_word("--view", view, VIEWS)
+    for option, word, known in (("--quantity", quantity, tuple(QUANTITIES)), ("--view", view, VIEWS)):
+        if word is not None and word not in known:
+            near = did_you_mean(word.lower(), known, 0.5)
+            hint = f"; {near}" if near else ""
+            raise InputError(f"{option}: found {word}, expected one of {', '.join(known)}{hint}")
     if size is None and not LEAST_WIDTH <= width <= MOST_WIDTH:
         raise InputError(f"--width: found {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} pixels")
     if rate is not None and not 0.1 <= rate <= 100:
         raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
-
-
-def _check_word(option: str, word: str, known: Sequence[str]) -> None:
-    if word not in known:
-        near = difflib.get_close_matches(word.lower(), known, n=1, cutoff=0.5)
-        hint = f"; did you mean {near[0]}?" if near else ""
-        raise InputError(f"{option}: found {word}, expected one of {', '.join(known)}{hint}")
 
 
 def _pictures(film: Scene, width: int, progress: Callable[[int, int], None] | None) -> Iterator[NDArray[np.uint8]]:
@@ -163,35 +156,11 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     import imageio_ffmpeg  # brings ffmpeg along
 
     last = next(pictures)
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-v", "error"]
-    command += [
-        "-f",
-        "rawvideo",
-        "-pix_fmt",
-        "rgb24",
-        "-s",
-        f"{last.shape[1]}x{last.shape[0]}",
-        "-r",
-        str(rate),
-        "-i",
-        "-",
-    ]
-    command += [
-        "-c:v",
-        "libx264",
-        "-pix_fmt",
-        "yuv420p",
-        "-preset",
-        "medium",
-        "-crf",
-        "20",
-        "-metadata",
-        "comment=granwave",
-    ]
+    read = f"-y -v error -f rawvideo -pix_fmt rgb24 -s {last.shape[1]}x{last.shape[0]} -r {rate} -i -"
+    write = "-c:v libx264 -pix_fmt yuv420p -preset medium -crf 20 -metadata comment=granwave -f mp4"
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), *read.split(), *write.split(), str(path)]
     # a new session: Ctrl-C reaches this process alone
-    ffmpeg = subprocess.Popen(
-        [*command, "-f", "mp4", str(path)], stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
-    )
+    ffmpeg = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
     try:
         with contextlib.suppress(BrokenPipeError):  # its exit status tells why it ended
             assert ffmpeg.stdin is not None
@@ -217,14 +186,10 @@ def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float
     images[0].save(path, save_all=True, append_images=images[1:], duration=durations, loop=0, **options)
 
 
-def _write_gif(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
-    _write_moving(path, pictures, rate, format="GIF", optimize=True, comment=b"granwave")
-
-
-def _write_webp(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
-    note = Image.Exif()
-    note[0x0131] = "granwave"  # the program that wrote it
-    _write_moving(path, pictures, rate, format="WEBP", quality=85, method=4, exif=note.tobytes())
-
-
-_WRITERS = {".mp4": _write_mp4, ".gif": _write_gif, ".webp": _write_webp}
+_NOTE = Image.Exif()
+_NOTE[0x0131] = "granwave"  # the program that wrote it
+_WRITERS: dict[str, Callable[[Path, Iterator[NDArray[np.uint8]], float], None]] = {
+    ".mp4": _write_mp4,
+    ".gif": partial(_write_moving, format="GIF", optimize=True, comment=b"granwave"),
+    ".webp": partial(_write_moving, format="WEBP", quality=85, method=4, exif=_NOTE.tobytes()),
+}

@@ -47,22 +47,20 @@ class Quantity:
     map: str
 
 
-def _forces(result: Result, number: int) -> NDArray[np.float64]:
-    return result.frame(number, "contact_force") / force_scale(result)[0]
-
-
-def _speeds(result: Result, number: int) -> NDArray[np.float64]:
-    return np.linalg.norm(result.frame(number, "velocity"), axis=1)
-
-
-def _losses(result: Result, number: int) -> NDArray[np.float64]:
-    return result.frame(number, "dissipated_energy") / result.energy_input
-
-
 QUANTITIES: Mapping[str, Quantity] = {
-    "force": Quantity(_forces, "Contact force", FORCE_MAP),
-    "velocity": Quantity(_speeds, "Speed (m/s)", FORCE_MAP),
-    "dissipation": Quantity(_losses, r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$", DISSIPATION_MAP),
+    "force": Quantity(
+        lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
+        "Contact force",
+        FORCE_MAP,
+    ),
+    "velocity": Quantity(
+        lambda result, number: np.linalg.norm(result.frame(number, "velocity"), axis=1), "Speed (m/s)", FORCE_MAP
+    ),
+    "dissipation": Quantity(
+        lambda result, number: result.frame(number, "dissipated_energy") / result.energy_input,
+        r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$",
+        DISSIPATION_MAP,
+    ),
 }
 PLANES = ("orthogonal", "principal", "section")
 VIEWS = (*PLANES, "3d", "chain")

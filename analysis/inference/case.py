@@ -11,10 +11,9 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from granwave.analysis.inference.contacts import Wall
-from granwave.analysis.inference.grains import STATES
-from granwave.analysis.inference.infer import Settings
-from granwave.analysis.inference.weights import WEIGHTS, Noise
+from granwave.analysis.inference.equations import WEIGHTS, Noise, Weights
+from granwave.analysis.inference.grains import STATES, Array, Contacts, Wall
+from granwave.lammps_inputs.case.hints import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -29,8 +28,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.case.si_values import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
 GIVEN, FIND = "given", "find"
@@ -98,9 +96,8 @@ def _parse_gravity(value: Any) -> tuple[float, ...]:
 
 
 def _parse_window(value: Any) -> int:
-    expected = "an odd number of frames from 3 up"
     if isinstance(value, bool) or not isinstance(value, int) or value < 3 or value % 2 == 0:
-        raise ValidationError(expected)
+        raise ValidationError("an odd number of frames from 3 up")
     return value
 
 
@@ -160,7 +157,7 @@ class Infer:
     walls: tuple[tuple[str, Place], ...] = custom("straight walls", _parse_walls, unit="m", default=())
     gravity: tuple[float, ...] = custom("acceleration of gravity", _parse_gravity, unit="m/s^2", default=())
     noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)  # noqa: RUF009
-    weights: str | None = choice(
+    weights: Weights | None = choice(  # noqa: RUF009
         "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
         "stress components that strains give (correlated); by default white if noise is given, else equal",
         WEIGHTS,
@@ -189,6 +186,23 @@ class Infer:
     )
     seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
 
+    @property
+    def deviations(self) -> Noise:
+        """Standard deviations of what was measured."""
+        return self.noise or Noise()
+
+    @property
+    def finds_modulus(self) -> bool:
+        """True if Young's modulus is to be found."""
+        return self.modulus == FIND
+
+    def friction_of(self, contacts: Contacts) -> Array:
+        """Return the coefficients of friction of contacts: (m,)."""
+        friction = np.full(len(contacts), self.friction)
+        if self.wall_friction is not None:
+            friction[contacts.second < 0] = self.wall_friction
+        return friction
+
 
 @dataclasses.dataclass(frozen=True)
 class InferCase:
@@ -212,22 +226,6 @@ class InferCase:
     def dimension(self) -> int:
         """2 in the plane, 3 in space."""
         return 3 if self.infer.state == "space" else 2
-
-    @property
-    def settings(self) -> Settings:
-        """Settings of the inference."""
-        wanted = self.infer
-        return Settings(
-            friction=wanted.friction,
-            wall_friction=wanted.wall_friction,
-            tolerance=wanted.contact_tolerance,
-            noise=wanted.noise or Noise(),
-            weights=wanted.weights,  # type: ignore[arg-type]
-            find_modulus=wanted.modulus == FIND,
-            repetitions=wanted.repetitions,
-            ridge=wanted.ridge,
-            seed=wanted.seed,
-        )
 
     @property
     def walls(self) -> dict[str, Wall]:

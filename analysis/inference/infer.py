@@ -8,62 +8,35 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
-from granwave.analysis.inference.equations import Equations, make_equations, unknown_columns
-from granwave.analysis.inference.grains import Array, Grains
-from granwave.analysis.inference.modulus import (
+from granwave.analysis.inference.case import Infer
+from granwave.analysis.inference.equations import (
+    Covariance,
+    Equations,
+    Noise,
+    Weighting,
+    Weights,
+    add_ridge,
+    covariance,
+    make_equations,
+    refuse_undetermined,
+    unknown_columns,
+    weighting,
+)
+from granwave.analysis.inference.grains import Array, Contacts, Grains, Wall, find_contacts
+from granwave.analysis.inference.solve import (
     ModulusSearch,
     find_modulus,
     free_misfit,
     refuse_unknowable,
     search_near,
+    solve,
 )
-from granwave.analysis.inference.rank import add_ridge, refuse_undetermined
-from granwave.analysis.inference.solve import solve
-from granwave.analysis.inference.weights import Covariance, Noise, Weighting, Weights, covariance, weighting
 from granwave.analysis.progress_bar import progress_bar
 from granwave.lammps_inputs.errors import InputError
 
 _ROUNDING = 1e-6  # rate of rotation times radius over the acceleration
 _SHOWN = 5  # ids in a message
 NEAR = 5.0  # standard errors of the modulus within which repetitions search
-
-
-@dataclasses.dataclass(frozen=True)
-class Settings:
-    """Settings of the inference.
-
-    Attributes
-    ----------
-    friction
-        Coefficient of friction of all contacts.
-    wall_friction
-        That of the walls; None: the same.
-    tolerance
-        Relative gap up to which a pair may touch.
-    noise
-        Standard deviations of what was measured.
-    weights
-        None: white if the noise is known, else equal.
-    find_modulus
-        True to find Young's modulus.
-    repetitions
-        Number of repetitions with noise, for standard errors; 0: none.
-    ridge
-        Weight of small forces over that of the equations, for forces that these leave undetermined.
-    seed
-        Seed of the noise.
-    """
-
-    friction: float
-    wall_friction: float | None = None
-    tolerance: float = 1e-3
-    noise: Noise = dataclasses.field(default_factory=Noise)
-    weights: Weights | None = None
-    find_modulus: bool = False
-    repetitions: int = 30
-    ridge: float = 0.0
-    seed: int = 1
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -95,7 +68,7 @@ class Inference:
     grains: Grains
     contacts: Contacts
     equations: Equations
-    settings: Settings
+    settings: Infer
     force: Array
     spread: Array | None
     residual: Array
@@ -131,7 +104,7 @@ class Inference:
         return found[0], found[1]
 
 
-def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings, *, progress: bool = False) -> Inference:
+def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progress: bool = False) -> Inference:
     """Infer the contact forces of grains at one instant.
 
     Parameters
@@ -144,15 +117,13 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings, *, prog
     InputError
         A grain touches nothing, the equations do not determine the forces, or nothing tells the modulus.
     """
-    contacts = find_contacts(grains, walls, settings.tolerance)
+    contacts = find_contacts(grains, walls, settings.contact_tolerance)
     refuse_behind(grains, walls)
-    refuse_lonely(grains, contacts, settings.tolerance)
+    refuse_lonely(grains, contacts, settings.contact_tolerance)
     equations = make_equations(grains, contacts)
-    if settings.find_modulus:
+    if settings.finds_modulus:
         refuse_unknowable(grains, equations)
-    friction = np.full(len(contacts), settings.friction)
-    if settings.wall_friction is not None:
-        friction[contacts.second < 0] = settings.wall_friction
+    friction = settings.friction_of(contacts)
     kept = unknown_columns(friction, grains.dimension)
     condition = refuse_undetermined(equations, friction, settings.ridge)
     kind, spread = _weights(grains, settings)
@@ -161,7 +132,7 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings, *, prog
     def solution(factor: float, data: Array) -> tuple[Array, float]:
         return _solve(equations, weighed, friction, settings.ridge, grains.dimension, factor, data)
 
-    exact = weighting(equations, spread, "correlated") if settings.find_modulus else weighed
+    exact = weighting(equations, spread, "correlated") if settings.finds_modulus else weighed
 
     def misfit(factor: float, data: Array) -> float:
         if condition is None:
@@ -169,8 +140,8 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Settings, *, prog
         rows = exact.rows(factor)
         return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
 
-    search, factor, known = None, 1.0, settings.noise.complete(grains)
-    if settings.find_modulus:
+    search, factor, known = None, 1.0, settings.deviations.complete(grains)
+    if settings.finds_modulus:
         search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)))
         factor = search.factor
         n_more = max(equations.n_equations - len(kept), 1)
@@ -213,17 +184,17 @@ def refuse_lonely(grains: Grains, contacts: Contacts, tolerance: float) -> None:
         )
 
 
-def _weights(grains: Grains, settings: Settings) -> tuple[Weights, Covariance]:
+def _weights(grains: Grains, settings: Infer) -> tuple[Weights, Covariance]:
     """Return the weights in use, and the covariance they follow from; unknown noise counts as a share of the data."""
-    known = settings.noise.complete(grains)
-    kind: Weights = settings.weights or ("white" if known or settings.find_modulus else "equal")
-    if settings.weights in ("white", "correlated") and not known and not settings.find_modulus:
+    known = settings.deviations.complete(grains)
+    kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
+    if settings.weights in ("white", "correlated") and not known and not settings.finds_modulus:
         raise InputError(
             f'infer.weights: found "{settings.weights}" without the standard deviations that it takes; expected '
             "infer.noise of all that was measured"
         )
     if known:
-        return kind, covariance(grains, settings.noise)
+        return kind, covariance(grains, settings.deviations)
     return kind, covariance(grains, relative_noise(grains, 1.0))
 
 
@@ -261,7 +232,7 @@ def _solve(
 def _repeat(
     equations: Equations,
     spread: Covariance,
-    settings: Settings,
+    settings: Infer,
     force: Array,
     factor: float,
     solution: Callable[[float, Array], tuple[Array, float]],

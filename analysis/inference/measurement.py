@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -88,37 +89,21 @@ def _check_signs(
 
 def _check_rows(table: Table, case: InferCase) -> None:
     """Raise InputError for values that cannot be, and for partly empty groups of cells."""
-    columns, errors = table.columns, []
-    positive = ("radius_m", "density_kg_m3", "youngs_modulus_Pa")
-    for name in (name for name in positive if name in columns):
-        errors += table.refuse(
-            columns[name] <= 0,
-            lambda row, name=name: f"{name}: found {columns[name][row]:g}, expected a number above 0",
-        )
-    if "poisson_ratio" in columns:
-        ratio = columns["poisson_ratio"]
-        errors += table.refuse(
-            (ratio <= -1) | (ratio >= 0.5),
-            lambda row: f"poisson_ratio: found {ratio[row]:g}, expected a number above -1 and below 0.5",
-        )
-    if "id" in columns:
-        ids = columns["id"]
-        errors += table.refuse(
-            (ids != np.floor(ids)) | (ids < 0), lambda row: f"id: found {ids[row]:g}, expected a whole number from 0 up"
-        )
-    if "passes_walls" in columns:
-        passing = columns["passes_walls"]
-        errors += table.refuse(
-            ~np.isin(passing, (0, 1)),
-            lambda row: f"passes_walls: found {passing[row]:g}, expected 0, or 1 for a striker",
-        )
-    for name in (f"e{pair}" for pair in TENSOR[case.dimension]):
-        if name in columns:
-            values = columns[name]
+    strains = tuple(f"e{pair}" for pair in TENSOR[case.dimension])
+    allowed: list[tuple[tuple[str, ...], Callable[[Array], NDArray[np.bool_]], str]] = [
+        (("radius_m", "density_kg_m3", "youngs_modulus_Pa"), lambda x: x > 0, "a number above 0"),
+        (("poisson_ratio",), lambda x: (x > -1) & (x < 0.5), "a number above -1 and below 0.5"),
+        (("id",), lambda x: (x == np.floor(x)) & (x >= 0), "a whole number from 0 up"),
+        (("passes_walls",), lambda x: np.isin(x, (0, 1)), "0, or 1 for a striker"),
+        (strains, lambda x: ~(np.abs(x) > LARGEST_STRAIN), f"a strain below {LARGEST_STRAIN:g}; 1 % is 0.01"),
+    ]
+    errors = []
+    for names, right, expected in allowed:
+        for name, values in ((name, table.columns[name]) for name in names if name in table.columns):
             errors += table.refuse(
-                np.abs(values) > LARGEST_STRAIN,
-                lambda row, name=name, values=values: (
-                    f"{name}: found {values[row]:g}, expected a strain below {LARGEST_STRAIN:g}; 1 % is 0.01"
+                ~right(values),
+                lambda row, name=name, values=values, expected=expected: (
+                    f"{name}: found {values[row]:g}, expected {expected}"
                 ),
             )
     for name in ("acceleration", "spin", "angular_acceleration", "strain", "stress"):

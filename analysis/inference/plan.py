@@ -12,16 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import Columns
-from granwave.analysis.inference import drawings
-from granwave.analysis.inference.case import FIND, GIVEN, Infer, InferCase
-from granwave.analysis.inference.contacts import Wall, find_contacts
-from granwave.analysis.inference.grains import Array, Grains, State, stiffness
-from granwave.analysis.inference.infer import Inference, Settings, infer, relative_noise
-from granwave.analysis.inference.output import write_inference
+from granwave.analysis.inference.case import Infer, InferCase
+from granwave.analysis.inference.equations import Noise
+from granwave.analysis.inference.grains import Array, Grains, State, Wall, find_contacts, stiffness
+from granwave.analysis.inference.infer import infer, relative_noise
+from granwave.analysis.inference.output import Inferred
 from granwave.analysis.inference.table import groups
-from granwave.analysis.inference.tables import force_columns, summary_of
-from granwave.analysis.inference.truth import Run, read_run, seen_by_camera
-from granwave.analysis.inference.weights import Noise
+from granwave.analysis.inference.tables import summary_of
+from granwave.analysis.inference.truth import Snapshots, seen_by_camera
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
@@ -53,60 +51,7 @@ class Camera:
     seed: int = 1
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Plan:
-    """Measurements made of a run, and what is inferred from them.
-
-    Attributes
-    ----------
-    found
-        Inference from the first measurement with the largest noise.
-    true
-        True forces, components as in `Inference.force`: (m, d), N.
-    measurement, case
-        That measurement, and the tables of the case that it is inferred with.
-    noise, error, spread
-        Noise, and mean and standard deviation of the error of the forces over the repetitions: (n,).
-    """
-
-    found: Inference
-    true: Array
-    time: float
-    measurement: Columns
-    case: dict[str, Any]
-    noise: Array
-    error: Array
-    spread: Array
-    summary: dict[str, Any]
-
-    @property
-    def true_columns(self) -> Columns:
-        """Columns of forces.csv with the true forces."""
-        shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
-        return {"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear}
-
-    @property
-    def forces(self) -> Columns:
-        """All columns of forces.csv."""
-        return {**force_columns([self.found], [self.time]), **self.true_columns}
-
-    def write(self, directory: Path, *, figures: bool = True) -> None:
-        """Write the files of the inference, with the true forces and the table of the measurement."""
-        drawing = drawings.against_noise(self.noise, self.error, self.spread) if len(self.noise) > 1 else None
-        write_inference(
-            directory,
-            [self.found],
-            [self.time],
-            self.summary,
-            figures=figures,
-            measurement=self.measurement,
-            case=self.case,
-            more_forces=self.true_columns,
-            noise_drawing=drawing if figures else None,
-        )
-
-
-def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, progress: bool = False) -> Plan:
+def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, progress: bool = False) -> Inferred:
     """Make measurements of a run, infer the forces, and compare them with those of the run.
 
     Parameters
@@ -114,7 +59,7 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
     source
         Directory of a run whose snapshots hold contact forces.
     case
-        Settings of the inference; None: those of the run (friction, material).
+        Infer of the inference; None: those of the run (friction, material).
     progress
         Show a bar on a terminal.
 
@@ -126,11 +71,11 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
     if camera.position_noise and camera.frame_rate is None:
         raise InputError("--position-noise: found it without --frame-rate, which tells the frames that it falls on")
     with Result(source) as result:
-        run = read_run(result)
+        run = Snapshots(result)
         name = result.case.name
     state, settings = _settings(run, case)
     number = _snapshot(run, camera)
-    exact, true = run.state(number, settings.tolerance)
+    exact, true = run.state(number, settings.contact_tolerance)
     if not true.any():
         raise InputError(f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time")
     poisson = (
@@ -139,8 +84,9 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
     compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
     exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
     walls = run.walls(number)
-    kept_rows = find_contacts(exact, walls, settings.tolerance).touched(len(exact))
-    exact, notes = exact.take(kept_rows), _left_out(run, kept_rows)
+    kept_rows = find_contacts(exact, walls, settings.contact_tolerance).touched(len(exact))
+    exact, lonely = exact.take(kept_rows), int(np.count_nonzero(~kept_rows))
+    notes = [f"{lonely} of {len(kept_rows)} grains touch nothing and are left out"] if lonely else []
     rng = np.random.default_rng(camera.seed)
     means, deviations, off, kept = [], [], [], None
     levels = sorted(camera.noise)
@@ -173,34 +119,32 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
         "position_noise_m": camera.position_noise if camera.frame_rate else None,
         "acceleration_error": float(np.mean(off)),
     }
-    return Plan(
-        found,
-        true,
-        time,
-        _columns(kept[0], run, kept_rows),
-        _case(run, state, found.settings, walls),
-        np.array(levels),
-        np.array(means),
-        np.array(deviations),
+    return Inferred(
+        [found],
+        [time],
         summary,
+        measurement=_columns(kept[0], run, kept_rows),
+        case=_case(run, state, found.settings, walls),
+        true=true,
+        noise=np.array([levels, means, deviations]) if several else None,
     )
 
 
-def _case(run: Run, state: State, settings: Settings, walls: Mapping[str, Wall]) -> dict[str, Any]:
+def _case(run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]) -> dict[str, Any]:
     """Return the tables of a case with which `granwave infer` reads the measurement; materials are in its columns."""
     wanted: dict[str, Any] = {
         "state": state,
         "friction": settings.friction,
         "wall_friction": settings.wall_friction,
         "thickness": run.length,
-        "contact_tolerance": settings.tolerance,
-        "modulus": FIND if settings.find_modulus else GIVEN,
+        "contact_tolerance": settings.contact_tolerance,
+        "modulus": settings.modulus,
         "repetitions": settings.repetitions,
         "ridge": settings.ridge,
         "weights": settings.weights,
         "walls": {name: {"point": list(wall.point), "normal": list(wall.normal)} for name, wall in walls.items()},
     }
-    noise = {name: size for name, size in dataclasses.asdict(settings.noise).items() if size}
+    noise = {name: size for name, size in dataclasses.asdict(settings.deviations).items() if size}
     if noise:
         wanted["noise"] = noise
     names = ("density", "youngs_modulus", "poisson_ratio")
@@ -208,11 +152,12 @@ def _case(run: Run, state: State, settings: Settings, walls: Mapping[str, Wall])
     return {"material": material, "infer": {name: value for name, value in wanted.items() if value is not None}}
 
 
-def _settings(run: Run, case: InferCase | None) -> tuple[State, Settings]:
+def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
     """Return state and settings: those of the case, or of the run."""
     if case is None:
-        return ("space" if run.dimension == 3 else "plane-stress"), Settings(run.friction[0], run.friction[1])
-    settings = case.settings
+        state: State = "space" if run.dimension == 3 else "plane-stress"
+        return state, Infer(friction=run.friction[0], wall_friction=run.friction[1])
+    settings = case.infer
     if settings.wall_friction is None and case.infer.friction == run.friction[0]:
         settings = dataclasses.replace(settings, wall_friction=run.friction[1])
     if run.dimension != case.dimension:
@@ -225,7 +170,7 @@ def _settings(run: Run, case: InferCase | None) -> tuple[State, Settings]:
     return case.infer.state, settings
 
 
-def _snapshot(run: Run, camera: Camera) -> int:
+def _snapshot(run: Snapshots, camera: Camera) -> int:
     if camera.time is None:
         return run.largest_snapshot(0.0 if camera.frame_rate is None else 1 / camera.frame_rate)
     if not run.times[0] <= camera.time <= run.times[-1]:
@@ -234,7 +179,7 @@ def _snapshot(run: Run, camera: Camera) -> int:
 
 
 def _measure(
-    run: Run,
+    run: Snapshots,
     number: int,
     exact: Grains,
     rows: NDArray[np.bool_],
@@ -275,13 +220,7 @@ def _relative(found: Array, true: Array) -> float:
     return float(np.linalg.norm((found - true)[known])) / size if size > 0 else 0.0
 
 
-def _left_out(run: Run, rows: NDArray[np.bool_]) -> list[str]:
-    """Return the note on grains that touch nothing at the instant, whose forces are zero."""
-    lonely = run.ids[~rows]
-    return [f"{len(lonely)} of {len(rows)} grains touch nothing and are left out"] if len(lonely) else []
-
-
-def _columns(grains: Grains, run: Run, rows: NDArray[np.bool_]) -> Columns:
+def _columns(grains: Grains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
     """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer` reads them."""
     names = groups(grains.dimension)
     assert grains.compliance is not None

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.inference.grains import TENSOR, Array
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.csv_rows import Row, read_csv_rows
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_csv_rows
 
 _SHOWN = 10  # largest number of faults in a message
 
@@ -102,7 +102,9 @@ def read_table_of_grains(path: str | Path, dimension: int) -> Table:
         The file cannot be read, a column is unknown, twice there or missing, or a cell is no number; the message gives
         the lines.
     """
-    source, rows = str(path), _rows(Path(path))
+    source, rows = str(path), read_csv_rows(Path(path))
+    if not rows:
+        raise InputError(f"{path}: found nothing, expected a line of names and a row for each grain")
     number, header = rows[0]
     errors: list[str] = []
     names = _names([name.strip() for name in header], f"{source}: line {number}", dimension, errors)
@@ -162,11 +164,3 @@ def _names(names: list[str], where: str, dimension: int, errors: list[str]) -> l
     if "time_s" in full and "frame" in full:
         errors.append(f"{where}: found time_s and frame, expected one of them")
     return full
-
-
-def _rows(path: Path) -> list[Row]:
-    """Read the rows of a CSV file with their line numbers."""
-    rows = read_csv_rows(path)
-    if not rows:
-        raise InputError(f"{path}: found nothing, expected a line of names and a row for each grain")
-    return rows

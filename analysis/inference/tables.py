@@ -1,17 +1,63 @@
-"""Tables and summary of inferred forces."""
+"""Tables, summary and main values in words of inferred forces; numbers of several instants are lists."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granwave.analysis.figures.style import Columns
-from granwave.analysis.inference.infer import Inference
-from granwave.analysis.inference.quantities import QUANTITIES
+from granwave.analysis.quantities import Quantity
+from granwave.analysis.summary_table import lines
 from granwave.analysis.versions import versions_of
+
+if TYPE_CHECKING:
+    from granwave.analysis.figures.style import Columns
+    from granwave.analysis.inference.infer import Inference
+
+ENTRIES = (
+    Quantity("name"),
+    Quantity("kind"),
+    Quantity("measurement", meaning="File of the measured grains, or directory of the run."),
+    Quantity("state", meaning="How strains give stresses."),
+    Quantity("n_instants", "Instants"),
+    Quantity("time_s", "Instant", "Null for a table without times."),
+    Quantity("n_grains", "Grains"),
+    Quantity("n_contacts", "Candidate contacts", "Pairs, and grains at walls, that lie within the tolerance."),
+    Quantity("n_loaded_contacts", "Contacts that bear a force"),
+    Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
+             "Normal force; noise gives most candidates some force. Null without standard errors."),
+    Quantity("n_equations", "Equations"),
+    Quantity("n_unknowns", "Components of forces"),
+    Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),
+    Quantity("weights", meaning="How the equations are weighed: equal, white or correlated."),
+    Quantity("friction", "Coefficient of friction"),
+    Quantity("largest_force_N", "Largest contact force"),
+    Quantity("mean_normal_force_N", "Mean normal force", "Of the contacts that bear a force."),
+    Quantity("n_sliding_contacts", "Sliding contacts", "Tangential force within 0.1 % of friction times normal force."),
+    Quantity("residual_fraction", "Residuals", "Root of the sum of squares of the residuals over that of the data."),
+    Quantity("chi2_per_equation", "chi^2 over free equations",
+             "Weighted squares of the residuals over the number of equations without that of the forces: near 1 if "
+             "noise and friction are right; null without known noise."),
+    Quantity("standard_error_fraction", "Standard error of the forces",
+             "Root of the sum of squares of the standard errors over that of the forces, from repeated noise."),
+    Quantity("repetitions", meaning="Number of repetitions with noise."),
+    Quantity("youngs_modulus_Pa", "Young's modulus", "Given or found; of the first grain. Null for measured stresses."),
+    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if it was given."),
+    Quantity("true_force_error", "Error of the forces",
+             "Of measurements made of a run: root of the sum of squares of the errors over that of the true forces; "
+             "mean of all repetitions."),
+    Quantity("noise", meaning="Of measurements made of a run: noise over the root mean square, or a list."),
+    Quantity("frame_rate_Hz", meaning="Of measurements made of a run: frames per second of the camera."),
+    Quantity("position_noise_m", meaning="Of measurements made of a run: error of measured places."),
+    Quantity("acceleration_error", "Error of the accelerations",
+             "Of measurements made of a run: as that of the forces; by frames and errors of places."),
+    Quantity("notes", meaning="Assumptions where something was not measured."),
+    Quantity("versions"),
+)  # fmt: skip
+QUANTITIES = {entry.name: entry for entry in ENTRIES}
+
 
 _SLIDING = 1e-3  # of the limit of friction
 _ERRORS = 2.0  # standard errors that a normal force exceeds to count as found
@@ -25,61 +71,51 @@ def force_columns(found: Sequence[Inference], times: Sequence[float]) -> Columns
     ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the name of a wall. In the
     plane a tangential force is positive along (-ny, nx); in space its vector is given. Forces act on ``i``.
     """
-    first = found[0]
-    dimension = first.grains.dimension
-    columns: dict[str, list[Any]] = {}
+    return _joined([_forces(one, time) for one, time in zip(found, times, strict=True)])
 
-    def add(name: str, values: Any) -> None:
-        columns.setdefault(name, []).extend(np.asarray(values).tolist())
 
-    for one, time in zip(found, times, strict=True):
-        contacts, ids, force = one.contacts, one.grains.ids, one.force
-        if not math.isnan(time):
-            add("time_s", np.full(len(contacts), time))
-        add("i", ids[contacts.first])
-        pairs = zip(contacts.second.tolist(), contacts.wall.tolist(), strict=True)
-        columns.setdefault("j", []).extend(str(ids[j]) if j >= 0 else contacts.walls[wall] for j, wall in pairs)
-        for axis in range(dimension):
-            add(f"n{'xyz'[axis]}", contacts.normal[:, axis])
-        tangential = force[:, 1] if dimension == 2 else np.linalg.norm(force[:, 1:], axis=1)
-        add("normal_force_N", force[:, 0])
-        add("tangential_force_N", tangential)
-        if one.spread is not None:
-            add("normal_error_N", one.spread[:, 0])
-            size = np.linalg.norm(one.spread[:, 1:], axis=1) / math.sqrt(dimension - 1)
-            add("tangential_error_N", size)
-        vectors, points = contacts.vectors(force), one.grains.position[contacts.first] + contacts.arm
-        for axis in range(dimension):
-            add(f"f{'xyz'[axis]}_N", vectors[:, axis])
-        for axis in range(dimension):
-            add(f"{'xyz'[axis]}_m", points[:, axis])
-    return {name: np.array(values, dtype=np.str_ if name == "j" else None) for name, values in columns.items()}
+def _forces(one: Inference, time: float) -> dict[str, Any]:
+    """Return the rows of forces.csv of one instant."""
+    contacts, ids, force, axes = one.contacts, one.grains.ids, one.force, "xyz"[: one.grains.dimension]
+    pairs = zip(contacts.second.tolist(), contacts.wall.tolist(), strict=True)
+    partners = [str(ids[j]) if j >= 0 else contacts.walls[wall] for j, wall in pairs]
+    vectors, points = contacts.vectors(force), one.grains.position[contacts.first] + contacts.arm
+    columns: dict[str, Any] = {} if math.isnan(time) else {"time_s": np.full(len(contacts), time)}
+    columns |= {"i": ids[contacts.first], "j": np.array(partners, dtype=np.str_)}
+    columns |= {f"n{axis}": values for axis, values in zip(axes, contacts.normal.T, strict=True)}
+    columns["normal_force_N"] = force[:, 0]
+    columns["tangential_force_N"] = force[:, 1] if len(axes) == 2 else np.linalg.norm(force[:, 1:], axis=1)
+    if one.spread is not None:
+        columns["normal_error_N"] = one.spread[:, 0]
+        columns["tangential_error_N"] = np.linalg.norm(one.spread[:, 1:], axis=1) / math.sqrt(len(axes) - 1)
+    columns |= {f"f{axis}_N": values for axis, values in zip(axes, vectors.T, strict=True)}
+    return columns | {f"{axis}_m": values for axis, values in zip(axes, points.T, strict=True)}
 
 
 def grain_columns(found: Sequence[Inference], times: Sequence[float]) -> Columns:
     """Return the columns of grains.csv: residuals of the equations of each grain, NaN where nothing was measured."""
-    columns: dict[str, list[Any]] = {}
+    tables = []
     for one, time in zip(found, times, strict=True):
         motion, stress = one.residual_of_grains()
-        values = {"id": one.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress}
-        if not math.isnan(time):
-            values = {"time_s": np.full(len(one.grains), time), **values}
-        for name, column in values.items():
-            columns.setdefault(name, []).extend(column.tolist())
-    return {name: np.array(values) for name, values in columns.items()}
+        values = {} if math.isnan(time) else {"time_s": np.full(len(one.grains), time)}
+        tables.append({**values, "id": one.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress})
+    return _joined(tables)
+
+
+def _joined(tables: Sequence[Mapping[str, Any]]) -> Columns:
+    """Put the rows of tables below each other."""
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def instant_summary(one: Inference, time: float) -> dict[str, Any]:
     """Return the values of one instant."""
     size = np.linalg.norm(one.force, axis=1)
     loaded = size > _LOADED * size.max(initial=0.0)
-    friction = np.full(len(size), one.settings.friction)
-    if one.settings.wall_friction is not None:
-        friction[one.contacts.second < 0] = one.settings.wall_friction
+    friction = one.settings.friction_of(one.contacts)
     shear = np.linalg.norm(one.force[:, 1:], axis=1)
     sliding = loaded & (friction > 0) & (shear >= (1 - _SLIDING) * friction * one.force[:, 0])
     clear = loaded if one.spread is None else one.force[:, 0] > _ERRORS * one.spread[:, 0]
-    known = one.spread is not None or one.settings.noise.complete(one.grains)
+    known = one.spread is not None or one.settings.deviations.complete(one.grains)
     modulus = None if one.grains.modulus is None else float(one.grains.modulus[0]) * one.factor
     total = float(np.linalg.norm(one.force))
     return {
@@ -126,3 +162,44 @@ def summary_of(
         "versions": versions_of(["numpy", "scipy", "clarabel"]),
     }
     return {key: summary[key] for key in QUANTITIES if key in summary}
+
+
+def in_words(summary: Mapping[str, Any]) -> str:
+    """Return the main values, a line each."""
+
+    def shown(key: str, form: str, factor: float = 1.0) -> str:
+        values = summary.get(key)
+        if not isinstance(values, list):
+            values = [values]
+        numbers = [value if factor == 1 else factor * value for value in values if isinstance(value, int | float)]
+        if not numbers:
+            return ""
+        low, high = format(min(numbers), form), format(max(numbers), form)
+        return low if low == high else f"{low} to {high}"
+
+    significant = shown("n_significant_contacts", "d")
+    counted = ("n_significant_contacts" if significant else "n_loaded_contacts", "d")
+    above = " above two standard errors" if significant else ""
+    rows = [
+        ("grains", shown("n_grains", "d")),
+        ("contacts", f"{shown('n_contacts', 'd')}, {shown(*counted)} of them bear a force{above}"),
+        (
+            "equations",
+            f"{shown('n_equations', 'd')} for {shown('n_unknowns', 'd')} unknowns, {summary['weights']} weights",
+        ),
+        ("largest force", f"{shown('largest_force_N', '.4g')} N"),
+        ("residuals", f"{shown('residual_fraction', '.2g', 100)} % of the data"),
+    ]
+    if instants := summary["n_instants"] - 1:
+        rows.insert(0, ("instants", str(instants + 1)))
+    if text := shown("chi2_per_equation", ".3g"):
+        rows.append(("chi^2", f"{text} for each free equation (1: as the noise)"))
+    if text := shown("standard_error_fraction", ".2g", 100):
+        rows.append(("standard error", f"{text} % of the forces, from {summary['repetitions']} repetitions"))
+    if text := shown("youngs_modulus_error_Pa", ".2g", 1e-6):
+        rows.append(("Young's modulus", f"{shown('youngs_modulus_Pa', '.4g', 1e-6)} +- {text} MPa"))
+    if text := shown("acceleration_error", ".2g", 100):
+        rows.append(("accelerations", f"off by {text} %"))
+    if text := shown("true_force_error", ".2g", 100):
+        rows.append(("forces", f"off by {text} % of the true ones"))
+    return lines([*rows, *(("note", note) for note in summary["notes"])])

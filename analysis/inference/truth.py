@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from granwave.analysis.inference.contacts import Contacts, Wall, find_contacts
 from granwave.analysis.inference.equations import make_equations
-from granwave.analysis.inference.grains import PAIRS, Array, Grains, volume_of
+from granwave.analysis.inference.grains import PAIRS, Array, Contacts, Grains, Wall, find_contacts, volume_of
 from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.shape import Cylinder
+from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
@@ -28,16 +24,17 @@ _TURNS = {"y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), "z": np.array([[1.
 _REST = 1e-6  # of the largest contact force: a force beside those of contacts that is smaller is rounding
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Run:
+class Snapshots:
     """Snapshots of a run, in the coordinates of a measurement: packings of cylinders have y upwards.
 
     Attributes
     ----------
     directory
         Name of the run's directory.
-    length
-        Length of the cylinders; 1 for spheres, m.
+    dimension, length
+        2 for cylinders, 3 for spheres; length of the cylinders, 1 for spheres, m.
+    ids, radius
+        (n,), m.
     density, youngs_modulus, poisson_ratio
         Of each grain: (n,).
     times
@@ -50,34 +47,81 @@ class Run:
         Snapshots of grains and of contacts.
     turn
         Components of vectors of the run that those of the measurement are made of, with their signs: (d, 3).
-    walls
-        Planes of the run, by name.
     friction
         Largest coefficient of friction of grains and of walls.
     strikers
         True for strikers, which pass walls: (n,).
+
+    Raises
+    ------
+    InputError
+        The run recorded no contact forces, or has periodic sides, a tube or bars.
     """
 
-    directory: str
-    dimension: int
-    length: float
-    density: Array
-    youngs_modulus: Array
-    poisson_ratio: Array
-    times: Array
-    position: Array
-    velocity: Array
-    spin: Array
-    angular_acceleration: Array
-    frames: list[Frame]
-    forces: list[Frame]
-    ids: NDArray[np.int64]
-    radius: Array
-    turn: Array
-    wall_fixes: Mapping[str, tuple[CaseWall, tuple[str, ...]]]
-    moved: Mapping[str, Array]
-    friction: tuple[float, float]
-    strikers: NDArray[np.bool_]
+    def __init__(self, result: Result) -> None:
+        case, assembly = result.case, result.assembly
+        self.directory = str(result.path.parent)
+        if not case.output.contact_forces:
+            raise InputError(
+                f"{self.directory}: its snapshots hold no contact forces; run the case again with "
+                "--set output.contact_forces=true"
+            )
+        there = walls(assembly)
+        for found, name in ((assembly.lattice.periodic, "periodic sides"), (assembly.bars, "bars"),
+                            (any(wall.tube for wall in there), "a tube")):  # fmt: skip
+            if found:
+                raise InputError(f"{self.directory}: has {name}, expected grains between planes, as a camera would "
+                                 "see them")  # fmt: skip
+        cylinder = _cylinders(assembly, self.directory)
+        axis, self.turn, about = "", np.eye(3), np.eye(3)
+        if cylinder is not None:
+            axis = "y" if cylinder.axis[1] else "z"
+            self.turn, about = _TURNS[axis], np.eye(3)[["xyz".index(axis)]]  # about the axis of rotation
+        self.dimension = 3 if cylinder is None else 2
+        self.length = 1.0 if cylinder is None else cylinder.length
+        self._read_grains(result)
+        self._read_snapshots(result, about)
+        self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {
+            wall.name: (wall, tuple(fix for fix, _, _ in wall_fixes(assembly, wall)))
+            for wall in there
+            if not wall.held_layer and "xyz"[wall.axis] != axis
+        }
+        self.moved = {
+            name: np.interp(self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
+            if f"walls/{name}/displacement" in result
+            else np.zeros(len(self.times))
+            for name in self.wall_fixes
+        }
+        frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
+        at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
+        self.friction = max(frictions), max(at_walls)
+
+    def _read_grains(self, result: Result) -> None:
+        self.ids = result["particles/spheres/id"].astype(np.int64)
+        self.radius = result["particles/spheres/radius"]
+        self.strikers = self.ids > result.assembly.lattice.n_spheres
+        kinds = result["particles/spheres/species"].tolist()
+        materials = [result.assembly.species[kind - 1].material for kind in kinds]
+        self.density = np.array([material.density for material in materials])
+        self.youngs_modulus = np.array([material.youngs_modulus for material in materials])
+        self.poisson_ratio = np.array([material.poisson_ratio for material in materials])
+
+    def _read_snapshots(self, result: Result, about: Array) -> None:
+        by_step = {frame.step: frame for frame in read_frame_forces(self.directory)}
+        frames = [frame for frame in read_frames(self.directory) if frame.step in by_step]
+        number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
+        rows = [number[frame.step] for frame in frames]
+        self.frames = [frame.up_to(int(self.ids[-1])) for frame in frames]
+        self.forces = [by_step[frame.step] for frame in frames]
+        self.times = result.frame_times[rows]
+        self.position = np.stack([result.frame(row, "position") @ self.turn.T for row in rows])
+        self.velocity = np.stack([result.frame(row, "velocity") @ self.turn.T for row in rows])
+        n = len(self.ids)
+        self.spin = np.stack([frame.vector("omegax", "omegay", "omegaz")[:n] @ about.T for frame in frames])
+        # torques of cylinders are recorded as the integration of spheres takes them (fix gran/cylinder)
+        inertia = _OF_SPHERE * self.density * self.volume * self.radius**2
+        torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in self.frames])
+        self.angular_acceleration = torque / inertia[:, None]
 
     @property
     def volume(self) -> Array:
@@ -232,83 +276,7 @@ def _moments(contacts: Contacts, number: int, radius: float | None) -> Array:
     return np.cross(lever[:, None], tangents, axis=0)
 
 
-def read_run(result: Result) -> Run:
-    """Read the snapshots of a run with their contact forces.
-
-    Raises
-    ------
-    InputError
-        The run recorded no contact forces, or has periodic sides, a tube or bars.
-    """
-    case, assembly, directory = result.case, result.assembly, result.path.parent
-    if not case.output.contact_forces:
-        raise InputError(
-            f"{directory}: its snapshots hold no contact forces; run the case again with "
-            "--set output.contact_forces=true"
-        )
-    there = walls(assembly)
-    for found, name in ((assembly.lattice.periodic, "periodic sides"), (assembly.bars, "bars"),
-                        (any(wall.tube for wall in there), "a tube")):  # fmt: skip
-        if found:
-            raise InputError(f"{directory}: has {name}, expected grains between planes, as a camera would see them")
-    cylinder = _cylinders(assembly, directory)
-    plane, axis = cylinder is not None, ""
-    turn, about = np.eye(3), np.eye(3)
-    if cylinder is not None:
-        axis = "y" if cylinder.axis[1] else "z"
-        turn, about = _TURNS[axis], np.eye(3)[["xyz".index(axis)]]  # about the axis of rotation
-    frames, forces = list(read_frames(directory)), list(read_frame_forces(directory))
-    by_step = {frame.step: frame for frame in forces}
-    frames = [frame for frame in frames if frame.step in by_step]
-    number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
-    rows = [number[frame.step] for frame in frames]
-    ids = result["particles/spheres/id"].astype(np.int64)
-    materials = [assembly.species[kind - 1].material for kind in result["particles/spheres/species"].tolist()]
-    times = result.frame_times[rows]
-    fixes = {
-        wall.name: (wall, tuple(fix for fix, _, _ in wall_fixes(assembly, wall)))
-        for wall in there
-        if not wall.held_layer and "xyz"[wall.axis] != axis
-    }
-    moved = {
-        name: np.interp(times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
-        if f"walls/{name}/displacement" in result
-        else np.zeros(len(times))
-        for name in fixes
-    }
-    frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
-    at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
-    radius = result["particles/spheres/radius"]
-    density = np.array([material.density for material in materials])
-    run = Run(
-        directory=str(directory),
-        dimension=2 if plane else 3,
-        length=1.0 if cylinder is None else cylinder.length,
-        density=density,
-        youngs_modulus=np.array([material.youngs_modulus for material in materials]),
-        poisson_ratio=np.array([material.poisson_ratio for material in materials]),
-        times=times,
-        position=np.stack([result.frame(row, "position") @ turn.T for row in rows]),
-        velocity=np.stack([result.frame(row, "velocity") @ turn.T for row in rows]),
-        spin=np.stack([frame.vector("omegax", "omegay", "omegaz")[: len(ids)] @ about.T for frame in frames]),
-        angular_acceleration=np.zeros((len(rows), len(ids), len(about))),
-        frames=[frame.up_to(int(ids[-1])) for frame in frames],
-        forces=[by_step[frame.step] for frame in frames],
-        ids=ids,
-        radius=radius,
-        turn=turn,
-        wall_fixes=fixes,
-        moved=moved,
-        friction=(max(frictions), max(at_walls)),
-        strikers=ids > assembly.lattice.n_spheres,
-    )
-    # torques of cylinders are recorded as the integration of spheres takes them (fix gran/cylinder)
-    inertia = _OF_SPHERE * density * run.volume * radius**2
-    torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in run.frames])
-    return dataclasses.replace(run, angular_acceleration=torque / inertia[:, None])
-
-
-def _cylinders(assembly: Assembly, directory: Path) -> Cylinder | None:
+def _cylinders(assembly: Assembly, directory: str) -> Cylinder | None:
     """Return the shape of the cylinders of a run; None for spheres.
 
     Raises
@@ -326,7 +294,9 @@ def _cylinders(assembly: Assembly, directory: Path) -> Cylinder | None:
     return one
 
 
-def seen_by_camera(run: Run, number: int, rate: float, noise: float, rng: np.random.Generator) -> tuple[Array, Array]:
+def seen_by_camera(
+    run: Snapshots, number: int, rate: float, noise: float, rng: np.random.Generator
+) -> tuple[Array, Array]:
     """Return accelerations and angular accelerations by second differences of three frames around a snapshot.
 
     Places between snapshots follow from places and velocities, angles from spins and their rates.

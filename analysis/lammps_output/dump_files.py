@@ -7,10 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.binary_dump import BINARY, binary_frames
-from granwave.analysis.lammps_output.frame import CutShortError, Frame
-from granwave.analysis.lammps_output.number_rows import AGAIN
-from granwave.analysis.lammps_output.text_dump import text_frames
+from granwave.analysis.lammps_output.dump_formats import BINARY, binary_frames, text_frames
+from granwave.analysis.lammps_output.frame import AGAIN, CutShortError, Frame
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,

@@ -26,9 +26,17 @@ from granwave.analysis.lammps_output.dump_files import (
     missing_dump,
     rank_files,
 )
-from granwave.analysis.lammps_output.frame import CutShortError, Frame, joined
-from granwave.analysis.lammps_output.number_rows import AGAIN, CUT, DAMAGED, read_rows, whole_number
-from granwave.analysis.lammps_output.text_dump import Lines, rows_without_header
+from granwave.analysis.lammps_output.dump_formats import Lines, rows_without_header
+from granwave.analysis.lammps_output.frame import (
+    AGAIN,
+    CUT,
+    DAMAGED,
+    CutShortError,
+    Frame,
+    joined,
+    read_rows,
+    whole_number,
+)
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.run_directory import (

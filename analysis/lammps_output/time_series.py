@@ -1,21 +1,43 @@
-"""Readers of the time series of a run: energy ledger, wall forces and probes.
+"""Readers of the time series and of the record of a run, and the check that its output is complete.
 
 ``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the last of which names
 the columns, followed by a row of numbers for each instant. A last row that was cut is dropped; of rows of the same
-instant (resumed run) the last one is used.
+instant (resumed run) the last one is used. ``dumps/lines.dump`` has the motion of lines of grains. Truncated files
+would silently give wrong results.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.number_rows import AGAIN, read_rows
+from granwave.analysis.lammps_output.dumps import instants
+from granwave.analysis.lammps_output.frame import AGAIN, CUT, read_rows
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck import columns
-from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, PROBES_FILE, STATIC_STAGE_FILE, WALLS_FILE
+from granwave.lammps_inputs.deck.columns import LINES, names
+from granwave.lammps_inputs.deck.deck import read_deck
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.ownership import output_names
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DUMPS,
+    ENERGY_FILE,
+    LINES_FILE,
+    PROBES_FILE,
+    RECORD_FILE,
+    STATIC_STAGE_FILE,
+    WALL_CONTACTS_FILE,
+    WALLS_FILE,
+)
+from granwave.lammps_inputs.run_state import changed_file
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -43,7 +65,7 @@ def read_energy(directory: str | Path) -> Table:
     path = Path(directory) / DUMPS / ENERGY_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory} --force)")
-    table = _read(path)
+    table = _read_table(path)
     missing = [name for name in ENERGY_COLUMNS if name not in table]
     if missing:
         raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
@@ -78,10 +100,10 @@ def read_probes(directory: str | Path) -> Table:
 
 
 def _read_if_there(path: Path) -> Table:
-    return _read(path) if path.exists() else {}
+    return _read_table(path) if path.exists() else {}
 
 
-def _read(path: Path) -> Table:
+def _read_table(path: Path) -> Table:
     names: list[str] = []
     rows, lines = [], []
     with open(path, encoding="ascii", errors="replace") as file:  # other bytes give an error with their line
@@ -108,3 +130,133 @@ def _check_steps(path: Path, steps: NDArray[np.float64]) -> None:
     if len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())
         raise OutputFormatError(f"{path} lacks rows between the steps {steps[n]:.0f} and {steps[n + 1]:.0f}; {AGAIN}")
+
+
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
+
+
+def read_record(directory: str | Path) -> dict[str, Any]:
+    """Read the driver's record of the run (``run.json``); empty if there is none.
+
+    Raises
+    ------
+    OutputFormatError
+        The file is damaged.
+    """
+    path = Path(directory) / RECORD_FILE
+    if not path.exists():
+        return {}
+    record = read_json(path)
+    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
+        raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
+    return record
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class LineHistory:
+    """Motion of the grains of all lines.
+
+    Attributes
+    ----------
+    steps
+        Counts of the step counter: (n_times,).
+    ids
+        Ids of the grains, rising: (n,).
+    displacement, velocity
+        (n_times, n, 3), m and m/s.
+    sums
+        Sums of the magnitudes of the contact forces along x, y and z: (n_times, n, 3), N.
+    angular_velocity
+        (n_times, n, 3), rad/s; None if nothing rotates.
+    """
+
+    steps: NDArray[np.int64]
+    ids: NDArray[np.int64]
+    displacement: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    sums: NDArray[np.float64]
+    angular_velocity: NDArray[np.float64] | None
+
+
+def read_lines(directory: str | Path, ids: tuple[int, ...], last: int) -> LineHistory:
+    """Read the motion of the grains with these ids, up to the step ``last``.
+
+    Raises
+    ------
+    MissingOutputError, OutputFormatError
+        The file is missing, damaged or ends too soon, or holds other grains.
+    """
+    path = Path(directory) / DUMPS / LINES_FILE
+    frames = list(instants(directory, LINES_FILE, names(LINES)))
+    for frame in frames:
+        if tuple(frame["id"].astype(int).tolist()) != ids:
+            raise OutputFormatError(
+                f"{path}: the snapshot of step {frame.step} holds {len(frame)} grains that are not the {len(ids)} of "
+                f"the lines of the case: the files belong to different runs, or one is damaged; {AGAIN}"
+            )
+    if frames[-1].step < last:
+        raise OutputFormatError(
+            f"{path} ends with the snapshot of step {frames[-1].step}, the run at step {last}: {CUT}"
+        )
+
+    def vectors(form: str) -> NDArray[np.float64]:
+        return np.stack([frame.vector(*(form.format(axis) for axis in "xyz")) for frame in frames])
+
+    turning = vectors("omega{}") if "omegax" in frames[0].columns else None
+    steps = np.array([frame.step for frame in frames])
+    return LineHistory(steps, np.array(ids), vectors("u{}"), vectors("v{}"), vectors("sum_f{}"), turning)
+
+
+def check_complete(directory: Path) -> None:
+    """Compare the tables of a run with each other and with its record.
+
+    Raises
+    ------
+    MissingOutputError, OutputFormatError
+        A file is missing, lacks a column, or ends before the run did.
+    """
+    deck, dumps = read_deck(directory), directory / DUMPS
+    case, every = deck.case, deck.schedule.ledger_every
+    last = int(read_energy(directory)["step"][-1])
+    recorded = read_record(directory).get("n_steps")  # None for a deck that was run by hand
+    if recorded is not None and last < recorded - every:
+        raise OutputFormatError(f"{dumps / ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}")
+    found = walls(case)
+    columns = [wall.name for wall in found] + [bar.name for bar in assemble(case).bars]
+    if columns:
+        _check_series(dumps / WALLS_FILE, read_walls(directory), columns, last, every)
+    if case.probes:
+        columns = _probe_columns(case)
+        _check_series(dumps / PROBES_FILE, read_probes(directory), columns, last, max(every, deck.schedule.probe_every))
+    if case.line and not (dumps / LINES_FILE).exists():
+        raise MissingOutputError(f"{dumps / LINES_FILE} is missing; {AGAIN}")
+    if case.precompression and not read_static_stage(directory):
+        raise MissingOutputError(f"{dumps / STATIC_STAGE_FILE} is missing; {AGAIN}")
+    for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):
+        if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
+            raise MissingOutputError(f"{path} is missing; {AGAIN}")
+
+
+def check_unchanged(directory: Path) -> None:
+    """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
+    if fault := changed_file(directory, output_names(directory)):
+        raise OutputFormatError(
+            f"{fault}: put back what the run wrote, or run the case again: "
+            f"granwave run {directory / CASE_FILE} -o {directory} --resume"
+        )
+
+
+def _check_series(path: Path, table: Table, columns: list[str], last: int, every: int) -> None:
+    """Check that a table exists, has these columns, and ends with the ledger."""
+    if not table:
+        raise MissingOutputError(f"{path} is missing; {AGAIN}")
+    if missing := [name for name in columns if name not in table]:
+        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
+    if abs(table["step"][-1] - last) > every:
+        raise OutputFormatError(f"{path} ends at step {table['step'][-1]:.0f}, the ledger at step {last}: {CUT}")
+
+
+def _probe_columns(case: Case) -> list[str]:
+    """Return the name of one column of each probe."""
+    contacts = ["contact_{}_{}_force".format(*probe.contact) for probe in case.probes if probe.contact is not None]
+    return contacts + [f"sphere_{probe.sphere}_ux" for probe in case.probes if probe.contact is None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import difflib
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
@@ -11,7 +10,7 @@ import matplotlib as mpl
 from cycler import cycler
 from matplotlib.axes import Axes
 
-from granwave.analysis.errors import MissingDataError
+from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.scales import least_span
 from granwave.analysis.figures.series import COLOURS
 from granwave.analysis.figures.style import WIDTH, Drawing, NotDrawn, style
@@ -63,6 +62,6 @@ def own_style() -> Iterator[None]:
 def no_figure(owner: str, name: str, names: Iterable[str]) -> MissingDataError:
     """Return the error that there is no figure of a name."""
     names = list(names)
-    near = difflib.get_close_matches(str(name), names, n=1)
-    hint = f"did you mean {near[0]}? " if near else ""
+    near = did_you_mean(str(name), names)
+    hint = f"{near} " if near else ""
     return MissingDataError(f"{owner}: has no figure {name}; {hint}figures are {', '.join(names) or 'none'}")

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granwave.analysis.errors import MissingDataError
+from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.exports.to_csv import TABLES, place_of_column
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.result.reader import Result
@@ -40,9 +39,9 @@ def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = 
     split: dict[str, Any] = {}
     split_units: dict[str, str] = {}
     for name, values in columns.items():
-        parts = (
-            {name: values} if np.ndim(values) < 2 else dict(zip(_components(name), np.transpose(values), strict=True))
-        )
+        parts = {name: values}
+        if np.ndim(values) == 2:
+            parts = {f"{name}_{axis}": part for axis, part in zip("xyz", np.transpose(values), strict=True)}
         split |= parts
         split_units |= dict.fromkeys(parts, units[name])
     table = pandas.DataFrame(split)
@@ -67,8 +66,8 @@ def table(result: Result, name: str) -> pandas.DataFrame:
     """
     there = tables_of(result)
     if name not in there:
-        near = difflib.get_close_matches(str(name), there, n=1, cutoff=0.7)
-        hint = f"did you mean {near[0]}? " if near else ""
+        near = did_you_mean(str(name), there, 0.7)
+        hint = f"{near} " if near else ""
         raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}")
     columns = sorted(result.names(name), key=place_of_column)
     values = {column: result.read(f"{name}/{column}") for column in columns}
@@ -117,7 +116,3 @@ def contact_forces(result: Result) -> pandas.DataFrame:
     found = pandas.concat(parts, ignore_index=True).astype({"i": np.int64, "j": np.int64})
     found.attrs[UNITS] = {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(_AT_SNAPSHOTS[2:], "N")
     return found
-
-
-def _components(name: str) -> list[str]:
-    return [f"{name}_{axis}" for axis in "xyz"]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import html
 from collections.abc import Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
+from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError, did_you_mean
 from granwave.analysis.notebook import frames
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
@@ -77,8 +76,7 @@ class Run(Mapping[str, Any]):
         try:
             return self.summary[key]
         except KeyError:
-            near = difflib.get_close_matches(str(key), self.summary, n=1)
-            hint = f"did you mean {near[0]}?" if near else "keys() lists them"
+            hint = did_you_mean(str(key), self.summary) or "keys() lists them"
             raise MissingDataError(f"{self.directory / SUMMARY_FILE}: has no value {key}; {hint}") from None
 
     def __iter__(self) -> Iterator[str]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from granwave.analysis.document.cells import named, show
-from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.cells import named, show, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Figure, Group, Note, Report, Section, Table
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.sections.answer import answer_blocks, main_figures
@@ -17,7 +16,6 @@ from granwave.analysis.reports.sections.results import SLUG as RESULTS
 from granwave.analysis.reports.sections.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.sections.setting import first_line, setting_of, symbols_note
 from granwave.analysis.reports.sections.settings import settings_blocks
-from granwave.analysis.reports.sections.sources import sources_section
 from granwave.analysis.reports.sections.studies import leads, main_picture, studies_of, studies_section, verdicts
 from granwave.analysis.reports.sections.zone import zone_notes
 from granwave.analysis.studies.study import Study
@@ -45,7 +43,6 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
         Section("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
         comparison_section(inputs),
-        *([sources_section(inputs)] if named or any(study.has_source for study in studies) else []),
         figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
         results_section(inputs),

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import read_forces, read_history, refuse_ids
-from granwave.analysis.lammps_output.frame import Frame
-from granwave.analysis.lammps_output.number_rows import AGAIN, CUT
+from granwave.analysis.lammps_output.frame import AGAIN, CUT, Frame
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import assemble
 

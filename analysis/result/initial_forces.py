@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dump_files import initial_forces_path
 from granwave.analysis.lammps_output.dumps import read_initial_forces_in_parts, read_initial_wall_forces
-from granwave.analysis.lammps_output.frame import Frame
-from granwave.analysis.lammps_output.number_rows import AGAIN
+from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.dents import Dents
 from granwave.analysis.result.scratch import Buckets
 from granwave.analysis.result.start import Start

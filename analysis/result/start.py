@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, read_data_in_parts, refuse_ids
-from granwave.analysis.lammps_output.frame import Frame, rows_of, rows_of_all
-from granwave.analysis.lammps_output.number_rows import DAMAGED
+from granwave.analysis.lammps_output.frame import DAMAGED, Frame, rows_of, rows_of_all
 from granwave.analysis.result.scratch import read_rows
 from granwave.lammps_inputs.run_directory import DATA_FILE
 

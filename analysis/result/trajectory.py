@@ -19,8 +19,7 @@ import h5py
 import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.frame import Frame
-from granwave.analysis.lammps_output.number_rows import AGAIN
+from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.groups import COMPRESSION, ROWS_IN_CHUNK
 from granwave.analysis.result.start import Start
 

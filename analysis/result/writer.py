@@ -34,9 +34,15 @@ import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dump_files import contacts_path, frames_path
 from granwave.analysis.lammps_output.dumps import read_contacts_in_parts, read_frames_in_parts, read_wall_contacts
-from granwave.analysis.lammps_output.number_rows import CUT
-from granwave.analysis.lammps_output.run_record import read_record
-from granwave.analysis.lammps_output.time_series import Table, read_energy, read_probes, read_static_stage, read_walls
+from granwave.analysis.lammps_output.frame import CUT
+from granwave.analysis.lammps_output.time_series import (
+    Table,
+    read_energy,
+    read_probes,
+    read_record,
+    read_static_stage,
+    read_walls,
+)
 from granwave.analysis.result.chain import Groups, read_chain
 from granwave.analysis.result.dents import Dents
 from granwave.analysis.result.groups import AT_ONCE, write_group

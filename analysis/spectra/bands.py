@@ -1,4 +1,9 @@
-"""Bands of an endless packing: frequencies, group velocities and mode shapes along a path of wave vectors."""
+"""Bands of an endless packing along a path of wave vectors, gaps between them, and modes of a finite packing.
+
+Participation ratio of a mode with the energies e_i of its grains: (sum e)^2/(n sum e^2); 1: all grains move alike,
+1/n: one moves. The density of states of a large packing is that of its lowest modes; for the whole range, its moments
+over Chebyshev polynomials are found with random vectors (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
+"""
 
 from __future__ import annotations
 
@@ -11,10 +16,10 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from granwave.analysis.spectra.defaults import MOST_BANDS
 from granwave.analysis.spectra.network import FREEDOMS, Array, Network
-from granwave.analysis.spectra.paths import Path
+from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES
 from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Complex, Stiffness, factorised
+from granwave.analysis.spectra.wave_vectors import Path
 from granwave.lammps_inputs.errors import InputError, RunError
 
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
@@ -25,6 +30,10 @@ _PRECISION, _MOST_RESTARTS = 1e-9, 20_000
 _TURNING = 0.99  # of the energy in rotations: grains that roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
 _BELOW = 1e-7  # of the largest omega^2, where values are sought from
+_LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
+ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
+_BINS, _MOMENTS, _VECTORS, _SEED = 120, 240, 12, 1
+_WORDS = {place: f"along {name}" if place < 3 else f"turning about {name[1]}" for place, name in enumerate(FREEDOMS)}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -102,27 +111,40 @@ def solve_bands(
     chosen
         Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
-    n = stiffness.network.n_freedoms
-    wanted = min(n, n_bands or (n if n <= DENSE_UP_TO else MOST_BANDS))
+    n, n_k = stiffness.network.n_freedoms, len(path.k)
+    dense = n <= DENSE_UP_TO
+    wanted = min(n, n_bands or (n if dense else MOST_BANDS))
     corners = [row for row, _ in path.corners]
-    if n <= DENSE_UP_TO:
-        return _dense(stiffness, path, wanted, corners, chosen)
-    largest = _bound(stiffness)
-    square, velocity = np.empty((len(path.k), wanted)), np.empty((len(path.k), wanted, 3))
+    at_once = max(1, _BATCH // n**2) if dense else 1
+    largest = upper_bound(stiffness)
+    square, velocity = np.empty((n_k, wanted)), np.empty((n_k, wanted, 3))
     shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
-    share = None if chosen is None else np.empty((len(path.k), wanted))
-    for row, k in enumerate(path.k):
-        values, vectors = lowest(stiffness.matrix(k), wanted, largest)
-        square[row] = values
+    share = None if chosen is None else np.empty((n_k, wanted))
+    for start in range(0, n_k, at_once):
+        part = slice(start, min(start + at_once, n_k))
+        if dense:
+            values, vectors = np.linalg.eigh(stiffness.dense(path.k[part]))
+            square[part], vectors = values[:, :wanted], vectors[:, :, :wanted]
+        else:
+            square[start], vectors = lowest(stiffness.matrix(path.k[start]), wanted, largest)
+            vectors = vectors[None]
         if share is not None:
-            share[row] = (np.abs(vectors[chosen]) ** 2).sum(axis=0)
+            share[part] = (np.abs(vectors[:, chosen]) ** 2).sum(axis=1)
         for axis in range(3):
-            slope = stiffness.slope(k, axis)
-            velocity[row, :, axis] = np.einsum("na,na->a", vectors.conj(), slope @ vectors).real
+            if dense:
+                turned = stiffness.dense_slope(path.k[part], axis) @ vectors
+            else:
+                turned = (stiffness.slope(path.k[start], axis) @ vectors[0])[None]
+            velocity[part, :, axis] = (vectors.conj() * turned).sum(axis=1).real
         for place, corner in enumerate(corners):
-            if corner == row:
-                shape[place] = vectors
-    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest, share)
+            if start <= corner < part.stop:
+                shape[place] = vectors[corner - start]
+    if dense:
+        largest = max(float(square.max()), largest / 2)
+    there = square > _ZERO * largest
+    omega = np.sqrt(np.where(there, square, 1.0))[:, :, None]
+    velocity = np.where(there[:, :, None], velocity / (2 * omega), np.nan)
+    return Bands(stiffness, path, square, velocity, shape, largest, share)
 
 
 def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
@@ -149,42 +171,10 @@ def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # typ
     return values[order], vectors[:, order]
 
 
-def _bound(stiffness: Stiffness) -> float:
-    """Upper bound of omega^2 by Gershgorin's circles, s^-2."""
+def upper_bound(stiffness: Stiffness) -> float:
+    """Return an upper bound of omega^2 by Gershgorin's circles, s^-2."""
     matrix = stiffness.matrix(np.zeros(3))
     return float(np.abs(matrix).sum(axis=1).max())
-
-
-def _dense(
-    stiffness: Stiffness, path: Path, wanted: int, corners: list[int], chosen: NDArray[np.bool_] | None
-) -> Bands:
-    n, n_k = stiffness.network.n_freedoms, len(path.k)
-    at_once = max(1, _BATCH // n**2)
-    square, velocity = np.empty((n_k, wanted)), np.empty((n_k, wanted, 3))
-    shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
-    share = None if chosen is None else np.empty((n_k, wanted))
-    for start in range(0, n_k, at_once):
-        part = slice(start, min(start + at_once, n_k))
-        values, vectors = np.linalg.eigh(stiffness.dense(path.k[part]))
-        square[part] = values[:, :wanted]
-        vectors = vectors[:, :, :wanted]
-        if share is not None:
-            share[part] = (np.abs(vectors[:, chosen]) ** 2).sum(axis=1)
-        for axis in range(3):
-            slope = stiffness.dense_slope(path.k[part], axis)
-            velocity[part, :, axis] = (vectors.conj() * (slope @ vectors)).sum(axis=1).real
-        for place, corner in enumerate(corners):
-            if start <= corner < part.stop:
-                shape[place] = vectors[corner - start]
-    largest = max(float(square.max()), _bound(stiffness) / 2)
-    return Bands(stiffness, path, square, _per_omega(velocity, square, largest), shape, largest, share)
-
-
-def _per_omega(slope: Array, square: Array, largest: float) -> Array:
-    """Group velocities from d(omega^2)/dk; NaN where omega is zero."""
-    there = square > _ZERO * largest
-    omega = np.sqrt(np.where(there, square, 1.0))
-    return np.where(there[:, :, None], slope / (2 * omega[:, :, None]), np.nan)
 
 
 def refuse_floppy(bands: Bands, name: str) -> None:
@@ -250,4 +240,178 @@ def who_moves(network: Network, share: Array) -> str:
     return f"they move {', '.join(words)}{rolling}" + (f"; grains {ids} most" if ids else "")
 
 
-_WORDS = {place: f"along {name}" if place < 3 else f"turning about {name[1]}" for place, name in enumerate(FREEDOMS)}
+@dataclasses.dataclass(frozen=True)
+class Gap:
+    """Frequencies at which no wave travels along the path.
+
+    Attributes
+    ----------
+    low, high
+        Its edges, Hz; ``high`` is infinite above the highest band, ``low`` zero below the lowest.
+    below
+        Number of bands below it.
+    """
+
+    low: float
+    high: float
+    below: int
+
+    @property
+    def middle(self) -> float:
+        """Middle of the gap, Hz."""
+        return (self.low + self.high) / 2
+
+    @property
+    def relative_width(self) -> float:
+        """Width over the middle."""
+        return (self.high - self.low) / self.middle if np.isfinite(self.high) else np.inf
+
+
+def band_edges(bands: Bands) -> Array:
+    """Return the lowest and highest frequency of each band along the path: (n_bands, 2), Hz; NaN without any."""
+    frequency = bands.frequency
+    low = np.where(np.isnan(frequency), np.inf, frequency).min(axis=0)
+    high = np.where(np.isnan(frequency), -np.inf, frequency).max(axis=0)
+    there = np.isfinite(low)
+    return np.stack([np.where(there, low, np.nan), np.where(there, high, np.nan)], axis=1)
+
+
+def gaps(bands: Bands) -> list[Gap]:
+    """Return the gaps between the bands of a path, and those below the first and above the last, by rising frequency.
+
+    Of a large cell the last one is left out where only the lowest bands were sought.
+    """
+    edges = band_edges(bands)
+    order = np.argsort(edges[:, 0])
+    found: list[Gap] = []
+    top, least = 0.0, _LEAST * float(np.nanmax(edges, initial=0.0))
+    for n, (low, high) in enumerate(edges[order].tolist()):
+        if np.isnan(low):
+            continue
+        if low > top + least:
+            found.append(Gap(top, low, n))
+        top = max(top, high)
+    if bands.complete:
+        found.append(Gap(top, np.inf, len(edges)))
+    return found
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes of a finite packing.
+
+    Attributes
+    ----------
+    network
+        The packing.
+    square
+        omega^2, rising: (n_modes,), s^-2.
+    shape
+        Displacements and rotations of unit kinetic energy: (n_freedoms, n_modes), kg^-1/2 (rotations: kg^-1/2 m^-1).
+    participation
+        Participation ratios: (n_modes,).
+    density_frequency, density
+        Density of states, a share of all modes for each Hz, and its frequencies, Hz: (n,).
+    largest
+        Upper bound of omega^2, s^-2.
+    """
+
+    network: Network
+    square: Array
+    shape: Array
+    participation: Array
+    density_frequency: Array
+    density: Array
+    largest: float
+
+    @property
+    def n_floppy(self) -> int:
+        """Number of modes that meet no resistance, among those that were found."""
+        return int(np.count_nonzero(self.square <= _ZERO * self.largest))
+
+    @property
+    def frequency(self) -> Array:
+        """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
+        zero = _ZERO * self.largest
+        hertz = np.sqrt(np.maximum(self.square, 0.0)) / (2 * np.pi)
+        return np.where(self.square < -zero, np.nan, np.where(self.square <= zero, 0.0, hertz))
+
+    @property
+    def complete(self) -> bool:
+        """True if these are all modes."""
+        return len(self.square) == self.network.n_freedoms
+
+    def describe_floppy(self) -> str:
+        """Describe the modes without resistance: how many, and which grains move how."""
+        loose = self.square <= _ZERO * self.largest
+        share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
+        n = int(loose.sum())
+        known = "" if self.complete or n < len(self.square) else " or more"
+        text = f"{n}{known} of {self.network.n_freedoms} modes meet no resistance{growing(self.square, self.largest)}; "
+        text += who_moves(self.network, share)
+        return text
+
+
+def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
+    """Find the modes of a finite packing: all of a small one, the lowest of a large one.
+
+    Parameters
+    ----------
+    n_modes
+        How many; None: all of a small packing, 60 of a large one.
+    """
+    network = stiffness.network
+    n = network.n_freedoms
+    matrix = stiffness.matrix(np.zeros(3)).real.tocsr()
+    largest = float(np.abs(matrix).sum(axis=1).max())
+    if n <= ALL_UP_TO:
+        square, vectors = np.linalg.eigh(matrix.toarray())
+        frequency, density = _histogram(square)
+        if n_modes is not None:
+            square, vectors = square[:n_modes], vectors[:, :n_modes]
+    else:
+        square, vectors = lowest(matrix, min(n_modes or MOST_MODES, n - 2), largest)
+        frequency, density = _chebyshev(matrix, largest)
+    grain, _ = network.freedoms
+    own = np.zeros((network.n_grains, vectors.shape[1]))
+    np.add.at(own, grain, vectors**2)
+    moving = np.unique(grain).size
+    participation = own.sum(axis=0) ** 2 / (moving * (own**2).sum(axis=0))
+    shape = vectors / np.sqrt(network.masses)[:, None]
+    return Modes(network, square, shape, participation, frequency, density, largest)
+
+
+def _histogram(square: Array) -> tuple[Array, Array]:
+    """Density of states of all modes."""
+    frequency = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
+    n_bins = int(np.clip(len(square) / 8, 10, _BINS))
+    counts, edges = np.histogram(frequency, n_bins, (0.0, 1.02 * frequency.max()))
+    return (edges[1:] + edges[:-1]) / 2, counts / (len(square) * np.diff(edges))
+
+
+def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
+    """Density of states of a large matrix, by the kernel polynomial method with Jackson's kernel."""
+    n = matrix.shape[0]
+    random = np.random.default_rng(_SEED)
+    vector = random.choice([-1.0, 1.0], (n, _VECTORS))
+    middle = width = largest / 2
+
+    def scaled(one: Array) -> Array:
+        return np.asarray((matrix @ one - middle * one) / (1.01 * width))
+
+    before, now = vector, scaled(vector)
+    moments = [float((vector * before).sum()), float((vector * now).sum())]
+    for _ in range(_MOMENTS - 2):
+        before, now = now, 2 * scaled(now) - before
+        moments.append(float((vector * now).sum()))
+    m = np.arange(_MOMENTS)
+    q = np.pi / (_MOMENTS + 1)
+    kernel = ((_MOMENTS - m + 1) * np.cos(m * q) + np.sin(m * q) / np.tan(q)) / (_MOMENTS + 1)
+    weights = np.array(moments) / (n * _VECTORS) * kernel * np.where(m == 0, 1.0, 2.0)
+    frequency = (np.arange(_BINS) + 0.5) / _BINS * np.sqrt(largest) / (2 * np.pi)
+    square = (2 * np.pi * frequency) ** 2
+    x = np.clip((square - middle) / (1.01 * width), -1 + 1e-9, 1 - 1e-9)
+    density = np.cos(np.outer(np.arccos(x), m)) @ weights / (np.pi * np.sqrt(1 - x**2) * 1.01 * width)
+    found = density * 8 * np.pi**2 * frequency
+    kept = frequency <= frequency[np.flatnonzero(found > 1e-4 * found.max())[-1]] * 1.02
+    return frequency[kept], np.maximum(found[kept], 0.0)

@@ -111,12 +111,6 @@ class Bodies:
         return apart, beyond, turns
 
     @property
-    def _reach(self) -> Array:
-        """Radii of spheres around the grains: (n,), m."""
-        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
-        return np.where(half > 0, np.hypot(self.radius, half), self.radius)
-
-    @property
     def spacing(self) -> float:
         """Mean diameter, m."""
         return float(2 * self.radius.mean())
@@ -131,7 +125,9 @@ class Bodies:
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        reach = 2 * float(self._reach.max()) + gap
+        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
+        around = np.where(half > 0, np.hypot(self.radius, half), self.radius)  # radii of spheres around the grains
+        reach = 2 * float(around.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
         found = [(pairs.min(axis=1), pairs.max(axis=1), np.zeros((len(pairs), len(periods)), dtype=np.int64))]

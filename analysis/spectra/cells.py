@@ -30,7 +30,7 @@ from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.shape import Shape
+    from granwave.lammps_inputs.case.material import Shape
 
 _ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
@@ -194,11 +194,11 @@ def cell_bodies(case: Case) -> Bodies:
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so that there are no "
             'waves of small amplitude: give a static load, such as [precompression] kind = "uniaxial" with a force'
         )
-    if stage is not None and stage.kind == "gravity":
+    if stage.kind == "gravity":
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly, cell.rows)
-    directions = _directions(assembly)
-    planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not _across(wall, cell)))
+    across = np.abs(cell.periods).max(axis=0) > 0  # axes along which a wall would cut the endless packing
+    planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not across[wall.axis]))
     lattice_walls = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
@@ -206,7 +206,7 @@ def cell_bodies(case: Case) -> Bodies:
         walls=planes if lattice_walls else (),
         dead_load=np.zeros_like(base.dead_load),
         stress=_stress(assembly, cell),
-        moves=base.moves & _moving(directions, case),
+        moves=base.moves & _moving(assembly.lattice.rule.axes or "xyz", case),
     )
     if lattice_walls:
         _refuse_overlaps(bodies)
@@ -236,11 +236,6 @@ def _refuse_overlaps(bodies: Bodies) -> None:
         f"{bodies.case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
         f"{overlap:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
     )
-
-
-def _across(wall, cell: UnitCell) -> bool:  # type: ignore[no-untyped-def]
-    """True if a wall would cut the endless packing."""
-    return bool((np.abs(cell.periods[:, wall.axis]) > 0).any())
 
 
 def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
@@ -305,11 +300,6 @@ def _no_turns(shapes: Sequence[Shape], case: Case) -> NDArray[np.bool_]:
     return found
 
 
-def _directions(assembly: Assembly) -> str:
-    """Directions in which the grains of an endless packing move: those of its lattice, all of those of a file."""
-    return assembly.lattice.rule.axes or "xyz"
-
-
 def _moving(directions: str, case: Case) -> NDArray[np.bool_]:
     """Degrees of freedom: those directions; with friction, rotations that contacts along them resist."""
     there = [axis in directions for axis in "xyz"]
@@ -322,7 +312,7 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     case, stage = assembly.case, assembly.case.precompression
     if stage is None:
         return {}
-    n_periods, area = len(cell.periods), 0.0
+    n_periods = len(cell.periods)
     along_z = float(np.abs(cell.periods[:, 2]).max())
     if stage.moves_walls:
         if stage.force is None:
@@ -356,10 +346,9 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
                 f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
                 "expected precompression.pressure (Pa)"
             )
-        area = volume
         if n_periods == 1:
             raise InputError(f"{case.name}: precompression.pressure: found a pressure on a row, expected a force (N)")
-        return {(2, 2): (stage.pressure or 0.0) * area}
+        return {(2, 2): (stage.pressure or 0.0) * volume}
     if n_periods == 1:
         raise InputError(f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"')
     axes = [axis for axis in range(3) if np.abs(cell.periods[:, axis]).max() > 0]

@@ -15,7 +15,7 @@ import granwave
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.spectra.band_structure import BandStructure
-from granwave.analysis.spectra.modes import Modes
+from granwave.analysis.spectra.bands import Modes
 from granwave.analysis.spectra.network import FREEDOMS, Network
 from granwave.analysis.spectra.states import State
 from granwave.analysis.spectra.transmission import Transmission

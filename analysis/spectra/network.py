@@ -190,9 +190,8 @@ class Network:
         present = np.zeros(self.n_grains, dtype=bool)
         for ends in (self.springs.first, self.springs.second, self.supports.grain):
             present[ends] = True
-        return self if present.all() else self._of(present)
-
-    def _of(self, present: NDArray[np.bool_]) -> Network:
+        if present.all():
+            return self
         row = np.cumsum(present) - 1
         springs = self.springs.where(present[self.springs.first] & present[self.springs.second])
         supports = self.supports.where(present[self.supports.grain])

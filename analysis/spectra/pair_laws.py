@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,8 +25,7 @@ from granwave.lammps_inputs.packing.walls import wall_friction
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.case.shape import Shape
+    from granwave.lammps_inputs.case.material import Material, Shape
     from granwave.lammps_inputs.packing.walls import Wall
 
 Array = NDArray[np.float64]
@@ -210,10 +209,9 @@ class PairLaws:
         given = self.case.contact.initial_overlap
         if not given or not law.entry.yields:
             return 0.0
-        if isinstance(given, float | int):
-            radius = self.case.packing.diameter / 4
-            return float(given) / radius
         radius = self.case.packing.diameter / 4
+        if isinstance(given, float | int):
+            return float(given) / radius
         own = law_between(self.case.contact, (self.case.material, self.case.material), (2 * radius, 2 * radius))
         return largest_dent(self.case, own) / radius
 
@@ -226,14 +224,11 @@ class PairLaws:
                 continue
             if shape is not None or self.case.contact_between(material, wall.material).entry.is_power:
                 radii = np.stack([radius, np.full_like(radius, math.inf)], axis=1)
-                found += self._by_size(rows, radii, partial(self._fixed_at_wall, wall, n))
+                found += self._by_size(rows, radii, lambda *size, n=n: self._at_wall(wall, n, size, scaled=False))
             else:
                 scale = wall.effective_radii(radius[rows])
                 found.append((self._at_wall(wall, n, (1.0, math.inf), scaled=True), rows, scale))
         return found
-
-    def _fixed_at_wall(self, wall: Wall, n: int, radius: float, flat: float) -> Touches:
-        return self._at_wall(wall, n, (radius, flat), scaled=False)
 
     def _at_wall(self, wall: Wall, n: int, radii: tuple[float, float], *, scaled: bool) -> Touches:
         key = (wall.name, n, radii, scaled)

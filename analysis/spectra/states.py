@@ -129,15 +129,13 @@ def _slab_state(source: Case | Path) -> State:
     """Return the state of a column of a packing that repeats sideways, or of all of it where its grains differ."""
     if not isinstance(source, Case):
         found = packing_state(source)
-        if not len(found.periods):
-            raise InputError(_no_slab(found.case))
+        _refuse_no_slab(found.case, found.periods)
         return found
     assembly = assemble(source)
-    lattice = assembly.lattice
     _refuse_parts(assembly)
     bodies = _whole(assembly)
-    if not len(bodies.periods):
-        raise InputError(_no_slab(source))
+    _refuse_no_slab(source, bodies.periods)
+    lattice = assembly.lattice
     if isinstance(lattice, Lattice) and assembly.sites is None and not holds_some(source):
         nx, ny, nz = lattice.shape
         periods = vectors_of_layer(lattice.rule) * lattice.diameter
@@ -145,11 +143,12 @@ def _slab_state(source: Case | Path) -> State:
     return _relaxed(source, bodies)
 
 
-def _no_slab(case: Case) -> str:
-    return (
-        f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
-        "(of a lattice with layers, or of grains with packing.cell)"
-    )
+def _refuse_no_slab(case: Case, periods: Array) -> None:
+    if not len(periods):
+        raise InputError(
+            f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
+            "(of a lattice with layers, or of grains with packing.cell)"
+        )
 
 
 def _part(bodies: Bodies, rows: Ints, periods: Array) -> Bodies:
@@ -267,7 +266,8 @@ def _mean_cell(result: Result) -> State:
         jump = np.rint(springs.image @ periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
     image = place[second] + jump - place[first]
     # each contact of the cell once, from its first grain
-    swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & _negative(image))
+    leading = image[np.arange(len(image)), (image != 0).argmax(axis=1)]  # first number other than zero
+    swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & (leading < 0))
     one, other = np.where(swap, basis[second], basis[first]), np.where(swap, basis[first], basis[second])
     image = np.where(swap[:, None], -image, image)
     normal = np.where(swap[:, None], -springs.normal, springs.normal)
@@ -293,7 +293,8 @@ def _mean_cell(result: Result) -> State:
             "a packing"
         )
     direction = mean((normal * springs.distance[:, None])[kept])
-    unit = _unit_bodies(bodies, cell)
+    moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
+    unit = dataclasses.replace(_part(bodies, cell.rows, cell.periods), moves=moves, walls=(), touched={})
     network = _network_of_means(unit, keys, direction, average, mean(peak))
     return State(case.name, case, network, "run", np.nan, cell.periods, spread)
 
@@ -309,13 +310,6 @@ def _network_of_means(unit: Bodies, keys: Ints, direction: Array, overlap: Array
     return Network(unit.ids, unit.position, unit.mass, unit.inertia, unit.moves, unit.periods, springs).without_idle()
 
 
-def _unit_bodies(bodies: Bodies, cell: UnitCell) -> Bodies:
-    """Grains of the unit cell among those of the packing."""
-    rows = cell.rows
-    moves = np.broadcast_to(bodies.moves.any(axis=0), (len(rows), 6))
-    return dataclasses.replace(_part(bodies, rows, cell.periods), moves=moves, walls=(), touched={})
-
-
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
     """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,), (n, n_periods)."""
     inverse = np.linalg.pinv(cell.periods)
@@ -328,16 +322,6 @@ def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
         here = away < _INTEGER * size
         which[here], place[here] = number, numbers[here]
     return which, place
-
-
-def _negative(image: Ints) -> NDArray[np.bool_]:
-    """True for rows whose first number other than zero is negative: (n,)."""
-    found = np.zeros(len(image), dtype=bool)
-    undecided = np.ones(len(image), dtype=bool)
-    for column in image.T:
-        found |= undecided & (column < 0)
-        undecided &= column == 0
-    return found
 
 
 def _inside(bodies: Bodies, assembly: Assembly) -> NDArray[np.bool_]:

@@ -85,13 +85,9 @@ class Stiffness:
         return np.asarray(self.images @ self.network.periods)
 
     @cached_property
-    def _root(self) -> Array:
-        return 1 / np.sqrt(self.network.masses)
-
-    @cached_property
     def _scaled(self) -> tuple[sparse.csr_array, list[sparse.csr_array]]:
         """M^(-1/2) K M^(-1/2) of K_0 and of each K_R."""
-        scale = sparse.diags_array(self._root)
+        scale = sparse.diags_array(1 / np.sqrt(self.network.masses))
         return scale @ self.own @ scale, [scale @ one @ scale for one in self.others]
 
     @cached_property

@@ -13,13 +13,21 @@ which is exact for a chain of like beads, and for layers of a lattice that move 
 damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the
 ends are, walls do not hold. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
 they do there, -i omega C.
+
+A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss time A
+(``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the effective mass m*, as in
+the runs. A network whose springs have c for k, no static force and no friction has the matrix of these dampers for its
+stiffness.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections.abc import Callable, Sequence
+from functools import cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +35,15 @@ from scipy import sparse
 
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.walls import walls
+
+if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.material import Shape
 
 REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
 BOTTOM, _Z = "bottom", 2  # wall, and direction of its damper
@@ -115,44 +131,43 @@ def transmission(
     end = end or REFLECTING
     kind, n_layer = _parse_end(end)
     network = stiffness.network
-    damping: Callable[[float], sparse.csc_array] | None = None
     direction = "xyz".index(axis)
+    resisting = np.zeros((network.n_grains, 6)) if dampers is None else dampers
+    matched: Callable[[float], sparse.csc_array] | None = None
     if kind != REFLECTING:
         last, share = _far(network, drive, direction, n_layer if kind == LAYER else 0.0)
         network = _without_walls(network, last)
         losses = None if losses is None else _without_walls(losses, last)
         stiffness = stiffness_of(network)
-        damping = _matched(network, last) if kind == MATCHED else _layer(network, stiffness, last, share)
+        if kind == MATCHED:
+            matched = _matched(network, last)
+        else:
+            resisting = resisting + _layer(network, stiffness, last, share)
     freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
-    driven = []
-    for one in dict.fromkeys((drive, *together)):
-        if not _moves(network, one, direction):
-            raise InputError(f"--drive: grain {one} is held along {axis}, expected one that moves")
-        driven.append(freedom[_row(network, one, "--drive"), direction])
-    places = []
-    for sensor in sensors:
-        row = _row(network, sensor, "--sensor")
+
+    def place_of(grain: int, option: str) -> int:
+        row = _row(network, grain, option)
         if (row, direction) not in freedom:
-            raise InputError(f"--sensor: grain {sensor} is held along {axis}, expected one that moves")
-        places.append(freedom[row, direction])
+            raise InputError(f"{option}: grain {grain} is held along {axis}, expected one that moves")
+        return freedom[row, direction]
+
+    driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
+    places = [place_of(sensor, "--sensor") for sensor in sensors]
     root = sparse.diags_array(np.sqrt(network.masses))
     matrix = (root @ stiffness.matrix(np.zeros(3)).real @ root).tocsc()
-    lossy = None if losses is None else (root @ stiffness_of(losses).matrix(np.zeros(3)).real @ root).tocsc()
     mass = sparse.diags_array(network.masses)
-    damped = None if dampers is None else sparse.diags_array(dampers[network.freedoms])
+    damping = sparse.diags_array(resisting[network.freedoms]).tocsc()
+    if losses is not None:
+        damping = damping + root @ stiffness_of(losses).matrix(np.zeros(3)).real @ root
     plate = None if bottom is None else _on_plate(network, losses)
     n_unknowns = network.n_freedoms + (plate is not None)
     others = np.delete(np.arange(n_unknowns), driven)
     ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
     for row, one in enumerate(frequency.tolist()):
         omega = 2 * np.pi * one
-        whole = matrix - omega**2 * mass
-        if damping is not None:
-            whole = whole + damping(omega)
-        if damped is not None:
-            whole = whole - 1j * omega * damped
-        if lossy is not None:
-            whole = whole - 1j * omega * lossy
+        whole = matrix - omega**2 * mass - 1j * omega * damping
+        if matched is not None:
+            whole = whole + matched(omega)
         if plate is not None:
             whole = _with_plate(whole, plate, omega, bottom or 0.0)
         whole = whole.astype(np.complex128).tocsc()
@@ -199,10 +214,6 @@ def _row(network: Network, grain: int, option: str) -> int:
     if grain in network.left_out:
         raise InputError(f"{option}: grain {grain} bears no static load, so that no small wave reaches it")
     raise InputError(f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}")
-
-
-def _moves(network: Network, grain: int, direction: int) -> bool:
-    return bool(network.moves[_row(network, grain, "--drive"), direction])
 
 
 def _parse_end(end: str) -> tuple[str, float]:
@@ -264,13 +275,68 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
     return at
 
 
-def _layer(
-    network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array
-) -> Callable[[float], sparse.csc_array]:
-    """Return S of a layer, (n_freedoms, n_freedoms), N/m or N m, as a function of omega, rad/s."""
+def _layer(network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array) -> Array:
+    """Return the dampers of a layer: (n_grains, 6), N s/m, N m s."""
     highest = np.sqrt(float(np.abs(stiffness.matrix(np.zeros(3))).sum(axis=1).max()))
     rate = np.zeros(network.n_grains)
     rate[last] = 2 * _SHARE_OF_HIGHEST * highest * share**2
-    grain, _ = network.freedoms
-    dampers = sparse.diags_array(rate[grain] * network.masses).tocsc()
-    return lambda omega: -1j * omega * dampers
+    return np.repeat(rate[:, None] * np.stack([network.mass, network.inertia], axis=1), 3, axis=1)
+
+
+def dampers_of(assembly: Assembly, network: Network) -> Array:
+    """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N s/m and N m s."""
+    found = np.zeros((network.n_grains, 6))
+    for entry in assembly.case.absorb:
+        rows = np.flatnonzero(np.isin(network.ids, absorbing_ids(assembly, entry)))
+        if entry.rate is None:
+            found[rows, _Z] = impedance_of(assembly, entry)
+            continue
+        rate = np.full(len(rows), entry.rate)
+        if (rise := rise_of(assembly, entry)) is not None:
+            place = network.position[rows, "xyz".index(entry.towards[1])]
+            rate *= np.clip((place - rise[0]) / (rise[1] - rise[0]), 0.0, 1.0) ** 2
+        found[rows, :3] = (rate * network.mass[rows])[:, None]
+        found[rows, 3:] = (rate * network.inertia[rows])[:, None]
+    return found
+
+
+def losses_of(assembly: Assembly, network: Network) -> Network | None:
+    """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if they lose nothing."""
+    if not assembly.case.has_loss:
+        return None
+    case, springs, supports = assembly.case, network.springs, network.supports
+    partner = {wall.name: wall.material for wall in walls(assembly)}
+
+    @cache
+    def between(materials: tuple[Material, Material], shapes: tuple[Shape, Shape]) -> Viscous | None:
+        return viscous_loss(assembly, case.contact_between(*materials), *materials, shapes=shapes)
+
+    @cache
+    def at_wall(material: Material, wall: str) -> Viscous | None:
+        other = partner[wall]
+        return viscous_loss(assembly, case.contact_between(material, other), material, other, flat=True)
+
+    def constants(stiffness: Array, mass: Array, losses: list[Viscous | None]) -> Array:
+        found = np.zeros(len(stiffness))
+        for row, loss in enumerate(losses):
+            if loss is not None:
+                kind, size = loss
+                k = float(stiffness[row])
+                found[row] = size * (k if kind == "time" else math.sqrt(2 / 3 * float(mass[row]) * k))
+        return found
+
+    one, other = network.mass[springs.first], network.mass[springs.second]
+    of_pairs = [
+        between((assembly.material_of(i), assembly.material_of(j)), (assembly.shape_of(i), assembly.shape_of(j)))
+        for i, j in zip(network.ids[springs.first].tolist(), network.ids[springs.second].tolist(), strict=True)
+    ]
+    touching = zip(network.ids[supports.grain].tolist(), supports.wall.tolist(), strict=True)
+    of_walls = [at_wall(assembly.material_of(i), wall) for i, wall in touching]
+    of_springs = constants(springs.stiffness, one * other / (one + other), of_pairs)
+    of_supports = constants(supports.stiffness, network.mass[supports.grain], of_walls)
+    none, unmoved = np.zeros(len(springs)), np.zeros(len(supports))
+    return dataclasses.replace(
+        network,
+        springs=dataclasses.replace(springs, stiffness=of_springs, tangential=none, force=none),
+        supports=dataclasses.replace(supports, stiffness=of_supports, tangential=unmoved, turning=unmoved),
+    )

@@ -165,11 +165,6 @@ class Study:
     verdict: tuple[str, ...] = ()
     failed: tuple[NotDrawn, ...] = ()
 
-    @property
-    def has_source(self) -> bool:
-        """True if a source gives any of its values."""
-        return any(row.source is not None for row in self.rows)
-
 
 def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None = None) -> list[Study]:
     """Make studies of finished runs, in the order of the registry.

@@ -27,13 +27,12 @@ import results_table
 import granwave
 from granwave.analysis.reports.inputs import Inputs, read_inputs
 from granwave.analysis.reports.sections.comparison import comparison_of
-from granwave.analysis.reports.sections.sources import source_rows, source_values
 from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.scanning.scan_file import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
@@ -41,6 +40,7 @@ from granwave.workflows.scanning.suite import is_suite, load_suite
 RUNS = results_table.ROOT / "build" / "results"
 _STUDIES = results_table.ROOT / "analysis" / "studies"
 _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
+_COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
 
 
@@ -76,25 +76,23 @@ def reproductions() -> dict[str, Suite]:
     ]
     titles = [path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for path in files]
     return {
-        str(read_toml(path)["name"]): Suite(title, "scan", (str(path.relative_to(results_table.ROOT)),))
+        str(read_toml(path)["name"]): Suite(
+            title, "scan", (str(path.relative_to(results_table.ROOT)),), comparison=read_toml(path)["name"] in _COMPARED
+        )
         for path, title in zip(files, titles, strict=True)
     }
 
 
 SUITES = {
-    "fcc-impact": Suite("The reference impact", "run", ("fcc-impact",)),
-    "sphere-contacts": Suite("The contact law", "scan", ("sphere-contacts",)),
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "filter": Suite("A row that filters waves", "scan", ("filter",)),
     "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
     "switch": Suite("A row that switches", "scan", ("switch",)),
     "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "bands": Suite("Waves in frequency", "scan", ("bands",)),
-    "granular-continuum": Suite("Packings beside a continuum", "scan", ("granular-continuum",), comparison=True),
 }
 
 
@@ -172,7 +170,7 @@ def digests(suite: Suite) -> dict[str, str]:
         for file in ([path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py"))
     }
     code = [_code(file) for file in [*sorted(files), *_study_files(suite)]]
-    return {"runs": _digest(tables), "studies": _digest([code, source_values()["values"]])}
+    return {"runs": _digest(tables), "studies": _digest(code)}
 
 
 def studies_named(suite: Suite) -> set[str]:
@@ -236,17 +234,8 @@ def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> di
 
 
 def studies(inputs: Inputs, suite: Suite) -> list[Study]:
-    """Studies of runs, values of the sources for their cases among them."""
-    found = [*studies_of(inputs, suite.studies), *(comparison_of(inputs) if suite.comparison else ())]
-    if rows := _once(source_rows(inputs)):
-        title, text = "Single values", "Values for single cases; the remark says which."
-        found.insert(0, Study(f"{suite.names[0]}-values", title, text, rows))
-    return found
-
-
-def _once(rows: Sequence[Row]) -> tuple[Row, ...]:
-    """Rows without those that occurred before."""
-    return tuple(dict.fromkeys(rows))
+    """Studies of the runs of a suite."""
+    return [*studies_of(inputs, suite.studies), *(comparison_of(inputs) if suite.comparison else ())]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

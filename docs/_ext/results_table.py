@@ -13,8 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import significant
-from granwave.analysis.document.cleanup import tidied
+from granwave.analysis.document.cells import significant, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
 from granwave.analysis.reports.sections.studies import row_tables
 from granwave.analysis.reports.writers.markdown import markdown
@@ -39,7 +38,7 @@ _LEAD = (
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
-_REFERENCE = "fcc-impact-values"
+_REFERENCE = "second_solver"
 #: The ten results of the README: what is before the quantity, suite, study, starts of the quantities (the first such
 #: rows). Several rows share a line, and the words before are then all that names it.
 CHOSEN = (

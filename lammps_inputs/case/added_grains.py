@@ -21,10 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.ids import parse_index
-from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.material import Material, presets
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.hints import DIAMETER
+from granwave.lammps_inputs.case.material import (
+    Material,
+    Vector,
+    axis_field,
+    check_shape,
+    length_field,
+    presets,
+    shape_field,
+    shape_of,
+)
+from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -32,14 +40,13 @@ from granwave.lammps_inputs.case.schema import (
     finite,
     label,
     number,
+    parse_index,
     parse_point,
     show,
     whole,
 )
-from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
-from granwave.lammps_inputs.case.si_values import DIAMETER
+from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
-from granwave.lammps_inputs.memory import available_memory
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'

@@ -5,44 +5,37 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.bodies import Bar, Sensor, Striker
+from granwave.lammps_inputs.case.bodies import Bar, Striker
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.output import Output
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Run
+from granwave.lammps_inputs.case.material import check_shape
+from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE, Output, Run
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.yield_factor import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
-from granwave.lammps_inputs.checks.absorbing import check_absorbing
-from granwave.lammps_inputs.checks.contacts import check_contacts, check_dents, check_losses
-from granwave.lammps_inputs.checks.driving import check_driving
 from granwave.lammps_inputs.checks.grains import (
     check_chosen,
     check_cylinders,
     check_grains,
+    check_lines,
     check_touched,
     check_tube,
 )
-from granwave.lammps_inputs.checks.lines import check_lines
-from granwave.lammps_inputs.checks.packing import check_disorder, check_room
-from granwave.lammps_inputs.checks.plate import check_plate, check_side_gap, check_top
+from granwave.lammps_inputs.checks.loads import check_absorbing, check_driving, check_plate, check_side_gap, check_top
+from granwave.lammps_inputs.checks.packing import check_contacts, check_dents, check_disorder, check_losses, check_room
 from granwave.lammps_inputs.checks.precompression import check_first_yield, check_precompression, check_support
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, echoes
+from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
-from granwave.lammps_inputs.packing.places import layout_of
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least
@@ -64,8 +57,11 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
         _check_resolution(parts.get("load"), run, errors)
     if packing is None or not check_size(packing, errors):
         return
-    if not _fits_into_memory(packing, parts, errors):
-        return
+    if packing.grains is None:  # those were read into memory; reading a lattice needs arrays over sites, a run more
+        nx, ny, nz = packing.lattice().shape
+        unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
+        if not check_memory_of_sites(packing, nx * ny * (nz if unlike else 1), _MEMORY_OF_SITE, errors):
+            return
     n_spheres = len(packing.grains) if packing.grains is not None else packing.lattice().n_spheres
     check_grains(parts, packing, errors)
     held = {f"hold.{place}": hold for place, hold in enumerate(parts.get("hold", ()), start=1)}
@@ -74,16 +70,35 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
     strikers, sensors = parts.get("striker", ()), parts.get("sensor", ())
     _check_strikers(strikers, n_spheres, errors)
     n_spheres += len(strikers)
-    _check_sensors(sensors, n_spheres, errors)
+    for n, sensor in enumerate(sensors, start=1):
+        twice = sensor.name in [other.name for other in sensors[: n - 1]]
+        errors.check(
+            (sensor.id > n_spheres, f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}"),
+            (twice, f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own"),
+        )
     if output is not None:
-        _check_probes(output, n_spheres, errors)
+        for probe in output.probes:
+            beyond = [one for one in probe.spheres if one > n_spheres]
+            same = probe.contact is not None and probe.contact[0] == probe.contact[1]
+            errors.check(
+                *(
+                    (True, "output.probes", f"found sphere {one}, expected an id from 1 to {n_spheres}")
+                    for one in beyond
+                ),
+                (same, "output.probes", f"found contact {show(probe.contact)}, expected two different spheres"),
+            )
         if output.history not in (0, "auto") and packing.kind != "chain" and not parts.get("line"):
             errors.add(
                 "output.history",
                 f"found {output.history} for {packing.kind}, expected 0: only chains and [[line]]s have one",
             )
     if boundary is not None and _boundary_fits(packing, boundary, errors):
-        _check_load(parts.get("load"), packing, boundary, errors)
+        load: Load | None = parts.get("load")
+        if load is not None and load.hits_spheres and load.index is None:
+            try:
+                struck_spheres(layout_of(packing, boundary), load.spheres)
+            except ValueError as error:
+                errors.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
         _check_bars(parts, packing, boundary, errors)
         check_side_gap(packing, boundary, errors)
         check_plate(parts, errors)
@@ -195,7 +210,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
 
 def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: ErrorList) -> None:
     for n, striker in enumerate(strikers, start=1):
-        _check_body(striker, f"striker.{n}", errors)
+        check_shape(striker, f"striker.{n}", errors)
         known = n_spheres + n - 1
         beyond = [sphere for sphere in striker.touches if sphere > known]
         if beyond:
@@ -210,25 +225,6 @@ def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: Error
                     f"found {show(shift)} along its way, expected a part across it: a striker starts in contact, "
                     "so that a shift along its way has no effect",
                 )
-
-
-def _check_body(striker: Striker, key: str, errors: ErrorList) -> None:
-    """Check that a cylinder has a length, and a sphere neither length nor axis."""
-    if striker.shape == "cylinder":
-        if striker.length is None:
-            errors.add(f"{key}.length", 'missing; a cylinder (shape = "cylinder") has a length, m')
-        return
-    for name in ("length", "axis"):
-        if getattr(striker, name) is not None:
-            errors.add(f"{key}.{name}", 'found without shape = "cylinder"; give that, or take it out')
-
-
-def _check_sensors(sensors: tuple[Sensor, ...], n_spheres: int, errors: ErrorList) -> None:
-    for n, sensor in enumerate(sensors, start=1):
-        if sensor.id > n_spheres:
-            errors.add(f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}")
-        if sensor.name in [other.name for other in sensors[: n - 1]]:
-            errors.add(f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own")
 
 
 def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
@@ -260,16 +256,18 @@ _GIVE_END = 'run.end_time as a number, not "auto"'
 
 
 def _check_times(run: Run, output: Output | None, errors: ErrorList) -> None:
-    ends = f"run.end_time, {run.longest:g} s"
-    if not isinstance(run.timestep, str) and run.timestep > run.longest:
+    end, ends = run.longest, f"run.end_time, {run.longest:g} s"
+    interval = 0.0 if output is None or isinstance(output.probe_interval, str) else output.probe_interval
+    shares, times = isinstance(run.frames, tuple) and isinstance(run.frames[0], str), run.frame_times or (0.0,)
+    if not isinstance(run.timestep, str) and run.timestep > end:
         errors.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
     _check_timestep(run, errors)
-    if isinstance(run.frames, tuple) and isinstance(run.frames[0], str) and isinstance(run.end_time, str):
+    if shares and isinstance(run.end_time, str):
         errors.add("run.frames", f"found shares of an end that is not known: give times in s, or {_GIVE_END}")
-    elif run.frame_times is not None and run.frame_times[-1] > run.longest:
-        errors.add("run.frames", f"found a time of {run.frame_times[-1]:g} s, expected none beyond {ends}")
-    if output is not None and not isinstance(output.probe_interval, str) and output.probe_interval > run.longest:
-        errors.add("output.probe_interval", f"found {output.probe_interval:g} s, expected at most {ends}")
+    elif times[-1] > end:
+        errors.add("run.frames", f"found a time of {times[-1]:g} s, expected none beyond {ends}")
+    if interval > end:
+        errors.add("output.probe_interval", f"found {interval:g} s, expected at most {ends}")
 
 
 def _check_timestep(run: Run, errors: ErrorList) -> None:
@@ -287,24 +285,6 @@ def _check_timestep(run: Run, errors: ErrorList) -> None:
         given["run.energy_tolerance"] = run.energy_tolerance
     for key, value in given.items():
         errors.add(key, f"found {value:g} beside run.timestep, a fixed one of {run.timestep:g} s; take one of them out")
-
-
-def _fits_into_memory(packing: PackingSection, parts: Mapping[str, Any], errors: ErrorList) -> bool:
-    """Check that the memory suffices for the arrays over sites that reading the case needs; a run needs more."""
-    if packing.grains is not None:
-        return True  # they were read into memory
-    nx, ny, nz = packing.lattice().shape
-    unlike = packing.diameter_scatter or packing.vacancies or parts.get("replace")
-    return check_memory_of_sites(packing, nx * ny * (nz if unlike else 1), _MEMORY_OF_SITE, errors)
-
-
-def _check_probes(output: Output, n_spheres: int, errors: ErrorList) -> None:
-    for probe in output.probes:
-        for sphere in probe.spheres:
-            if sphere > n_spheres:
-                errors.add("output.probes", f"found sphere {sphere}, expected an id from 1 to {n_spheres}")
-        if probe.contact is not None and probe.contact[0] == probe.contact[1]:
-            errors.add("output.probes", f"found contact {show(probe.contact)}, expected two different spheres")
 
 
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
@@ -368,23 +348,14 @@ def _check_resolution(load: Load | None, run: Run, errors: ErrorList) -> None:
 
 def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     """Check that a holder that rubs bears the weight of a chain."""
-    if not boundary.holder_friction:
-        return
-    found, key = f"found {boundary.holder_friction:g}", "boundary.holder_friction"
-    if packing.kind != "chain":
-        errors.add(key, f"{found} for {packing.kind}, expected 0: only chains lie in a holder")
-    stage = parts.get("precompression")
-    if stage is not None and stage.kind == "gravity":
-        errors.add(key, f'{found} under precompression.kind = "gravity", expected 0: a chain that stands has no holder')
-
-
-def _check_load(load: Load | None, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
-    if load is None or not load.hits_spheres or load.index is not None:
-        return
-    try:
-        struck_spheres(layout_of(packing, boundary), load.spheres)
-    except ValueError as error:
-        errors.add("load.spheres", f"found {load.spheres}, but {error}; use 1, or another packing")
+    found, key = f"found {boundary.holder_friction or 0.0:g}", "boundary.holder_friction"
+    stage = parts.get("precompression") if boundary.holder_friction else None
+    upright = stage is not None and stage.kind == "gravity"
+    errors.check(
+        (boundary.holder_friction and packing.kind != "chain", key,
+         f"{found} for {packing.kind}, expected 0: only chains lie in a holder"),
+        (upright, key, f'{found} under precompression.kind = "gravity", expected 0: a chain that stands has no holder'),
+    )  # fmt: skip
 
 
 def _touch(assembly: Assembly, first: int, second: int) -> bool:

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact

@@ -10,23 +10,20 @@ from __future__ import annotations
 import dataclasses
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.dents import Dents
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Dents
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"
@@ -221,8 +218,10 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
 
 def earlier_result(case: Case) -> Path | None:
     """Return the path of the result.h5 that the dents of a case come from; None if they are given by value."""
-    given = case.contact.initial_overlap
-    return _result_file(Path(given)) if isinstance(given, str) else None
+    if not isinstance(case.contact.initial_overlap, str):
+        return None
+    path = Path(case.contact.initial_overlap)
+    return path / _RESULT if path.is_dir() else path
 
 
 def check_earlier_result(assembly: Assembly) -> None:
@@ -373,13 +372,8 @@ def _read_earlier(path: Path) -> _Earlier:
 
 
 @lru_cache(maxsize=1)
-def _read_once(path: Path, changed: int, size: int) -> _Earlier:
+def _read_once(path: Path, _changed: int, _size: int) -> _Earlier:
     return _Earlier.read(path)
-
-
-def _result_file(path: Path) -> Path:
-    """Return the path of a result.h5, given the file or the directory of the run."""
-    return path / _RESULT if path.is_dir() else path
 
 
 def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:

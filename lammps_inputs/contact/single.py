@@ -19,9 +19,17 @@ from typing import Any
 
 from granwave._contact_laws import ContactLaw, elliptic_radius
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LAW_CONSTANTS, LINE, NO_FORCE, Contact
-from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material
+from granwave.lammps_inputs.case.material import (
+    SELECTORS,
+    Cylinder,
+    Material,
+    Shape,
+    Vector,
+    axis_field,
+    length_field,
+    read_material,
+)
 from granwave.lammps_inputs.case.schema import ErrorList, choice, number, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.shape import Cylinder, Shape, Vector, axis_field, length_field
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair

@@ -18,8 +18,10 @@ from granwave.analysis.quantities import (
     quantity,
 )
 from granwave.workflows import load_case, run_case
-from granwave.workflows.finite_elements.punch import ContinuumCase, run_continuum
-from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, run_sphere_contact
+from granwave.workflows.finite_elements.punch import ContinuumCase
+from granwave.workflows.finite_elements.punch.run import run_continuum
+from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
+from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact
 from tests.golden.outputs import FOLDER, SUMMARIES
 
 SHORT = {"run.end_time": 1e-6}

@@ -8,13 +8,11 @@ import numpy as np
 import pytest
 from skfem import LinearForm
 
+from granwave.workflows.finite_elements.material import RR, ZZ, Elastoplastic
 from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
-from granwave.workflows.finite_elements.punch.contact import contact_end, punch_gap
-from granwave.workflows.finite_elements.punch.history import make_solver
-from granwave.workflows.finite_elements.punch.material import Elastoplastic
-from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh
-from granwave.workflows.finite_elements.punch.operators import library_basis
-from granwave.workflows.finite_elements.punch.solver import Solver
+from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh, contact_end, punch_gap
+from granwave.workflows.finite_elements.punch.run import make_solver
+from granwave.workflows.finite_elements.punch.solver import Solver, library_basis
 from tests.helpers.punch import values_of
 
 BRASS = Elastoplastic(115e9, 0.30, 8500.0, 550e6)
@@ -114,14 +112,14 @@ def test_confined_column_carries_the_longitudinal_wave():
     speed = ELASTIC.longitudinal_speed
     assert speed == pytest.approx(math.sqrt(115e9 * 0.7 / (1.3 * 0.4 * 8500)))
     go(solver, 0.04 / speed)
-    stress = -solver.state[:, 2, kernels.ZZ]
+    stress = -solver.state[:, 2, ZZ]
     depth = solver.mesh.centres[1]
     front = np.interp(-0.5, -stress / stress[0], depth)
     assert front == pytest.approx(speed * solver.time, rel=5e-3)
     behind = depth < 0.8 * speed * solver.time
     assert stress[behind].mean() == pytest.approx(8500 * speed * 1.0, rel=2e-3)
     assert stress[behind] == pytest.approx(8500 * speed * 1.0, rel=0.02)  # ringing
-    lateral = -solver.state[behind, 2, kernels.RR]
+    lateral = -solver.state[behind, 2, RR]
     assert lateral == pytest.approx(0.3 / 0.7 * stress[behind], rel=1e-3)
 
 
@@ -130,7 +128,7 @@ def test_slender_bar_carries_the_bar_wave():
     speed = math.sqrt(115e9 / 8500)
     go(solver, 0.08 / speed)
     volume = solver.operators.volume
-    stress = -np.average(solver.state[:, :, kernels.ZZ], axis=1, weights=volume[0])
+    stress = -np.average(solver.state[:, :, ZZ], axis=1, weights=volume[0])
     depth = solver.mesh.centres[1]
     front = np.interp(-0.5, -stress[100:] / (8500 * speed), depth[100:])
     assert front == pytest.approx(speed * solver.time, rel=0.01)
@@ -147,7 +145,7 @@ def test_plane_impact_has_an_elastic_precursor():
     step = limit / (8500 * speed)  # particle velocity behind the precursor
     top = limit + 8500 * plastic_speed * (velocity - step)
     go(solver, 0.9 * length / speed)
-    depth, stress = solver.mesh.centres[1], -solver.state[:, 1, kernels.ZZ]
+    depth, stress = solver.mesh.centres[1], -solver.state[:, 1, ZZ]
     between = (depth > 1.05 * plastic_speed * solver.time) & (depth < 0.96 * speed * solver.time)
     assert stress[between].mean() == pytest.approx(limit, rel=0.01)
     behind = (depth > 0.1 * length) & (depth < 0.9 * plastic_speed * solver.time)

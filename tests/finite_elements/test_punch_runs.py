@@ -11,7 +11,8 @@ import pytest
 
 from granwave.lammps_inputs import InputError, RunError
 from granwave.workflows.finite_elements.frame import check_memory
-from granwave.workflows.finite_elements.punch import ContinuumCase, run_continuum
+from granwave.workflows.finite_elements.punch import ContinuumCase
+from granwave.workflows.finite_elements.punch.run import run_continuum
 from tests.helpers.punch import values_of
 
 SMALL = {"name": "small", "material": "brass", "run": {"elements": 1500}}

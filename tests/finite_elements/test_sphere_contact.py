@@ -15,16 +15,15 @@ import pytest
 from granwave.analysis.contact_law.curves import law_table
 from granwave.lammps_inputs import InputError, RunError
 from granwave.workflows.finite_elements.frame import check_memory
-from granwave.workflows.finite_elements.punch.kernels import N_STATE, RR, RZ, TT, ZZ
-from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.material import N_STATE, RR, RZ, TT, ZZ, Elastoplastic, von_mises
 from granwave.workflows.finite_elements.punch.mesh import Mesh
-from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels, run_sphere_contact
+from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels
 from granwave.workflows.finite_elements.sphere_contact import study as study_module
 from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading
 from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES
 from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere
+from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact, summarise
 from granwave.workflows.finite_elements.sphere_contact.study import History, core_size, integrate, make_solver, peaks
-from granwave.workflows.finite_elements.sphere_contact.summary import summarise
 
 pytestmark = pytest.mark.xdist_group("sphere_contact")  # its fixtures are made once
 
@@ -98,13 +97,13 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     kind, state = np.zeros(9, dtype=np.int64), np.zeros((9, N_STATE))
     force, stiffness = np.zeros_like(nodes), np.full(9, 1e9)
     state[:, [RR, ZZ, TT, RZ]] = [3e8, -1e8, 2e8, 1.5e8]
-    before = kernels.von_mises(state)
+    before = von_mises(state)
     steps = 90
     for step in range(steps):
         angles = math.pi / 2 * np.array([step, step + 1]) / steps
         places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
         kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force)
-    np.testing.assert_allclose(kernels.von_mises(state), before, rtol=1e-3)
+    np.testing.assert_allclose(von_mises(state), before, rtol=1e-3)
     np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
     np.testing.assert_allclose(state[:, ZZ], 3e8, rtol=2e-3)
     np.testing.assert_allclose(state[:, RZ], -1.5e8, rtol=2e-3)
@@ -115,7 +114,7 @@ def test_yield_limits_the_mises_stress():
     material = Elastoplastic(115e9, 0.30, 8500.0, YIELD)
     squeeze = lambda x: np.column_stack([0.01 * x[:, 0], -0.02 * x[:, 1]])  # noqa: E731
     _, state, _ = strain(mesh.nodes, mesh.elements, squeeze, steps=100, material=material)
-    np.testing.assert_allclose(kernels.von_mises(state), YIELD, rtol=1e-9)
+    np.testing.assert_allclose(von_mises(state), YIELD, rtol=1e-9)
 
 
 def test_mesh_is_that_of_a_half_sphere():

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.punch.history import History, integrate, make_solver
-from granwave.workflows.finite_elements.punch.summary import summarise
+from granwave.workflows.finite_elements.punch.run import History, integrate, make_solver, summarise
 
 
 def values_of(changes=None, **run):

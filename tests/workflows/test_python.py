@@ -17,7 +17,7 @@ from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
 from granwave.workflows import library
 from granwave.workflows.python import api
-from granwave.workflows.python.words import in_python
+from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
 from tests.helpers.export_inputs import equal

@@ -10,14 +10,11 @@ from typing import Any, ClassVar, Self
 
 import tomli_w
 
+from granwave.lammps_inputs.case.case import KNOWN
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.parse import read_parts
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides, read_parts
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
-from granwave.lammps_inputs.case.tables import KNOWN
-from granwave.lammps_inputs.memory import refuse_too_large
-from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml, refuse_too_large, with_absolute_paths
 
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
 _MEMORY_PER_ELEMENT = 2500.0  # measured with set-up, rounded up
@@ -101,6 +98,26 @@ class ElementCase(abc.ABC):
     def to_toml(self) -> str:
         """Return the case as the text of a TOML file."""
         return tomli_w.dumps(self.to_dict())
+
+
+@dataclasses.dataclass(frozen=True)
+class ElementPlan:
+    """Size and cost of a finite-element run.
+
+    Attributes
+    ----------
+    memory, disk, disk_reserve
+        Estimates in bytes; files are written at the end, so that no reserve is needed.
+    wall_time
+        Estimated wall time, s.
+    """
+
+    name: str
+    n_elements: int
+    memory: float
+    disk: float
+    wall_time: float
+    disk_reserve: float = 0.0
 
 
 def check_memory(case: ElementCase, available: float | None = None) -> None:

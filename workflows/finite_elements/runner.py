@@ -1,4 +1,4 @@
-"""One run of a finite-element problem, from case to figures."""
+"""One run of a finite-element problem, from case to figures, and its ``result.h5``, written whole or not at all."""
 
 from __future__ import annotations
 
@@ -8,21 +8,106 @@ import logging
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
 
+import h5py
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.progress_bar import progress_bar
+from granwave.analysis.result.hdf5_file import new_hdf5
+from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.lammps_inputs.directories import decide, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
 from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case, result_fault
+from granwave.lammps_inputs.run_state import changed_result, note_files, read_summary, restore_case, result_fault
 from granwave.workflows.finite_elements.frame import ElementCase, check_memory
 
+Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a data set
+
 logger = logging.getLogger("granwave")
+_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
+
+
+def write_result(
+    directory: Path,
+    kind: str,
+    case: ElementCase,
+    summary: Mapping[str, Any],
+    tables: Tables,
+    overlaps: Mapping[str, float] | None = None,
+) -> None:
+    """Write ``result.h5`` into a directory.
+
+    Parameters
+    ----------
+    kind
+        Of the result, as its root says.
+    tables
+        Data sets.
+    overlaps
+        Overlaps, m, at which the data of some groups are, by the name of the group.
+    """
+    with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
+        for name, (values, unit) in tables.items():
+            array = np.asarray(values)
+            options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
+            file.create_dataset(name, data=array, **options).attrs["unit"] = unit
+        for group, overlap in (overlaps or {}).items():
+            file[group].attrs["overlap"] = overlap
+        file.attrs.update(kind=kind, name=case.name, case=case.to_toml(), summary=json.dumps(summary))
+        file.attrs["versions"] = json.dumps(summary["versions"])
+
+
+class ElementResult:
+    """The ``result.h5`` of a finite-element run: all its data sets, its case and its summary.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    OutputFormatError
+        It is damaged.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        path = Path(directory) / RESULT_FILE
+        if not path.exists():
+            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
+        if changed := changed_result(path.parent):
+            raise OutputFormatError(changed)
+        try:
+            with h5py.File(path, "r") as file:
+                self._read(file)
+        except (OSError, KeyError, ValueError) as error:
+            raise OutputFormatError(
+                f"{path}: is damaged ({' '.join(str(error).split())}); run the case again"
+            ) from None
+
+    def _read(self, file: h5py.File) -> None:
+        names: list[str] = []
+        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
+        self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
+        self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
+        self._read_more(file)
+
+    def _read_more(self, file: h5py.File) -> None:
+        """Further values that a kind of result reads."""
+
+    def __getitem__(self, name: str) -> NDArray:
+        """A data set by its name."""
+        return self._values[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._values
 
 
 class ElementRun(abc.ABC):
@@ -40,7 +125,7 @@ class ElementRun(abc.ABC):
         Progress at the end, in the unit; None where it is not known before.
     """
 
-    RESULTS: ClassVar[Sequence[str]]
+    RESULTS: ClassVar[Sequence[str]] = (CASE_FILE, RESULT_FILE, SUMMARY_FILE)
     FINISHED: ClassVar[Sequence[str]]
     UNIT: ClassVar[str]
 
@@ -87,10 +172,10 @@ def run_elements(
     case: ElementCase,
     directory: str | Path,
     *,
-    progress: bool,
-    force: bool,
-    resume: bool,
-    figures: bool,
+    progress: bool = False,
+    force: bool = False,
+    resume: bool = False,
+    figures: bool = True,
 ) -> dict[str, Any]:
     """Run a case; leaves case.toml, result.h5, summary.json and figures in ``directory``.
 
@@ -119,9 +204,8 @@ def run_elements(
     RunError
         The energy balance was refused; what was computed is kept.
     """
-    directory, drawings = results_directory(directory), kind.figures
-    names = (lambda: drawings().FIGURES) if figures else None
-    there = _begin(case, directory, kind.RESULTS, kind.FINISHED, resume=resume, force=force, figures=names)
+    directory = results_directory(directory)
+    there = _begin(kind, case, directory, resume=resume, force=force, figures=figures)
     if there is not None:
         return there
     run, started = kind(case), time.perf_counter()
@@ -144,7 +228,7 @@ def run_elements(
             replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
             note_files(directory, [RESULT_FILE, SUMMARY_FILE])
     assert summary is not None  # what is done has a history
-    run.conclude(directory, summary, lambda: drawings().draw_figures(directory) if figures else None)
+    run.conclude(directory, summary, lambda: kind.figures().draw_figures(directory) if figures else None)
     return summary
 
 
@@ -160,37 +244,9 @@ def advance(shown: float, place: float, total: float | None, digits: int) -> flo
 
 
 def _begin(
-    case: ElementCase,
-    directory: Path,
-    results: Sequence[str],
-    finished: Sequence[str],
-    *,
-    resume: bool,
-    force: bool,
-    figures: Callable[[], Iterable[str]] | None,
+    kind: type[ElementRun], case: ElementCase, directory: Path, *, resume: bool, force: bool, figures: bool
 ) -> dict[str, Any] | None:
-    """Make a directory ready for a run, or find what a finished run of the same case left.
-
-    Parameters
-    ----------
-    results
-        Names of the files that a run leaves.
-    finished
-        Values of ``end_reason`` of a run that is finished.
-    figures
-        Gives their names; called where others of these names may be there. None: none are drawn.
-
-    Returns
-    -------
-    dict or None
-        What summary.json of the finished run holds; None if there is a run to do, and case.toml has been written.
-
-    Raises
-    ------
-    InputError
-        The directory holds results, or another case, or files that granwave did not write and would overwrite, or the
-        mesh does not fit into memory; nothing was changed.
-    """
+    """Make a directory ready for a run and write case.toml, or return what a finished run of the same case left."""
 
     def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
         try:
@@ -198,21 +254,21 @@ def _begin(
         except InputError:
             return {}  # of another kind: another case in any event
 
-    names = list(results)
+    names = list(kind.RESULTS)
     if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
-        names += [file for name in figures() for file in figure_files(name)]
+        names += [file for name in kind.figures().FIGURES for file in figure_files(name)]
     if decide(directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there):
         summary, fault = read_summary(directory), result_fault(directory)
-        if summary.get("end_reason") in finished and not fault:
-            restore_case(directory)
-            return summary
-        if summary.get("end_reason") in finished:
+        if summary.get("end_reason") in kind.FINISHED:
+            if not fault:
+                restore_case(directory)
+                return summary
             logger.warning("%s; the case is run again", fault)
         refuse_foreign(directory, names)
     check_memory(case)
     clear(directory)
     directory.mkdir(parents=True, exist_ok=True)
     text = case.to_toml()
-    claim(directory, results, kind=CONTINUUM, case=text)
+    claim(directory, kind.RESULTS, kind=CONTINUUM, case=text)
     replace_text(directory / CASE_FILE, text)
     return None

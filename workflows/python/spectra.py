@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
-from granwave.analysis.spectra.defaults import POINTS
+from granwave.analysis.spectra.quantities import POINTS
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.python.inputs import CaseLike, home, read_case
-from granwave.workflows.python.words import words_of_python
+from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
 
 if TYPE_CHECKING:
@@ -65,16 +64,16 @@ def bands(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         The case is wrong, does not repeat, bears no load or is not rigid.
     """
-    from granwave.analysis.notebook import spectra
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_bands
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     if not isinstance(path, str):
         path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
@@ -91,7 +90,7 @@ def bands(
             slab=slab,
             force=force,
         )
-    return spectra.dataset("bands", tables_of_bands(found), found.summary())
+    return dataset("bands", tables_of_bands(found), found.summary())
 
 
 def modes(
@@ -118,16 +117,16 @@ def modes(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         As of `bands`.
     """
-    from granwave.analysis.notebook import spectra
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_modes
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     with words_of_python():
         found, _ = commands.modes(
@@ -138,7 +137,7 @@ def modes(
             allow_floppy=allow_floppy,
             force=force,
         )
-    return spectra.dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
+    return dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
 
 
 def transmission(
@@ -174,16 +173,16 @@ def transmission(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.spectra.dataset`.
+        See `granwave.analysis.notebook.datasets.dataset`.
 
     Raises
     ------
     InputError
         As of `bands`; or a grain is not there or cannot move.
     """
-    from granwave.analysis.notebook import spectra
+    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_transmission
-    from granwave.workflows.spectra import commands
+    from granwave.workflows import spectra as commands
 
     with words_of_python():
         found, state, _ = commands.steady(
@@ -197,9 +196,7 @@ def transmission(
             directions=directions,
             force=force,
         )
-    return spectra.dataset(
-        "transmission", tables_of_transmission(state, found), commands.transmission_summary(state, found)
-    )
+    return dataset("transmission", tables_of_transmission(state, found), commands.transmission_summary(state, found))
 
 
 def _source(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> Case | Path:

@@ -18,16 +18,14 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.run.directory import held
-from granwave.workflows.run.interrupts import Interrupts
+from granwave.workflows.run.mpi import Interrupts
 from granwave.workflows.run.progress import Progress
-from granwave.workflows.scanning import layout, queue
-from granwave.workflows.scanning.batches import make_batches, start_of_job
+from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.scanning.batches import Outlook, make_batches, start_of_job
 from granwave.workflows.scanning.directory import decide, prepare
-from granwave.workflows.scanning.ended_jobs import note_ended, note_refused
-from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
-from granwave.workflows.scanning.outlook import Outlook
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.engine import SLURM, Engine, check_installed, launcher_of
 from granwave.workflows.scanning.scan_file import Point, Scan
+from granwave.workflows.scanning.slurm import Profile, note_ended, note_refused
 
 logger = logging.getLogger(__name__)
 
@@ -114,7 +112,7 @@ def run_scan(
     directory = results_directory(directory)
     check_installed(executor)
     if executor == SLURM:
-        queue.check_slurm()
+        slurm.check_slurm()
         profile = profile or Profile()
     else:
         profile = None
@@ -176,7 +174,7 @@ class _ScanRun:
 
     def _wait_for_adopted(self) -> None:
         """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
-        while self.profile and not self.stop.wanted and queue.jobs_of(self.directory):
+        while self.profile and not self.stop.wanted and slurm.jobs_of(self.directory):
             self._look("jobs of an earlier start go on")
             time.sleep(_QUEUE_POLL)
         self._update_points()
@@ -190,7 +188,7 @@ class _ScanRun:
             slowness=self.slowness,
         )
         for batch in batches:
-            launcher = self.profile.launcher_of(batch) if self.profile else []
+            launcher = launcher_of(self.profile, batch) if self.profile else []
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher)
         before = self._states(points)
@@ -206,9 +204,9 @@ class _ScanRun:
                 reason = engine.refusal()
                 if not reason:
                     raise RunError(f"Snakemake started no point; see {engine.log}")
-                note_refused(self.directory, points, reason)
+                note_refused(self.directory, [point.id for point in points], reason)
             elif self.profile:
-                note_ended(self.directory, points)
+                note_ended(self.directory, [point.id for point in points])
         self._update_points()
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
@@ -229,7 +227,7 @@ class _ScanRun:
             if self.profile and time.monotonic() > asked + _QUEUE_POLL:
                 asked = time.monotonic()
                 try:
-                    jobs = queue.jobs_of(self.directory)
+                    jobs = slurm.jobs_of(self.directory)
                     live = bool(jobs)
                     self._report_pending(jobs)
                 except RunError:
@@ -239,7 +237,7 @@ class _ScanRun:
                 elif seen and (not self.open or asked > last_seen + _GONE):
                     return
 
-    def _report_pending(self, jobs: Sequence[queue.Job]) -> None:
+    def _report_pending(self, jobs: Sequence[slurm.QueuedJob]) -> None:
         """Log once each unusual reason why jobs are pending."""
         for reason in {job.reason for job in jobs if job.pending} - self.reported:
             self.reported.add(reason)
@@ -260,12 +258,12 @@ class _ScanRun:
                 time.sleep(_POLL)
             return
         engine.kill()  # no further job is submitted
-        queue.cancel([job for job in queue.jobs_of(self.directory) if job.pending])
+        slurm.cancel([job for job in slurm.jobs_of(self.directory) if job.pending])
         patience = time.monotonic() + _PATIENCE
-        while queue.jobs_of(self.directory):
+        while slurm.jobs_of(self.directory):
             time.sleep(_QUEUE_POLL)
             if time.monotonic() > patience or self.stop.forced:
-                queue.cancel(queue.jobs_of(self.directory))
+                slurm.cancel(slurm.jobs_of(self.directory))
                 return
 
     def _why_stopped(self) -> None:

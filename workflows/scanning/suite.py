@@ -1,7 +1,7 @@
 """Suites: several scans run one after the other in one directory, with a common report.
 
-name = "granular-continuum"
-scans = ["granular-velocity", "continuum-mass"]     # built-in scans, or scan files
+name = "packings"
+scans = ["velocity-fcc", "velocity-hcp"]            # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
 study = ["tolerance"]                               # of all runs, in addition to the studies of the scans
 """
@@ -17,10 +17,9 @@ from typing import Any
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
 from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, STUDY_ROWS, SUITE, SUITE_INDEX
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
 from granwave.workflows.scanning.driver import ScanOutcome, run_scan

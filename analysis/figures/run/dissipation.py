@@ -12,7 +12,7 @@ from granwave.analysis.measures.impact.dissipation import cumulated, peak_force_
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.measures.zone.packing import packing_zone
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.grain_words import CYLINDERS
+from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
@@ -22,7 +22,7 @@ _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipat
 
 
 def dissipation_ranked(result: Result) -> Drawing | None:
-    """Draw the dissipation of the spheres in descending order (thesis Fig. 5.8), with rings beyond the law's range.
+    """Draw the dissipation of the spheres in descending order, with rings beyond the law's range.
 
     With friction, also that by yielding and by friction, each in its own descending order.
     """
@@ -60,7 +60,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
 
 
 def dissipation_cumulated(result: Result) -> Drawing | None:
-    """Draw the volume of the spheres that dissipate a given share of the input (thesis Fig. 5.14, granular).
+    """Draw the volume of the spheres that dissipate a given share of the input.
 
     With friction, also for dissipation by yielding and by friction alone.
     """

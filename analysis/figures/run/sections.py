@@ -1,6 +1,6 @@
 """Sections through the packing: spheres drawn as discs, coloured by a quantity.
 
-Peak forces as in thesis Fig. 5.3, dissipation as in Fig. 5.9, and the wave at chosen times. Spheres with a
+Peak forces, dissipation, and the wave at chosen times. Spheres with a
 contact loaded beyond the range of the law have a ring around them.
 """
 
@@ -111,14 +111,14 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
-    """Draw peak forces on the principal or orthogonal plane (thesis Fig. 5.3)."""
+    """Draw peak forces on the principal or orthogonal plane."""
     if not np.any(result["spheres/peak_force"] > 0):
         return None
     return section_drawing(result, name, peak_force_colouring(result))
 
 
 def dissipation_section(result: Result, name: str) -> Drawing | None:
-    """Draw dissipation on the principal or orthogonal plane (thesis Fig. 5.9)."""
+    """Draw dissipation on the principal or orthogonal plane."""
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
     return section_drawing(result, name, dissipation_colouring(result))

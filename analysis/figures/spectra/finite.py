@@ -8,8 +8,7 @@ import numpy as np
 
 from granwave.analysis.figures.series import COLOURS, one_panel
 from granwave.analysis.figures.style import BLUE, Drawing, legend_above
-from granwave.analysis.spectra.gaps import Gap
-from granwave.analysis.spectra.modes import Modes
+from granwave.analysis.spectra.bands import Gap, Modes
 from granwave.analysis.spectra.transmission import Transmission
 
 _KILO = 1e-3

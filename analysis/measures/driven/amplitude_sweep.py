@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.driven.transmission import motion_of
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.checks.driving import LEAST_WINDOWS, WINDOW_PERIODS
+from granwave.lammps_inputs.checks.loads import LEAST_WINDOWS, WINDOW_PERIODS
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 They are those of the perfect packing; spheres are found on them by place, within a tolerance, so that scattered
 diameters, settled positions and missing spheres do no harm.
 
-fcc, struck along [111] (thesis 5.2): three <110> directions OA, OB, OC go down into the packing, and the
+fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the
 largest forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it is
 inclined by 70.5 degrees. The orthogonal plane OCD holds the third and the impact axis OD; it is vertical and
 a mirror plane.

@@ -15,7 +15,7 @@ _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
 
 def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Rows of the spheres that dissipated anything, the one that dissipated most first (thesis Fig. 5.8)."""
+    """Rows of the spheres that dissipated anything, the one that dissipated most first."""
     order = np.argsort(-dissipated, kind="stable")
     return order[: np.count_nonzero(dissipated > 0)]
 
@@ -23,7 +23,7 @@ def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
 def cumulated(
     dissipated: NDArray[np.float64], energy_input: float, volume: NDArray[np.float64] | None = None
 ) -> tuple[NDArray[np.float64], NDArray]:
-    """Dissipated share of the input against the volume of the spheres that did it (thesis Fig. 5.14).
+    """Dissipated share of the input against the volume of the spheres that did it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Peak forces of contacts against the impulse that struck the packing: are they proportional? (thesis 5.3.1)."""
+"""Peak forces of contacts against the impulse that struck the packing, and whether they are proportional."""
 
 from __future__ import annotations
 

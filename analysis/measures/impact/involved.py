@@ -1,4 +1,4 @@
-"""Material that did the dissipation of an impact, of spheres or of the elements of a block (thesis 5.5)."""
+"""Material that did the dissipation of an impact, of spheres or of the elements of a block."""
 
 from __future__ import annotations
 

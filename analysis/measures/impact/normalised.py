@@ -6,7 +6,7 @@ import math
 
 
 def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
-    """Impact velocity in units that make materials collapse on one curve (thesis 5.11).
+    """Impact velocity in units that make materials collapse on one curve.
 
     ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
 

@@ -1,4 +1,4 @@
-"""Quadratic law of dissipation against impact velocity (thesis 5.17)."""
+"""Quadratic law of dissipation against impact velocity."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.lines.decay import Decay, fit_decay
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.lines import left_out
+from granwave.lammps_inputs.packing.motion import left_out
 
 _BESIDE = 0.5  # diameters, of a straight line
 _LEAST_VALUES = 3  # that a test of normality takes

@@ -1,4 +1,4 @@
-"""Front of a wave in a packing: peak forces by layer within the cone of the preferred directions (thesis 5.2)."""
+"""Front of a wave in a packing: peak forces by layer within the cone of the preferred directions."""
 
 from __future__ import annotations
 

@@ -2,8 +2,7 @@
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
 at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was
-fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch
-(thesis 2.1, 5.3).
+fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations

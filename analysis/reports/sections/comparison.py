@@ -1,4 +1,4 @@
-"""Runs against each other, and packings against the continuum: figures and tables as of thesis chapter 5."""
+"""Runs against each other, and packings against the continuum: figures and tables."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from granwave.analysis.document.cells import named
 from granwave.analysis.document.model import Block, Note, Section
 from granwave.analysis.figures.style import style
 from granwave.analysis.reports.inputs import Inputs
-from granwave.analysis.reports.sections.studies import pictures_of, row_tables
+from granwave.analysis.reports.sections.studies import pictures_of
 from granwave.analysis.studies.granular_continuum.impacts import collect, not_ideal
 from granwave.analysis.studies.registry import COMPARISON
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
@@ -28,7 +28,7 @@ def comparison_section(inputs: Inputs) -> Section:
         if study.pictures or study.failed:
             with style():
                 pictures = pictures_of(study, inputs, SLUG)
-            blocks += [Note(study.text), *pictures, *row_tables(study), *study.tables]
+            blocks += [Note(study.text), *pictures, *study.tables]
     if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
         blocks.append(Note(f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"))
     if blocks and (others := _left_out(runs)):

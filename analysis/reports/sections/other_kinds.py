@@ -8,7 +8,7 @@ from typing import Any
 from granwave.analysis.document.cells import BLANK, is_number, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.formatting.numbers import plain
-from granwave.analysis.inference import quantities as inference
+from granwave.analysis.inference import tables as inference
 from granwave.analysis.reports.inputs import Run
 from granwave.analysis.spectra import quantities as spectra
 

@@ -22,12 +22,10 @@ from granwave.analysis.figures.style import Drawing, legend_above
 from granwave.analysis.measures.driven.transmission import motion_of
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.dampers import dampers_of
-from granwave.analysis.spectra.losses import losses_of
-from granwave.analysis.spectra.modes import solve_modes
+from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.transmission import transmission
+from granwave.analysis.spectra.transmission import dampers_of, losses_of, transmission
 from granwave.analysis.studies.runs import FinishedRun, grouped, rising
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.contact.static_load import force_of_contact, static_stiffness

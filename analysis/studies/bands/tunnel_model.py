@@ -19,11 +19,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from granwave._contact_laws import LineContact, elliptic_radius
-from granwave.analysis.spectra.bands import Bands, solve_bands
-from granwave.analysis.spectra.gaps import band_edges
+from granwave.analysis.spectra.bands import Bands, band_edges, solve_bands
 from granwave.analysis.spectra.network import Array, Network, Springs, Supports
-from granwave.analysis.spectra.paths import make_path
 from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.wave_vectors import make_path
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import law_between

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.spectra.band_structure import long_wave_speeds
 from granwave.analysis.spectra.states import cell_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.surfaces import long_wave_speeds
 from granwave.analysis.studies.study import Row
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict

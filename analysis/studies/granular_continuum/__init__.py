@@ -1,1 +1,1 @@
-"""Packings against each other and against the continuum: what many runs say together (thesis chapter 5)."""
+"""Packings against each other and against the continuum: what many runs say together."""

@@ -1,4 +1,4 @@
-"""Impacts on blocks against each other: scaling collapse, mass of the punch, taper of its edge (thesis 5.4.1)."""
+"""Impacts on blocks against each other: scaling collapse, mass of the punch, taper of its edge."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     if not impacts.continuum_reference:
         return
     curves = materials(impacts)
-    if len(curves) > 1:  # thesis Fig. 5.10
+    if len(curves) > 1:
         draw = partial(draw_scaling, curves, CONTINUUM_ENERGY, "linear")
         yield Sketch("continuum_scaling", _SCALING, draw)
     curves = masses(impacts)
@@ -126,7 +126,7 @@ def tables(impacts: Impacts) -> Iterator[Table]:
 
 
 def _by_mass(curves: list[Curve[Continuum]]) -> Drawing:
-    """Dissipated fraction and plastic volume against input energy by mass of the punch (thesis Figs. 5.11, 5.12)."""
+    """Dissipated fraction and plastic volume against input energy by mass of the punch."""
     figure, left, right = panels(2.6, 2)
     names = (
         "mass_kg", "energy_normalised", "dissipated_fraction", "volume_over_sphere_volume",

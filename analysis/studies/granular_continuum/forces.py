@@ -1,6 +1,6 @@
 """Peak forces of a packing at several velocities: linear in the impulse at every contact, and a front that gets planar.
 
-Thesis 5.2 and 5.3.1. The impulse is the momentum of the struck spheres.
+The impulse is the momentum of the struck spheres.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def tables(impacts: Impacts) -> Iterator[Table]:
         columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
         caption = (
             f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
-            f"{show(float(found.velocity[-1]))} (1: proportional, as the thesis has it)"
+            f"{show(float(found.velocity[-1]))} (1: proportional)"
         )
         yield table_of(caption, columns, _by_depth(found))
     there = fronts(impacts.reference)
@@ -141,7 +141,7 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
 
 
 def _front_by_depth(found: Sequence[tuple[float, Front]]) -> Drawing:
-    """Largest peak force and its uniformity by layer: the front gets elastic, then planar (thesis 5.2)."""
+    """Largest peak force and its uniformity by layer: the front gets elastic, then planar."""
     figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}
     for n, (velocity, front) in enumerate(found):

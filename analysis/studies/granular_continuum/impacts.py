@@ -56,7 +56,7 @@ class Granular(Measured[Case], FinishedRun):
 
     @property
     def velocity_normalised(self) -> float:
-        """Thesis 5.11."""
+        """Impact velocity in units that make materials collapse on one curve."""
         return self.value("velocity_normalised")
 
     @property
@@ -221,7 +221,7 @@ def constants(material: Material) -> Hashable:
 
 
 def energy_unit(material: Material, diameter: float) -> float:
-    """sigma_y^2 D^3/E, J (thesis 5.30)."""
+    """sigma_y^2 D^3/E, J."""
     assert material.yield_strength is not None  # of a case that yields
     return material.yield_strength**2 * diameter**3 / material.youngs_modulus
 

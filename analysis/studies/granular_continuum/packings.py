@@ -1,4 +1,4 @@
-"""Impacts on packings against each other: scaling, dissipation against velocity, loading area (thesis 5.3.1)."""
+"""Impacts on packings against each other: scaling, dissipation against velocity, loading area."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from granwave.analysis.studies.granular_continuum.impacts import (
     rising,
     substances,
 )
-from granwave.analysis.studies.study import Row, Sketch
+from granwave.analysis.studies.study import Sketch
 from granwave.analysis.studies.tables import numeric, table_of
 
 _SCALING = (
@@ -44,18 +44,10 @@ _AREA = (
     "Granular: number of struck spheres. Points beside the curve of one sphere tell that the loading area matters at "
     "equal input"
 )
-SOURCE_FIT = (9.45e3, -3.04e3, 5.00e3)  # D0, D1, D2 as thesis 5.17 prints them
-_POWERS_OF_TEN = (1e-3, 1e-3, 1e-4)  # chosen so that they fit the units in which the input is v0^2/2
 _FEWEST_FITTED = 5
 _FIT_REMARK = (
-    "The constants that the source prints cannot be those of its figure: at a normalised velocity of 94.9 they give "
-    "more dissipation than there is input. Powers of ten of 1e-3, 1e-3 and 1e-4 put them into units in which the input "
-    "is v0^2/2, and were chosen to do so: evidence is only in the digits of D1. D0 is undetermined, D2 is the input."
-)
-_REMARKS_OF_FIT = (
-    "Undetermined: the standard deviation is as large as the constant.",
-    "Only the digits compare: the source's power of ten was chosen to fit.",
-    "Fast impacts lose nearly all that they bring, so that it is the input, v0^2/2, of any correct code.",
+    "Fast impacts lose nearly all that they bring, so that D2 is 0.5; a constant whose standard deviation is as large "
+    "as itself is undetermined."
 )
 
 
@@ -118,7 +110,7 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     if not impacts.reference:
         return
     curves = variants(impacts)
-    if len(curves) > 1:  # thesis Fig. 5.5
+    if len(curves) > 1:
         draw = partial(draw_scaling, curves, GRANULAR_ENERGY, "log")
         yield Sketch("granular_scaling", _SCALING, draw)
     fit = quadratic_fit(impacts)
@@ -128,30 +120,6 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     areas = by_area(impacts)
     if len(areas) > 1:
         yield Sketch("loading_area", _AREA, partial(_loading_area, areas))
-
-
-def rows(impacts: Impacts) -> Iterator[Row]:
-    """Constants of the quadratic law, collapse of the scaling, and loading area."""
-    fit = quadratic_fit(impacts) if impacts.reference else None
-    if fit:
-        remarks = [
-            f"± {one:.2g} (standard deviation). {text}"
-            for one, text in zip(fit.deviations, _REMARKS_OF_FIT, strict=True)
-        ]
-        d0, d1, d2 = fit.constants.tolist()
-        where, units = "thesis 5.17", "where the input is v0²/2"
-        yield Row(f"D0 of the quadratic law, {units}", "", None, d0, where, remarks[0], digits=2)
-        source = SOURCE_FIT[1] * _POWERS_OF_TEN[1]
-        yield Row(f"D1 of the quadratic law, {units}", "", source, d1, where, remarks[1], digits=3)
-        yield Row(f"D2 of the quadratic law, {units}", "", None, d2, where, remarks[2], 0.5, True)
-    for name, n, largest in collapse(impacts) if impacts.reference else ():
-        what = f"Largest difference in dissipated share at {n} equal normalised velocities: {name}"
-        yield Row(what, "", None, largest, "thesis Fig. 5.5", "The source: one curve.", 0.0, digits=2)
-    for energy, fractions in area_table(by_area(impacts)) if impacts.reference else ():
-        spread = max(fractions.values()) - min(fractions.values())
-        what = f"Largest difference in dissipated share for {', '.join(map(str, fractions))} struck spheres, input "
-        yield Row(what + f"{energy:.2g} F_y alpha_y", "", None, spread, "thesis Fig. 5.7", "The source: none.", 0.0,
-                  digits=2)  # fmt: skip
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
@@ -169,11 +137,10 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
 
 
 def _quadratic_law(fit: QuadraticLaw) -> Iterator[Table | Note]:
-    names = "Source, as printed", "Power of ten, chosen", "Ours, with its standard deviation"
     ours = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
-    rows = zip(("D0", "D1", "D2"), SOURCE_FIT, _POWERS_OF_TEN, ours, strict=True)
-    caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2 (thesis 5.17)"
-    yield table_of(caption, (Column("Constant", key=True), *numeric(*names)), rows, by_row=True)
+    caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
+    columns = (Column("Constant", key=True), *numeric("Value, with its standard deviation"))
+    yield table_of(caption, columns, zip(("D0", "D1", "D2"), ours, strict=True), by_row=True)
     yield Note(
         f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest misfit "
         f"there is {percent(100 * fit.misfit).lstrip('+')}. {_FIT_REMARK}"
@@ -192,7 +159,7 @@ def _areas(found: Sequence[tuple[float, dict[int, float]]]) -> Table:
 
 
 def _against_velocity(runs: Sequence[Granular], fit: QuadraticLaw) -> Drawing:
-    """Dissipation and its fraction of the input, with the quadratic law (thesis Fig. 5.6)."""
+    """Dissipation and its fraction of the input, with the quadratic law."""
     v, lost = _dissipation(runs)
     fine = np.geomspace(fit.lowest, v[-1], 200)
     figure, left, right = panels(2.6, 2)
@@ -212,7 +179,7 @@ def _against_velocity(runs: Sequence[Granular], fit: QuadraticLaw) -> Drawing:
 
 
 def _loading_area(curves: Mapping[int, Sequence[Granular]]) -> Drawing:
-    """Dissipated fraction against input energy for 1, 3 and 7 struck spheres (thesis Fig. 5.7)."""
+    """Dissipated fraction against input energy for 1, 3 and 7 struck spheres."""
     figure, axes = panels(2.6)
     columns: dict[str, list] = {"struck_spheres": [], "energy_normalised": [], "dissipated_fraction": []}
     for n, (spheres, runs) in enumerate(curves.items()):

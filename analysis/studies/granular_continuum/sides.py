@@ -1,4 +1,4 @@
-"""Packings and continuum side by side: dissipated fraction, volume involved, dissipation per mass (thesis 5.5)."""
+"""Packings and continuum side by side: dissipated fraction, volume involved, dissipation per mass."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _dissipating(reference: Sequence[Granular], most: int) -> list[Granular]:
 
 
 def _dissipated_fraction(impacts: Impacts) -> Drawing:
-    """Fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the punch (thesis Fig. 5.13).
+    """Fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the punch.
 
     Spheres of the reference material alone are shown, by diameter: the unit is then the same for all.
     """
@@ -118,7 +118,7 @@ def _dissipated_fraction(impacts: Impacts) -> Drawing:
 
 
 def _plastic_volume(packings: Sequence[Granular], blocks: Sequence[Continuum]) -> Drawing:
-    """Volume that dissipates a fraction of the input: granular curves, continuum marks (thesis Fig. 5.14)."""
+    """Volume that dissipates a fraction of the input: granular curves, continuum marks."""
     unit = math.pi * blocks[0].diameter ** 3 / 6
     figure, axes = panels(2.8)
     columns: dict[str, list] = {"curve": [], "dissipated_fraction": [], "volume_over_sphere_volume": []}

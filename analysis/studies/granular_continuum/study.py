@@ -1,4 +1,4 @@
-"""Impacts on packings and on blocks in one report: each other's scaling, and side by side (thesis chapter 5)."""
+"""Impacts on packings and on blocks in one report: each other's scaling, and side by side."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.cells import show
 from granwave.analysis.document.model import Note, Table
-from granwave.analysis.studies.granular_continuum import blocks, forces, packings, printed, sides, zone
+from granwave.analysis.studies.granular_continuum import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.granular_continuum.impacts import Impacts, collect, energy_unit
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Row, Sketch
+from granwave.analysis.studies.study import Sketch
 
 TITLE = "Comparison"
 _PARTS = (sides, zone, packings, forces, blocks)
@@ -51,12 +51,6 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Pictures of all parts."""
     for part in _PARTS:
         yield from part.pictures(impacts)
-
-
-def rows(impacts: Impacts) -> Iterator[Row]:
-    """Rows of all parts that have some."""
-    yield from packings.rows(impacts)
-    yield from printed.rows(impacts)
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from granwave.analysis.contact_law.restitution import restitution
+from granwave.analysis.contact_law.curves import restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.load_case import load_case

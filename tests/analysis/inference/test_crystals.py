@@ -11,14 +11,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from granwave.analysis.inference.contacts import Wall, find_contacts
-from granwave.analysis.inference.grains import Grains, stiffness
-from granwave.analysis.inference.infer import Settings, infer, relative_noise
+from granwave.analysis.inference.case import Infer
+from granwave.analysis.inference.grains import Grains, Wall, find_contacts, stiffness
+from granwave.analysis.inference.infer import infer, relative_noise
 from granwave.analysis.inference.solve import solve_conic
 from tests.helpers import plane_crystal
 
 CRYSTALS = {"centred-square": plane_crystal.centred_square(16, 6), "hexagonal": plane_crystal.hexagonal(14, 8)}
-EXACT = Settings(plane_crystal.FRICTION, tolerance=1e-6, repetitions=0)
+EXACT = Infer(friction=plane_crystal.FRICTION, contact_tolerance=1e-6, repetitions=0)
 #: |f - f_true|/|f_true| by noise, of equal and white weights: physics-plane.md, section 6, from another program.
 PRINTED = {
     "centred-square": {0.01: (0.0070, 0.0051), 0.05: (0.0345, 0.0254), 0.10: (0.070, 0.049), 0.50: (0.311, 0.217)},
@@ -49,7 +49,7 @@ def state_of(name, time, times=(0.5e-3,)):
     left, right, floor, plate = snapshot.levels
     walls = {"left": Wall((left, 0), (1, 0)), "right": Wall((right, 0), (-1, 0)),
              "floor": Wall((0, floor), (0, 1)), "plate": Wall((0, plate), (0, -1))}  # fmt: skip
-    contacts = find_contacts(grains, walls, EXACT.tolerance)
+    contacts = find_contacts(grains, walls, EXACT.contact_tolerance)
     partner = np.where(contacts.second >= 0, contacts.second, -1 - contacts.wall)
     row = {pair: m for m, pair in enumerate(zip(contacts.first.tolist(), partner.tolist(), strict=True))}
     vectors = np.zeros((len(contacts), 2))
@@ -93,13 +93,13 @@ def errors(name, noise, times, repetitions):
 def test_exact_data_give_exact_forces(name):
     grains, walls, true = state_of(name, 0.5e-3)
     assert error(infer(grains, walls, EXACT), true) < 1e-12
-    assert error(infer(grains, walls, dataclasses.replace(EXACT, tolerance=0.02)), true_of_more(name)) < 1e-12
+    assert error(infer(grains, walls, dataclasses.replace(EXACT, contact_tolerance=0.02)), true_of_more(name)) < 1e-12
 
 
 def true_of_more(name):
     """True forces of the candidates within 0.02, most of which bear none."""
     grains, walls, true = state_of(name, 0.5e-3)
-    few, many = (find_contacts(grains, walls, tolerance) for tolerance in (EXACT.tolerance, 0.02))
+    few, many = (find_contacts(grains, walls, tolerance) for tolerance in (EXACT.contact_tolerance, 0.02))
     row = {key: m for m, key in enumerate(zip(many.first, many.second, many.wall, strict=True))}
     found = np.zeros((len(many), 2))
     found[[row[key] for key in zip(few.first, few.second, few.wall, strict=True)]] = true
@@ -145,7 +145,7 @@ def test_the_modulus_is_found():
         assumed = dataclasses.replace(
             grains, stress=wrong * grains.stress, compliance=grains.compliance / wrong, modulus=wrong * grains.modulus
         )
-        found = infer(assumed, walls, dataclasses.replace(EXACT, noise=size, find_modulus=True))
+        found = infer(assumed, walls, dataclasses.replace(EXACT, noise=size, modulus="find"))
         factors.append(wrong * found.factor)
         spreads.append(found.search.error)
     assert np.mean(factors) == pytest.approx(1, abs=0.03)
@@ -162,7 +162,7 @@ def test_the_modulus_has_no_bias(name):
     found = []
     for _ in range(20):
         grains, size = measured(exact, 0.10, rng)
-        one = infer(grains, walls, dataclasses.replace(EXACT, noise=size, find_modulus=True))
+        one = infer(grains, walls, dataclasses.replace(EXACT, noise=size, modulus="find"))
         found.append((one.factor, one.search.error))
     factors, spreads = np.array(found).T
     assert abs(np.log(factors).mean()) < 3 * spreads.mean() / np.sqrt(20)

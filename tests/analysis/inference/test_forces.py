@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from granwave.analysis.inference.contacts import Wall, find_contacts
-from granwave.analysis.inference.drawings import network
+from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import make_equations
-from granwave.analysis.inference.grains import Grains, stiffness
-from granwave.analysis.inference.infer import Settings, infer
+from granwave.analysis.inference.grains import Grains, Wall, find_contacts, stiffness
+from granwave.analysis.inference.infer import infer
+from granwave.analysis.inference.output import network
 from granwave.analysis.inference.solve import solve, solve_conic
 from granwave.analysis.inference.tables import instant_summary
 
 RADIUS, MASS = 0.01, 0.3
-EXACT = Settings(0.3, repetitions=0)
+EXACT = Infer(friction=0.3, repetitions=0)
 
 
 def discs(x, stress, acceleration=0.0, spin=0.0, turning=0.0):

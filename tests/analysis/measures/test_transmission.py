@@ -17,7 +17,7 @@ from granwave.lammps_inputs.contact.travel_time import row_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
-from granwave.workflows.spectra.commands import steady
+from granwave.workflows.spectra import steady
 
 SWEEP = {
     "shape": "sweep",

@@ -13,9 +13,10 @@ from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warning
 from granwave.analysis.measures.zone.packing import packing_zone, wave_arrivals, zone_summary
 from granwave.analysis.measures.zone.size import extent_holding, volume_holding, wave_returns, zone_sizes
 from granwave.analysis.quantities import SHARES
-from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
-from granwave.workflows.finite_elements.punch.history import History, make_solver
-from granwave.workflows.finite_elements.punch.summary import zone_summary as zone_of_block
+from granwave.workflows.finite_elements.material import PLASTIC
+from granwave.workflows.finite_elements.punch import ContinuumCase
+from granwave.workflows.finite_elements.punch.run import History, make_solver
+from granwave.workflows.finite_elements.punch.run import zone_summary as zone_of_block
 from granwave.workflows.run.driver import run_case
 from tests.helpers import synthetic
 
@@ -297,7 +298,7 @@ def block():
     solver, history = make_solver(case), History()
     r, z = solver.mesh.centres
     inside = (r[None, :] < 0.004) & (z[:, None] < 0.006)
-    solver.state[:, :, kernels.PLASTIC] = np.where(inside, 3e6, 0.0)
+    solver.state[:, :, PLASTIC] = np.where(inside, 3e6, 0.0)
     solver.ever[:] = inside
     history.add(0, solver.look(), case.punch.energy)
     return case, solver, history
@@ -321,9 +322,9 @@ def test_elements_weigh_with_their_volume(block):
 
 def test_small_dense_elements_come_before_large_ones(block):
     case, solver, history = block
-    solver.state[0, 0, kernels.PLASTIC] = 3e9
+    solver.state[0, 0, PLASTIC] = 3e9
     volume = solver.operators.volume[0, 0]
-    energy = (solver.state[:, :, kernels.PLASTIC] * solver.operators.volume).sum()
+    energy = (solver.state[:, :, PLASTIC] * solver.operators.volume).sum()
     assert 3e9 * volume < 0.5 * energy
     held = zone_of_block(case, solver, history)["zone_volume_50_m3"]
     rest = 0.5 * energy - 3e9 * volume

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.cells import BLANK, spread_cell, value_cell
-from granwave.analysis.document.cleanup import tidied_table
+from granwave.analysis.document.cells import BLANK, spread_cell, tidied_table, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.sections.results import results_section
@@ -154,7 +153,6 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
 
 
 def test_sections_have_names_of_their_own(tmp_path):
-    """Studies include values of the sources, too, so their section is not named after the sources."""
     run = write_run(tmp_path / "run", figures=False)
     inputs = read_inputs([run], tmp_path)
     study = Study("s", "A chain", "text", rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", theory=4.0)))
@@ -165,11 +163,6 @@ def test_sections_have_names_of_their_own(tmp_path):
     assert [row[3].text for part in parts for row in part.rows] == ["+50 %", "-25 %"]  # of what it is compared with
     titles = [one.title for one in build([run], tmp_path).sections] + [section.title]
     assert len({re.sub(r"\W", "", title).lower() for title in titles}) == len(titles)
-
-
-def test_sources_that_say_nothing_have_no_section(tmp_path):
-    run = write_run(tmp_path / "run", figures=False, contact__law="hertz", packing__kind="bcc")
-    assert "sources" not in [section.slug for section in build([run], tmp_path).sections]
 
 
 def test_templates_give_a_wide_figure_the_whole_row():

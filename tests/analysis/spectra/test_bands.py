@@ -9,14 +9,11 @@ import numpy as np
 import pytest
 
 from granwave.analysis.measures.precompressed.loaded_line import line_of
-from granwave.analysis.spectra.band_structure import band_structure
-from granwave.analysis.spectra.bands import solve_bands
-from granwave.analysis.spectra.complex_k import complex_bands
-from granwave.analysis.spectra.gaps import band_edges
-from granwave.analysis.spectra.paths import make_path
+from granwave.analysis.spectra.band_structure import band_structure, long_wave_speeds
+from granwave.analysis.spectra.bands import band_edges, solve_bands
 from granwave.analysis.spectra.states import cell_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.surfaces import long_wave_speeds
+from granwave.analysis.spectra.wave_vectors import complex_bands, make_path
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict

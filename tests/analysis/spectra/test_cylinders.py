@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.spectra.band_structure import band_structure
-from granwave.analysis.spectra.modes import solve_modes
+from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import cell_state, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import transmission

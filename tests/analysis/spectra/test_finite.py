@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.spectra.losses import losses_of
-from granwave.analysis.spectra.modes import solve_modes
+from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.network import Network, Springs
 from granwave.analysis.spectra.states import packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.transmission import transmission
+from granwave.analysis.spectra.transmission import losses_of, transmission
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case
@@ -44,7 +43,7 @@ def test_density_of_states_of_many(monkeypatch):
     )
     stiffness = stiffness_of(state.network.turned_off("z"))
     every = solve_modes(stiffness)
-    monkeypatch.setattr("granwave.analysis.spectra.modes.ALL_UP_TO", 0)
+    monkeypatch.setattr("granwave.analysis.spectra.bands.ALL_UP_TO", 0)
     some = solve_modes(stiffness, 5)
     np.testing.assert_allclose(some.frequency, every.frequency[:5], rtol=1e-7)
     for share in (0.25, 0.5, 0.75):

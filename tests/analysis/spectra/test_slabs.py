@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis.spectra import complex_k
+from granwave.analysis.spectra import wave_vectors
 from granwave.analysis.spectra.band_structure import band_structure
-from granwave.analysis.spectra.complex_k import complex_bands
 from granwave.analysis.spectra.network import Network, Springs
 from granwave.analysis.spectra.states import cell_state, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.wave_vectors import complex_bands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case
@@ -105,7 +105,7 @@ def test_attenuation_from_the_faces_is_that_of_the_whole_cell(monkeypatch, direc
     stiffness, way = stiffness_of(cell_state(case).network), np.array(direction)
     frequency = np.linspace(3e3, 6e4, 12)
     whole = complex_bands(stiffness, np.zeros(3), way, frequency)
-    monkeypatch.setattr(complex_k, "MOST_UNKNOWNS", 0)
+    monkeypatch.setattr(wave_vectors, "MOST_UNKNOWNS", 0)
     faces = complex_bands(stiffness, np.zeros(3), way, frequency)
     assert whole is not None and faces is not None
     assert faces.least == pytest.approx(whole.least, abs=1e-9)

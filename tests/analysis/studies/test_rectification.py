@@ -11,7 +11,7 @@ import pytest
 from granwave.analysis.studies.bands.rectification import ratios, select, sides, switch
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.workflows import load_case
-from granwave.workflows.spectra.commands import steady
+from granwave.workflows.spectra import steady
 
 DASHPOT = 2500.0
 SCANNED = {"packing.size": 20, "contact.loss": {"time": 5e-8}, "boundary.bottom": "free",

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.inference.quantities import QUANTITIES
+from granwave.analysis.inference.tables import QUANTITIES
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main

@@ -8,11 +8,11 @@ import re
 import pytest
 
 from granwave.workflows.cli import doctor
-from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.doctor import Finding
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.scan import outcome_values
+from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.driver import ScanOutcome
 from tests.helpers.synthetic_scan import grid, write_scan
 
@@ -122,8 +122,8 @@ def test_plan_of_a_scan(tmp_path, capfd):
     path.write_text(SCAN)
     plan = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--plan", "--json"], capfd)
     assert (plan["name"], plan["n_points"], plan["n_left"], plan["n_spheres_most"]) == ("pair", 2, 2, 2)
-    suite = document(["scan", "granular-continuum", "-o", str(tmp_path / "suite"), "--plan", "--json"], capfd)
-    assert suite["name"] == "granular-continuum" and suite["wall_time_s"] > 0 and len(suite["scans"]) > 1
+    suite = document(["scan", "protection", "-o", str(tmp_path / "suite"), "--plan", "--json"], capfd)
+    assert suite["name"] == "protection" and suite["wall_time_s"] > 0 and len(suite["scans"]) > 1
 
 
 def test_end_of_a_scan(tmp_path, capsys):

@@ -12,8 +12,8 @@ import pytest
 import granwave as gw
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.workflows import load_case
+from granwave.workflows import spectra as commands
 from granwave.workflows.cli.main import main
-from granwave.workflows.spectra import commands
 
 ROW = """
 name = "row"

@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
+from granwave.lammps_inputs.case.hints import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, positive_or_auto
-from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
@@ -91,7 +91,7 @@ class ContinuumCase(ElementCase):
 
     @property
     def energy_unit(self) -> float:
-        """Energy unit sigma_y^2 D^3/E with the diameter of the punch, J (thesis 5.30)."""
+        """Energy unit sigma_y^2 D^3/E with the diameter of the punch, J."""
         material = self.material
         assert material.yield_strength is not None  # checked when read
         return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus

@@ -14,6 +14,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.run.zone import draw_zone_size
+from granwave.analysis.figures.series import one_panel, panels
 from granwave.analysis.figures.style import (
     BLANK,
     BLUE,
@@ -25,12 +26,11 @@ from granwave.analysis.figures.style import (
     SKY,
     Drawing,
     FigureFolder,
-    new_figure,
     style,
 )
 from granwave.analysis.measures.zone.size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
-from granwave.workflows.finite_elements.result_file import ElementResult
+from granwave.workflows.finite_elements.runner import ElementResult
 
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
@@ -62,14 +62,12 @@ def energies(result: ContinuumResult) -> Drawing:
     names = ("punch", "kinetic", "elastic", "plastic", "viscous", "hourglass", "contact")
     parts = {name: result[f"energy/{name}"] for name in names}
     residual = np.abs(np.sum(list(parts.values()), axis=0) - given) / given
-    figure = new_figure(3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
     for (name, values), colour in zip(parts.items(), (GREY, BLUE, GREEN, ORANGE, PURPLE, SKY, "black"), strict=True):
         dashed = "--" if name in ("viscous", "hourglass", "contact") else "-"
         upper.plot(time * _MICRO, values, dashed, color=colour, label=name)
     upper.plot(time * _MICRO, given, ":", color="black", label="input")
-    upper.set_ylabel("Energy (J)")
-    upper.set_ylim(0, 1.45 * given[0])
+    upper.set(ylabel="Energy (J)", ylim=(0, 1.45 * given[0]))
     upper.legend(ncols=3, loc="upper center", columnspacing=1.0)
     lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
     lower.set_ylabel("|Residual|\n/ input")
@@ -83,11 +81,9 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
     time = result["plastic_zone/time"]
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
-    figure = new_figure(2.3)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.3, "", "Plastic volume / ($\\pi D^3/6$)")
     axes.plot(time * _MICRO, now / sphere, color=ORANGE, label="at yield now")
     axes.plot(time * _MICRO, ever / sphere, "--", color=BLUE, label="ever at yield")
-    axes.set_ylabel("Plastic volume / ($\\pi D^3/6$)")
     axes.set_ylim(bottom=0)
     axes.legend()
     _time_axis(axes, time)
@@ -107,8 +103,7 @@ def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
 def punch(result: ContinuumResult) -> Drawing:
     """Draw the force on the punch and its velocity."""
     time, force, velocity = (result[f"punch/{name}"] for name in ("time", "force", "velocity"))
-    figure = new_figure(3.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure, upper, lower = panels(3.0, rows=2, sharex=True)
     upper.plot(time * _MICRO, force / 1e3, color=BLUE)
     upper.set_ylabel("Force (kN)")
     lower.axhline(0, color="black", linewidth=0.5)
@@ -121,11 +116,11 @@ def punch(result: ContinuumResult) -> Drawing:
 
 def von_mises(result: ContinuumResult) -> Drawing:
     """Draw the von Mises stress in a section, at the snapshot nearest to the time of the largest plastic zone."""
-    frame = _frame_of_largest_zone(result)
+    largest = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
+    frame = int(np.abs(result["fields/time"] - largest).argmin())
     stress = result["fields/von_mises"][frame]
     limit = result.tables["material"]["yield_strength"]
-    figure = new_figure(2.6)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.6, "r (mm)", "Depth (mm)")
     scale = Normalize(0, limit * _MEGA)
     _section(axes, result, result.grid(stress) * _MEGA, FORCE_MAP, scale)
     figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
@@ -140,15 +135,14 @@ def plastic_zone(result: ContinuumResult) -> Drawing:
     active = np.flatnonzero(at_yield.any(axis=1))
     last = int(active[-1]) if len(active) else len(times) - 1
     frames = np.unique(np.linspace(min(1, last), last, _PANELS).round().astype(int))
-    figure = new_figure(4.2, 5.2)
-    panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
+    figure, *grid = panels(4.2, 3, 2, width=5.2, sharex=True, sharey=True)
     columns = result.centres
-    for axes, frame in zip(panels, frames, strict=False):
+    for axes, frame in zip(grid, frames, strict=False):
         state = np.where(at_yield[frame], 2, np.where(at_yield[: frame + 1].any(axis=0), 1, 0))
         _section(axes, result, result.grid(state), _YIELDED_MAP, Normalize(0, 2))
         axes.set_title(f"{times[frame] * _MICRO:.1f} µs")
         columns[f"state_{times[frame] * _MICRO:.2f}us"] = state
-    for n, axes in enumerate(panels):
+    for n, axes in enumerate(grid):
         axes.set_visible(n < len(frames))
         axes.label_outer()
     return Drawing(figure, columns)
@@ -158,8 +152,7 @@ def plastic_strain(result: ContinuumResult) -> Drawing:
     """Draw the final equivalent plastic strain in a section."""
     strain = result["fields/plastic_strain"]
     largest = float(np.quantile(strain[strain > 0], 0.99)) if np.any(strain > 0) else 1.0
-    figure = new_figure(2.6)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.6, "r (mm)", "Depth (mm)")
     scale = Normalize(0, 100 * largest)
     _section(axes, result, 100 * result.grid(strain), "inferno", scale)
     mappable = ScalarMappable(scale, "inferno")
@@ -192,11 +185,6 @@ def draw_figures(directory: str | Path) -> list[Path]:
         for name, draw in FIGURES.items():
             folder.draw(partial(draw, result), name)
     return folder.written
-
-
-def _frame_of_largest_zone(result: ContinuumResult) -> int:
-    when = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
-    return int(np.abs(result["fields/time"] - when).argmin())
 
 
 def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, read_table
-from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.workflows.finite_elements.frame import ElementCase
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class SphereContactCase(ElementCase):
     @property
     def identical(self) -> bool:
         """True if both spheres are equal, so that one of them on the plane of symmetry is sufficient."""
-        first, second = (_constants(material) for material in self.materials)
+        first, second = ((one.youngs_modulus, one.poisson_ratio, one.yield_strength) for one in self.materials)
         return self.radii[0] == self.radii[1] and first == second
 
     @property
@@ -93,7 +93,11 @@ class SphereContactCase(ElementCase):
         """Return a contact law of this pair by name; a sphere without a yield strength is elastic."""
         from granwave.lammps_inputs.contact.law import contact_of
 
-        return contact_of([_or_elastic(material) for material in self.materials], self.radii, name)
+        limits = [one.yield_strength or math.inf for one in self.materials]
+        materials = [
+            dataclasses.replace(one, yield_strength=limit) for one, limit in zip(self.materials, limits, strict=True)
+        ]
+        return contact_of(materials, self.radii, name)
 
     @property
     def max_overlap(self) -> float:
@@ -117,11 +121,3 @@ def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Pa
     if isinstance(table, Mapping) and "material" in table:
         material = read_material(table["material"], errors, "partner.material")
     return None if body is None or material is None else Partner(radius=body.radius, material=material)
-
-
-def _constants(material: Material) -> tuple[float, float, float | None]:
-    return material.youngs_modulus, material.poisson_ratio, material.yield_strength
-
-
-def _or_elastic(material: Material) -> Material:
-    return dataclasses.replace(material, yield_strength=material.yield_strength or math.inf)

@@ -11,16 +11,14 @@ Each element has one quadrature point, its centre. With b = grad N there, from c
 
 Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass displacement rotates with
 the element and is reduced by plastic flow like the deviator. The state of an element has the layout of
-`granwave.workflows.finite_elements.punch.kernels`, but ``PLASTIC`` is in J, as volumes change.
+`granwave.workflows.finite_elements.material`, but ``PLASTIC`` is in J, as volumes change.
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from granwave.workflows.finite_elements.punch.kernels import (
+from granwave.workflows.finite_elements.material import (
     BULK,
     HOUR_R,
     HOUR_Z,
@@ -31,7 +29,7 @@ from granwave.workflows.finite_elements.punch.kernels import (
     TT,
     ZZ,
     compiled,
-)
+)  # fmt: skip
 
 #: overlap (m), its change in a step, that change before smoothing (m), force (N); sums of work and losses (J)
 OVERLAP, RATE, TARGET_RATE, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, PENALTY = range(10)
@@ -339,9 +337,3 @@ def stored(x, elements, kind, constants, state):
         elastic += volume * (square / (4 * mu) + mean * mean / (2 * (lam + 2 * mu / 3)))
         plastic += s[PLASTIC]
     return elastic, plastic
-
-
-def von_mises(state: np.ndarray) -> np.ndarray:
-    """Return the von Mises stresses, (n_elements,), Pa."""
-    rr, zz, tt, rz = state[:, RR], state[:, ZZ], state[:, TT], state[:, RZ]
-    return np.sqrt(0.5 * ((rr - zz) ** 2 + (zz - tt) ** 2 + (tt - rr) ** 2) + 3 * rz**2)

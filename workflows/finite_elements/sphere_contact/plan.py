@@ -6,7 +6,7 @@ import math
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.schedule import MOST_STEPS
-from granwave.workflows.finite_elements.punch.plan import ContinuumPlan
+from granwave.workflows.finite_elements.frame import ElementPlan
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import (
     SMOOTHING,
@@ -24,7 +24,7 @@ _DISK_PER_ELEMENT = 100.0  # bytes
 _DISK_BASE = 4e6  # bytes, history and figures
 
 
-def plan(case: SphereContactCase) -> ContinuumPlan:
+def plan(case: SphereContactCase) -> ElementPlan:
     """Plan the run of a case; raise InputError if it has too many steps."""
     n, start = squares(case), START * yield_unit(case)
     loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
@@ -35,7 +35,7 @@ def plan(case: SphereContactCase) -> ContinuumPlan:
             f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, expected at most "
             f"{MOST_STEPS:g}; make it faster"
         )
-    return ContinuumPlan(
+    return ElementPlan(
         name=case.name,
         n_elements=case.run.elements,
         memory=case.memory,

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.workflows.finite_elements.result_file import ElementResult
+from granwave.workflows.finite_elements.runner import ElementResult
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.study import yield_unit
 

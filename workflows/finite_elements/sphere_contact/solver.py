@@ -12,7 +12,7 @@ against a rigid frictionless plane that advances by half the overlap is exactly 
 The contact is a penalty on the gap at two points of each surface segment of both bodies, with `PENALTY` times the
 stiffness of an element; mass added to the surface nodes keeps it stable. The remaining penetration is reported.
 
-The overlap is that of the flat faces, as in the source, not of remote points as in Hertz's theory: a half-sphere
+The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
 between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.study`.
 """
 
@@ -20,13 +20,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.workflows.finite_elements.punch.kernels import N_STATE
-from granwave.workflows.finite_elements.punch.material import Elastoplastic
-from granwave.workflows.finite_elements.punch.operators import LINEAR_VISCOSITY, hourglass_stiffness
+from granwave.workflows.finite_elements.material import (
+    LINEAR_VISCOSITY,
+    N_STATE,
+    Elastoplastic,
+    hourglass_stiffness,
+    von_mises,
+)
 from granwave.workflows.finite_elements.sphere_contact import kernels
 from granwave.workflows.finite_elements.sphere_contact.mesh import HalfSphere
 
@@ -112,7 +117,10 @@ class Solver:
         nodes = np.concatenate([*(body.nodes for body in bodies), *([plane] if len(bodies) == 1 else [])])
         self.elements = np.concatenate([body.elements + at for body, at in zip(bodies, self.offsets, strict=False)])
         self.kind = np.repeat(np.arange(len(bodies)), [len(body.elements) for body in bodies])
-        self._constants = np.array([_constants_of(material) for material in materials])
+        viscosities = [LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials]
+        self._constants = np.array(
+            [(*one.lame, one.yield_strength, drag) for one, drag in zip(materials, viscosities, strict=True)]
+        )
         self.motion = np.zeros((4, *nodes.shape))
         self.motion[0] = nodes
         self._free = np.ones(nodes.shape)
@@ -126,7 +134,9 @@ class Solver:
         self._mesh = (self.elements, self.kind, self._constants, self._hourglass(), self.state)
         self._surfaces = [self._surface(body, at) for body, at in zip(bodies, self.offsets, strict=False)]
         if len(bodies) == 1:
-            self._surfaces.append(_plane(len(nodes) - 2))
+            none, last = np.zeros((0, 2)), len(nodes) - 1
+            no_segments = np.zeros((0, 4), dtype=np.int64), np.zeros((0, 2, 4))
+            self._surfaces.append(_Surface(np.array([last - 1, last]), *no_segments, none, none))
         self._extra = np.zeros(len(nodes))
         for surface in self._surfaces:
             on_segment = len(bodies) * surface.stiffness.sum(axis=1)
@@ -134,7 +144,7 @@ class Solver:
             np.add.at(self._extra, surface.around[:, 2], on_segment / 2)
         if len(bodies) == 1:
             self._extra[-2:] = 1.0  # nodes of the plane, which do not move
-        self._contact = tuple(surface.tables for surface in self._surfaces)
+        self._contact = tuple(map(tuple, self._surfaces))
         self.mass = np.zeros(len(nodes))
         self._set_masses()
 
@@ -166,7 +176,7 @@ class Solver:
     @property
     def von_mises(self) -> Array:
         """Von Mises stresses, (n_elements,), Pa."""
-        return kernels.von_mises(self.state)
+        return von_mises(self.state)
 
     def advance(self, n_steps: int, wanted: float, growth: float = 0.0) -> None:
         """Take ``n_steps`` with the target ``wanted + growth * overlap`` (m) for the change of overlap in a step."""
@@ -246,7 +256,8 @@ class Solver:
 
     def _surface(self, body: HalfSphere, at: int) -> _Surface:
         modulus = min(material.longitudinal_modulus for material in self.materials)
-        line = _facing(body)
+        r, z = body.nodes[body.surface].T
+        line = body.surface[np.arctan2(r, body.radius - z) <= _STEEPEST]  # that may touch, from the axis outwards
         r, z = body.nodes[line].T
         length = np.hypot(np.diff(r), np.diff(z))
         stiffness = PENALTY * modulus * math.pi * _gauss_points(r) / len(self.bodies)  # over length, times length
@@ -255,8 +266,7 @@ class Solver:
         return _Surface(line, *_curve(line, arc), stiffness, np.ones_like(stiffness))
 
 
-@dataclasses.dataclass(frozen=True)
-class _Surface:
+class _Surface(NamedTuple):
     """Arguments of `kernels.press` for one surface."""
 
     line: NDArray[np.int64]
@@ -264,10 +274,6 @@ class _Surface:
     weights: Array
     stiffness: Array
     gaps: Array
-
-    @property
-    def tables(self) -> tuple[NDArray, ...]:
-        return self.line, self.around, self.weights, self.stiffness, self.gaps
 
 
 def _edge(radius: Array, gap: Array) -> float:
@@ -286,11 +292,6 @@ def _edge(radius: Array, gap: Array) -> float:
     low, high = gap[last + 1] ** (2 / 3), gap[last + 2] ** (2 / 3)
     edge = near - low * (far - near) / (high - low) if high > low else near
     return float(np.clip(edge, radius[last], near))
-
-
-def _plane(node: int) -> _Surface:
-    none = np.zeros((0, 2))
-    return _Surface(np.array([node, node + 1]), np.zeros((0, 4), dtype=np.int64), np.zeros((0, 2, 4)), none, none)
 
 
 def _gauss_points(values: Array) -> Array:
@@ -320,14 +321,3 @@ def _curve(line: NDArray[np.int64], arc: Array) -> tuple[NDArray[np.int64], Arra
                     others = np.delete(at, m)
                     weights[k, side, first + m] += 0.5 * np.prod((x - others) / (at[m] - others))
     return around, weights
-
-
-def _constants_of(material: Elastoplastic) -> tuple[float, float, float, float]:
-    viscosity = LINEAR_VISCOSITY * material.longitudinal_modulus * kernels.STABLE
-    return *material.lame, material.yield_strength, viscosity
-
-
-def _facing(body: HalfSphere) -> NDArray[np.int64]:
-    """Return the surface nodes that may touch, from the axis outwards."""
-    r, z = body.nodes[body.surface].T
-    return body.surface[np.arctan2(r, body.radius - z) <= _STEEPEST]

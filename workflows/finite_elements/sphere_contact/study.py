@@ -25,8 +25,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.workflows.finite_elements.punch.kernels import STRAIN
-from granwave.workflows.finite_elements.punch.material import Elastoplastic
+from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere, squares_for
 from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Ledger, Solver
@@ -34,7 +33,7 @@ from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Le
 STEPS_PER_E_FOLD, STEPS_PER_UNLOADING = 600, 300  # times n, at speed 1
 SMOOTHING, DAMPING, MEMORY = 40, 0.1, 20  # times n, over n, times n
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
-PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*, thesis 2.3
+PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
 _CORE = 3.0  # size of the mesh's finest part over the contact radius at first yield
 _FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
 START = 0.3  # overlap over alpha_y below which the loading rate is about constant

@@ -1,0 +1,378 @@
+"""Wave vectors: paths of real ones, and complex ones inside gaps.
+
+Paths are given in rad/m, or by the standard names of points of the Brillouin zone.
+
+    0,0,0; 0,0,314.2; 100,0,0      wave vectors in rad/m, straight between them
+    G-X-M-G,  GXMG,  G-X|R-M       names of points; | begins a new stretch
+
+Names and places of the points are those of ASE (Setyawan, Curtarolo, doi:10.1016/j.commatsci.2010.05.010) for the cell
+before the load; a row has G and X.
+
+Complex wave vectors give the attenuation of waves inside gaps. Along a direction in which planes of the lattice lie h
+apart, all phases are powers of lambda = exp(i s h), and
+
+    sum_m K_m lambda^m u = omega^2 M u
+
+is an eigenvalue problem in lambda at a given frequency. |lambda| = 1 are waves; |lambda| < 1 falls by -ln |lambda| from
+plane to plane. The whole spectrum of a small cell is found from the dense matrix of all its unknowns.
+
+A larger cell is first condensed to its faces. Of the unknowns only those in A touch the next cell, and only those in B
+the one before, by the stiffness C between them; with G the inverse of K_0 - omega^2 M, and p = u_A, q = lambda u_B,
+
+    lambda [[1, G_AA C], [0, G_BA C]] (p, q) = -[[G_AB C^H, 0], [G_BB C^H, 1]] (p, q)
+
+which is as exact, and has as many unknowns as the faces. Where planes lie closer than cells reach, as many cells are
+taken as one that it reaches the next alone; the phase is then known up to whole parts of 2 pi, and left out.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from itertools import pairwise
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import eig
+from scipy.sparse.linalg import splu
+
+from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.stiffness import Stiffness
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+
+_NAMES = re.compile(r"[A-Z][0-9]*")
+_FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
+_ROW = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}
+_EPSILON = 1e-3  # of a cell, for recognising its symmetry
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Path:
+    """Wave vectors along a path.
+
+    Attributes
+    ----------
+    k
+        Wave vectors: (n, 3), rad/m.
+    distance
+        Length of the path up to them: (n,), rad/m.
+    corners
+        Rows of the corners, with their names.
+    breaks
+        Rows at which a new stretch begins that does not continue the one before.
+    """
+
+    k: Array
+    distance: Array
+    corners: tuple[tuple[int, str], ...]
+    breaks: tuple[int, ...] = ()
+
+    def nearest(self, row: int) -> str:
+        """Describe the place of a row: the corner that it is, or the wave vector."""
+        names = dict(self.corners)
+        where = ", ".join(f"{one:.4g}" for one in self.k[row])
+        return f"k = ({where}) rad/m" + (f", {names[row]}" if names.get(row) else "")
+
+
+def special_points(periods: Array) -> dict[str, Array]:
+    """Return the special points of the Brillouin zone of a cell by name: (3,), rad/m."""
+    scaled, vectors = _scaled_points(periods)
+    return {name: point @ vectors for name, point in scaled.items()}
+
+
+def _scaled_points(periods: Array) -> tuple[dict[str, Array], Array]:
+    """Special points in units of the reciprocal vectors, and these: (3, 3), rad/m."""
+    from ase.cell import Cell  # takes longer to load than most commands need
+
+    n = len(periods)
+    reciprocal = np.zeros((3, 3))
+    reciprocal[:n] = 2 * np.pi * np.linalg.pinv(periods).T
+    if n == 1:
+        return dict(_ROW), reciprocal
+    full = np.concatenate([periods, _perpendicular(periods)])
+    unit = np.linalg.norm(periods[0])
+    pbc = [True] * n + [False] * (3 - n)
+    try:
+        path = Cell(full / unit).bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
+    except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
+        half = {"X": 0, "Y": 1, "Z": 2}
+        points = {"G": np.zeros(3)} | {name: np.eye(3)[axis] / 2 for name, axis in half.items() if axis < n}
+        return points, reciprocal
+    return {name: np.asarray(point, dtype=float) for name, point in path.special_points.items()}, reciprocal
+
+
+def standard_path(periods: Array) -> str:
+    """Return the standard path of a cell, by names."""
+    from ase.cell import Cell
+
+    n = len(periods)
+    if n == 1:
+        return "G-X"
+    full = np.concatenate([periods, _perpendicular(periods)])
+    pbc = [True] * n + [False] * (3 - n)
+    try:
+        found = Cell(full / np.linalg.norm(periods[0])).bandpath(pbc=pbc, npoints=0, eps=_EPSILON).path
+    except (RuntimeError, ValueError, AssertionError):
+        return "-".join(["G", *"XYZ"[:n], "G"])
+    return "|".join("-".join(_NAMES.findall(stretch)) for stretch in found.split(","))
+
+
+def make_path(text: str, periods: Array, points: int) -> Path:
+    """Make a path.
+
+    Parameters
+    ----------
+    text
+        Corners, see the module; empty for the standard path.
+    periods
+        Periods of the packing: (n_periods, 3), m.
+    points
+        Wave vectors of each stretch between two corners, both included.
+
+    Raises
+    ------
+    InputError
+        The text names no path, an unknown point, or leaves the directions in which the packing repeats.
+    """
+    stretches = _corners(text or standard_path(periods), periods)
+    inside = periods.T @ np.linalg.pinv(periods.T)  # the span of the periods
+    k: list[Array] = []
+    corners: list[tuple[int, str]] = []
+    breaks: list[int] = []
+    distance: list[float] = []
+    for stretch in stretches:
+        for _, place in stretch:
+            if np.linalg.norm(place - inside @ place) > 1e-9 * max(float(np.linalg.norm(place)), 1e-300):
+                axes = "".join(a for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True) if one > 1e-9)
+                where = ", ".join(f"{one:g}" for one in place)
+                raise InputError(
+                    f"--path: found ({where}) rad/m, but the packing repeats along {axes} alone; expected wave vectors "
+                    "in the span of its periods"
+                )
+        if k:
+            breaks.append(len(k))
+        corners.append((len(k), stretch[0][0]))
+        k.append(stretch[0][1])
+        distance.append(distance[-1] if distance else 0.0)
+        for (_, start), (name, end) in pairwise(stretch):
+            length = float(np.linalg.norm(end - start))
+            if length == 0:
+                where = show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
+                raise InputError(f"--path: found {where} twice in a row, expected points that differ")
+            for share in np.linspace(0, 1, points)[1:]:
+                k.append(start + share * (end - start))
+                distance.append(distance[-1] + length / (points - 1))
+            corners.append((len(k) - 1, name))
+    return Path(np.array(k), np.array(distance), tuple(corners), tuple(breaks))
+
+
+def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
+    if re.search(r"[;,]\s*[-+.\d]", text) or re.fullmatch(r"[-+.\d eE,;]*", text):
+        return [_numbers(text)]
+    known = special_points(periods)
+    found = []
+    for stretch in re.split(r"[|]", text.replace("Γ", "G").replace("Gamma", "G")):
+        names = _NAMES.findall(stretch)
+        if "".join(names) != re.sub(r"[-\s]", "", stretch) or len(names) < 2:
+            raise InputError(f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(known)}")
+        for name in names:
+            if name not in known:
+                raise InputError(
+                    f"--path: found the point {name}, expected one of {', '.join(known)}, those of this cell; "
+                    f"or {_FORM}"
+                )
+        found.append([(name, known[name]) for name in names])
+    return found
+
+
+def _numbers(text: str) -> list[tuple[str, Array]]:
+    corners = []
+    for part in [part for part in text.split(";") if part.strip()]:
+        try:
+            numbers = [float(one) for one in part.split(",")]
+        except ValueError:
+            numbers = []
+        if len(numbers) != 3 or not np.isfinite(numbers).all():
+            raise InputError(f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m")
+        corners.append(("G" if not any(numbers) else "", np.array(numbers)))
+    if len(corners) < 2:
+        raise InputError(f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}")
+    return corners
+
+
+def _perpendicular(periods: Array) -> Array:
+    """Vectors that complete one or two periods to three of the same length."""
+    length = np.linalg.norm(periods[0])
+    return np.asarray(length * np.linalg.svd(periods)[2][len(periods) :])
+
+
+MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
+MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
+_FLOPS, _FEWEST = 5e8, 16  # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
+_WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
+_WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
+_SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class ComplexBands:
+    """Waves and decaying fields along a direction.
+
+    Attributes
+    ----------
+    direction
+        Unit vector: (3,).
+    spacing
+        Distance h of the planes, m.
+    frequency
+        (n_frequencies,), Hz.
+    attenuation
+        -ln |lambda| of all that do not grow, rising along each row; NaN where there are fewer: (n_frequencies, n).
+    phase
+        arg lambda of the same, rad.
+    """
+
+    direction: Array
+    spacing: float
+    frequency: Array
+    attenuation: Array
+    phase: Array
+
+    @property
+    def least(self) -> Array:
+        """Smallest attenuation from plane to plane; 0 where there are waves: (n_frequencies,)."""
+        return np.asarray(np.nan_to_num(self.attenuation[:, 0], nan=np.inf))
+
+
+def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
+    """Return the distance of the planes of the lattice across a direction, m; 0 if they have none."""
+    places = np.abs(stiffness.shifts @ direction)
+    size = np.linalg.norm(stiffness.network.periods, axis=1).max()
+    places = places[places > _WHOLE * size]
+    if not len(places):
+        return 0.0
+    spacing = float(places.min())
+    for place in np.unique(places):  # Euclid's algorithm
+        a, b = float(place), spacing
+        while b > 10 * _WHOLE * size:
+            a, b = b, abs(a - b * round(a / b))
+        spacing = a
+    numbers = places / spacing
+    return spacing if np.abs(numbers - np.round(numbers)).max() < 100 * _WHOLE else 0.0
+
+
+def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequency: Array) -> ComplexBands | None:
+    """Find the complex wave vectors along a direction from a wave vector, rad/m, at frequencies (n,), Hz.
+
+    Returns
+    -------
+    ComplexBands or None
+        None if the cell is too large, or the direction has no planes. Of a large cell there are fewer frequencies.
+    """
+    spacing = plane_spacing(stiffness, direction)
+    if not spacing:
+        return None
+    numbers = np.rint(stiffness.shifts @ direction / spacing).astype(int)
+    most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
+    if 2 * most * n > MOST_UNKNOWNS:
+        return _of_faces(stiffness, start, direction, spacing, numbers, frequency)
+    parts = {m: part.toarray() for m, part in _by_plane(stiffness, start, numbers).items()}
+    found = [_solve(parts, most, n, (2 * np.pi * one) ** 2) for one in frequency]
+    attenuation, values = _table(found)
+    return ComplexBands(direction, spacing, frequency, attenuation, np.angle(values))
+
+
+def _by_plane(stiffness: Stiffness, start: Array, numbers: Ints) -> dict[int, sparse.csc_array]:
+    """Return the matrices K_m of the powers of lambda, given the numbers of planes that cells are apart."""
+    own, others = stiffness._scaled
+    most = int(np.abs(numbers).max())
+    parts = {m: sparse.csc_array(own.shape, dtype=np.complex128) for m in range(-most, most + 1)}
+    parts[0] = parts[0] + own
+    for number, shift, one in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
+        phased = one * np.exp(1j * float(start @ shift))
+        parts[number] = parts[number] + phased
+        parts[-number] = parts[-number] + phased.conj().T
+    return parts
+
+
+def _table(found: list[np.ndarray]) -> tuple[Array, np.ndarray]:
+    """Return -ln |lambda| and lambda of lists of different lengths, the rest NaN: (n_frequencies, n)."""
+    width = max(len(one) for one in found)
+    values = np.full((len(found), width), np.nan, dtype=np.complex128)
+    for row, one in enumerate(found):
+        values[row, : len(one)] = one
+    with np.errstate(invalid="ignore"):
+        attenuation = np.maximum(-np.log(np.abs(values)), 0.0)
+        attenuation[attenuation < _WAVE] = 0.0
+    return attenuation, values
+
+
+def _of_faces(
+    stiffness: Stiffness, start: Array, direction: Array, spacing: float, numbers: Ints, frequency: Array
+) -> ComplexBands | None:
+    """Find the complex wave vectors of a large cell from its faces."""
+    most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
+    if most * n > _MOST_CONDENSED:
+        return None
+    parts = _by_plane(stiffness, start, numbers)
+    blocks = [[parts.get(column - row) for column in range(most)] for row in range(most)]
+    middle = sparse.block_array(blocks, format="csc")
+    to_next = [[parts.get(most + column - row) for column in range(most)] for row in range(most)]
+    coupling = sparse.block_array(to_next, format="csc") if most > 1 else parts[1]
+    coupling.eliminate_zeros()
+    on_next, on_last = np.unique(coupling.nonzero()[0]), np.unique(coupling.nonzero()[1])
+    size = len(on_next) + len(on_last)
+    if not size or size > MOST_ON_FACES:
+        return None
+    kept = max(_FEWEST, int(_FLOPS / (size + 40) ** 3))
+    frequency = frequency[:: max(1, -(-len(frequency) // kept))]
+    between = coupling.tocsr()[on_next][:, on_last].toarray()
+    faces = np.concatenate([on_next, on_last])
+    loads = sparse.csc_array(
+        (np.ones(size), (faces, np.arange(size))), shape=(middle.shape[0], size), dtype=np.complex128
+    ).toarray()
+    found = []
+    for one in frequency:
+        square = (2 * np.pi * one) ** 2
+        inverse = splu((middle - square * sparse.eye_array(middle.shape[0])).tocsc())  # indefinite: with pivots
+        found.append(_condensed(inverse.solve(loads)[faces], between, len(on_next)))
+    attenuation, values = _table(found)
+    phase = np.angle(values) if most == 1 else np.full(values.shape, np.nan)
+    return ComplexBands(direction, spacing, frequency, attenuation / most, phase)
+
+
+def _condensed(response: np.ndarray, between: np.ndarray, n: int) -> np.ndarray:
+    """Return the lambda that do not grow, from the inverse on the faces; the first n unknowns touch the next cell."""
+    size = len(response)
+    left, right = np.zeros((size, size), dtype=np.complex128), np.zeros((size, size), dtype=np.complex128)
+    left[:n, :n] = -response[:n, n:] @ between.conj().T
+    left[n:, :n] = -response[n:, n:] @ between.conj().T
+    left[n:, n:] = -np.eye(size - n)
+    right[:n, :n] = np.eye(n)
+    right[:n, n:] = response[:n, :n] @ between
+    right[n:, n:] = response[n:, :n] @ between
+    return _decaying(left, right)
+
+
+def _solve(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:
+    """Return the lambda that do not grow, by rising attenuation."""
+    size = 2 * most * n
+    scale = max(float(np.abs(parts[0]).max()), square)
+    left, right = np.zeros((size, size), dtype=np.complex128), np.eye(size, dtype=np.complex128)
+    left[: size - n, n:] = np.eye(size - n)
+    for m in range(-most, most):
+        block = parts[m] - (square * np.eye(n) if m == 0 else 0.0)
+        left[size - n :, (m + most) * n : (m + most + 1) * n] = -block / scale
+    right[size - n :, size - n :] = parts[most] / scale
+    return _decaying(left, right)
+
+
+def _decaying(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the lambda of a pencil that do not grow, by rising attenuation."""
+    pair = eig(left, right, right=False, homogeneous_eigvals=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = pair[0] / pair[1]
+    size_of = np.abs(values)
+    kept = values[np.isfinite(size_of) & (size_of > _SMALLEST) & (size_of < _LARGEST) & (size_of <= 1 + _WAVE)]
+    return kept[np.argsort(-np.abs(kept), kind="stable")]

@@ -1,0 +1,116 @@
+"""Contact law against finite elements.
+
+Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over the
+contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by element, so
+that single values have steps of half a per cent.
+"""
+
+import math
+import tomllib
+
+import h5py
+import numpy as np
+
+import granwave as gw
+
+SPOTS = 3.0, 10.0  # alpha_y: where the law is farthest off, and where its plateau begins
+DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
+FIRST_YIELD, PLATEAU = 16 / 15, 2.48  # mean pressures over the yield strength: Thornton's, and the largest of the law
+SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+REMARKS = (
+    "The source: about 6 % at most. Its Fig. 2.8, to 800 alpha_y, cannot show this range.",
+    "The source: about 6 % at most, the law too strong at large overlaps.",
+)
+
+
+class Contact:
+    """Two spheres on loading: overlap over that at first yield and over R*, finite elements over the law, less 1."""
+
+    def __init__(self, run):
+        case = tomllib.loads((run.directory / "case.toml").read_text(encoding="utf-8"))
+        partner = case.get("partner", {})
+        material, other = case["material"], partner.get("material", case["material"])
+        radii = sorted(one.get("radius", case["sphere"]["radius"]) for one in (case["sphere"], partner))
+        self.run, self.like, self.ratio = run, material == other, radii[1] / radii[0]
+        self.strengths = [one.get("yield_strength", math.inf) for one in (material, other)]
+        self.name = material["name"] if self.like else f"{material['name']} and {other['name']}"
+        self.name += f", radii {self.ratio:g} to 1" if self.ratio > 1 else ", like radii" if self.like else ""
+        with h5py.File(run.directory / "result.h5") as file:
+            overlap, force, law, radius = (file[f"loading/{name}"][()]
+                                           for name in ("overlap", "force", "law_force", "contact_radius"))  # fmt: skip
+            self.pressures = [one["pressure"][()] for one in file["pressure"].values()]
+            self.fields = {name: values[()] for name, values in file["fields"].items()}
+        area = run["effective_radius_m"] * overlap  # of Thornton's contact, over pi
+        self.scaled, self.depth = overlap / run["yield_overlap_m"], overlap / run["effective_radius_m"]
+        self.over_law, self.area = force / law - 1, radius**2 / area
+        self.force = force / (FIRST_YIELD * min(self.strengths) * math.pi * area)
+
+    def near(self, place, along, values):
+        """Mean of values about a place along one of the scales."""
+        return values[np.abs(np.log(along / place)) < SMOOTH].mean()
+
+    @property
+    def share_of_softer(self):
+        """Share of the energy of yielding that the sphere of the smaller yield strength takes."""
+        r, z = self.fields["position"][self.fields["elements"]].transpose(2, 0, 1)
+        area = np.abs((r * np.roll(z, -1, 1) - z * np.roll(r, -1, 1)).sum(axis=1)) / 2
+        strain = np.bincount(self.fields["body"], self.fields["plastic_strain"] * area * r.mean(axis=1))
+        work = [e * s if e else 0.0 for e, s in zip(strain, self.strengths, strict=True)]  # an elastic one does none
+        return work[int(np.argmin(self.strengths))] / sum(work)
+
+
+def of_loading(one):
+    """Differences from the law at two overlaps, and over two ranges of it."""
+    for spot in SPOTS:
+        yield gw.Row(f"Finite elements over the law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
+                     ours=100 * one.near(spot, one.scaled, one.over_law), where="thesis Fig. 2.8")  # fmt: skip
+    deep = one.scaled > SPOTS[-1]
+    spans = "1 to 10 alpha_y", f"10 alpha_y to {one.depth[-1]:.2g} R*"
+    for chosen, span, remark in zip(((one.scaled >= 1) & ~deep, deep), spans, REMARKS, strict=True):
+        over = 100 * one.over_law[chosen]
+        for word, ours in (("least", over.min()), ("most", over.max())):
+            worst = one.like and abs(ours) == np.abs(over).max()
+            yield gw.Row(f"Finite elements over the law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
+                         source=math.copysign(6.0, ours) if worst else None, ours=ours, where="thesis 2.1.2",
+                         remark=remark if worst else "")  # fmt: skip
+
+
+def of_pressure(one):
+    """Pressure, area of the contact and force over those of Thornton's law."""
+    largest = max(np.median(values[values > 0]) for values in one.pressures) / min(one.strengths)
+    area, force, over = (one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law))
+    law, plateau, deep = force / (1 + over), PLATEAU / FIRST_YIELD, f"at {DEEP:g} R*, {one.name}"
+    of_law = "Theory: the contact law."
+    fitted = f"2.31 times 2.1 is 4.85; 4.7 is what a measurement was fitted with. {of_law}"
+    # fmt: off
+    for what, source, ours, theory, remark in (
+        ("Largest pressure over the yield strength", 2.5, largest, PLATEAU,
+         "Median over the contact. Theory: the law."),
+        ("Largest pressure over Thornton's", 2.31, largest / FIRST_YIELD, plateau, of_law),
+        (f"Contact area over Thornton's {deep}", 2.1, area, law / plateau, of_law),
+        (f"Force over that of Thornton's pressure and area {deep}", 4.7, force, law, fitted),
+    ):
+        yield gw.Row(what, source=source, ours=ours, theory=theory, where="thesis 2.1.2", remark=remark, digits=3)
+    # fmt: on
+
+
+def rows(runs):
+    found = sorted(map(Contact, runs), key=lambda one: (not one.like, one.ratio, one.name))
+    for one in found:
+        yield from of_loading(one)
+    alike, *unlike_radii = [one for one in found if one.like]
+    for one in unlike_radii:
+        deep = [1 + each.near(DEEP, each.depth, each.over_law) for each in (one, alike)]
+        what = f"Finite elements at {DEEP:g} R*, {one.name}, over those of like radii"
+        remark = "The caption of the figure says that there the curves begin to deviate."
+        yield gw.Row(what, "%", ours=100 * (deep[0] / deep[1] - 1), theory=0.0, where="thesis Fig. 2.10",
+                     remark=remark, digits=2)  # fmt: skip
+    yield from of_pressure(alike)
+    for one in found:
+        if one.strengths[0] != one.strengths[1]:
+            yield gw.Row(f"Share of the energy of yielding in the softer sphere, {one.name}", ours=one.share_of_softer,
+                         where="thesis 3.1, Fig. 3.1", remark="The source: almost all.", digits=3)  # fmt: skip
+    for one in found:
+        for word, key, source in (("Smallest", "min", 1.30), ("Largest", "max", 1.42)):
+            yield gw.Row(f"{word} unloading exponent, {one.name}", source=source, digits=3, where="thesis 2.1",
+                         ours=one.run[f"unloading_exponent_{key}"])  # fmt: skip

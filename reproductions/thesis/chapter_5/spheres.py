@@ -1,0 +1,97 @@
+"""Packings: forces and energies of single spheres.
+
+One sphere of 36 x 36 x 18 in FCC packing is struck along [111]; peak forces are over F_y, the force at first yield.
+"""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import granwave as gw
+
+LARGEST_FORCE = 700.0  # F_y: end of the colours of Fig. 5.3, whose velocity is not printed
+ENERGIES = {16: 0.576, 40: 3.60}  # J by velocity, m/s
+CONTACTS, LAYER = 7, 3  # along a preferred direction; with a point below the struck sphere
+ON = 0.25  # diameters that a sphere may be off its place
+SHOWN = (4, 10, 40)  # m/s
+
+
+def directions(run):
+    """Layers, from the first on, whose largest force lies on a preferred direction; force below over that there."""
+    result, ways = run.result, gw.measures.rays(run.result).directions
+    offset = (result["spheres/position"] - result.origin) / run.case.packing.diameter
+    force = result["spheres/peak_force"]
+    layer = np.rint(offset[:, 2] / ways[0, 2]).astype(int)
+
+    def distance(n):
+        return np.linalg.norm(offset[:, None] - n * ways, axis=2).min(axis=1)
+
+    for n in range(1, layer.max() + 1):
+        there = np.flatnonzero(layer == n)
+        if distance(n)[there[force[there].argmax()]] > ON:
+            break
+    below = force[(layer == LAYER) & (np.hypot(*offset[:, :2].T) < ON)].max()
+    return n - 1, below / force[distance(LAYER) < ON].max()
+
+
+def struck_once(runs):
+    """Runs of one struck sphere by velocity."""
+    return {run.case.load.velocity: run for run in sorted(runs, key=lambda run: run.case.load.velocity)
+            if run.case.load.spheres == 1}  # fmt: skip
+
+
+def rows(runs):
+    found = struck_once(runs)
+    ten, fast = found[10], found[40]
+    sphere = {"shape": "sphere", "diameter": 0.01, "material": "brass"}
+    _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
+    force = [run["peak_force_N"] / yield_force for run in found.values()]
+    along = np.nanmean(gw.measures.rays(ten.result).peak_force, axis=1)[:CONTACTS]
+    count, below = directions(ten)
+    volume = math.pi * 0.01**3 / 6
+    involved = gw.measures.spheres_involved(fast.result, fast["energy_input_J"])
+    name = f"normalised velocity {fast['velocity_normalised']:.3g}"
+    unit = fast["energy_input_J"] / fast["energy_input_normalised"]
+    # fmt: off
+    yield gw.Row("Velocity of the largest force of Fig. 5.3, 700 F_y", "m/s", where="thesis Fig. 5.3", digits=3,
+                 ours=np.interp(LARGEST_FORCE, force, list(found)),
+                 remark="The source prints none; its Fig. 5.8 has 4, 10 and 40 m/s.")
+    for what, ours, remark, digits in (
+        (f"Decay of the peak force per contact along a preferred direction, contacts 1 to {len(along)}, 10 m/s",
+         -np.polyfit(np.arange(len(along)), np.log(along), 1)[0], "The source: rapid, and as in its chains.", 3),
+        ("Layers whose largest force lies on a preferred direction, 10 m/s", count, "The source: the first few.", 5),
+        (f"Force straight below the struck sphere over that on a preferred direction, layer {LAYER}, 10 m/s", below,
+         "The source: highest in the preferred directions.", 3),
+    ):
+        yield gw.Row(what, ours=ours, where="thesis 5.2, Fig. 5.3", remark=remark, digits=digits)
+    for velocity, energy in ENERGIES.items():
+        ours = found[velocity]["energy_input_J"]
+        yield gw.Row(f"Energy of a sphere at {velocity} m/s", "J", source=energy, ours=ours,
+                     where="thesis Fig. 5.14", remark="The source's is that of 4.5 g; a sphere has 4.45 g.")
+    yield gw.Row(f"Largest dissipation of a sphere (thesis 5.15), {name}, at most", source=1e6, bound=True, digits=3,
+                 ours=2 * 16 / 15 * fast.result["spheres/dissipated_energy"].max() / unit, where="thesis Fig. 5.8",
+                 remark="By the end of the axis; the source counts each contact at both of its spheres.")
+    yield gw.Row(f"Spheres that do half of the dissipation, {name}", ours=involved.part(0.5)[1] / volume,
+                 where="thesis Fig. 5.8", remark="The source: the bulk in the first few.")
+    yield gw.Row(f"Dissipated share of a packing, {fast['energy_input_J']:.3g} J, at most", source=0.9, bound=True,
+                 ours=fast["dissipated_fraction"], where="thesis Fig. 5.13",
+                 remark="By the end of the axis; those of its Figs 5.5 to 5.7 end at 1.")
+    # fmt: on
+
+
+def pictures(runs):
+    found, data = struck_once(runs), {}
+    figure = Figure((3.4, 2.6), layout="constrained")
+    axes = figure.subplots()
+    for velocity, style in zip(SHOWN, ("C0", "C1--", "k-."), strict=True):
+        run = found[velocity]
+        unit = run["energy_input_J"] / run["energy_input_normalised"]
+        values = 2 * 16 / 15 * np.sort(run.result["spheres/dissipated_energy"])[::-1] / unit
+        values = values[values > 0]
+        axes.loglog(1 + np.arange(len(values)), values, style, label=f"{velocity} m/s")
+        data[f"dissipation_at_{velocity}_m_s"] = values
+    axes.set(xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)")
+    axes.legend()
+    caption = "Dissipation of the spheres in descending order (thesis Fig. 5.8), each contact at both of its spheres"
+    yield gw.Picture("dissipation_of_spheres", caption, figure, data)

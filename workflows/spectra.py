@@ -1,0 +1,363 @@
+"""Bands, modes and transmission of a case or of a finished run: computed, and written to a directory."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.figures.style import Columns, Drawing, FigureFolder, style, write_csv
+from granwave.analysis.result.reader import Result
+from granwave.analysis.spectra import files
+from granwave.analysis.spectra.band_structure import BandStructure, band_structure
+from granwave.analysis.spectra.bands import ALL_UP_TO, Modes, growing, solve_modes
+from granwave.analysis.spectra.files import Table, case_in, write_spectra
+from granwave.analysis.spectra.network import Array
+from granwave.analysis.spectra.quantities import POINTS
+from granwave.analysis.spectra.states import State, packing_state
+from granwave.analysis.spectra.stiffness import stiffness_of
+from granwave.analysis.spectra.transmission import Transmission, dampers_of, losses_of, transmission
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import plain, replace_text, replacing
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, results_in
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.run_directory import RESULT_FILE, SPECTRA, SPECTRA_FILE
+from granwave.workflows.run.directory import held
+
+_HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
+_LOWEST_MODES = 2  # of a large packing: whether it buckles
+_LOG = logging.getLogger("granwave")
+
+Figures = Mapping[str, Callable[[], Drawing | None]]
+
+
+def check_place(directory: Path | None, name: str, source: Case | Path, *, force: bool) -> Path | None:
+    """Return the absolute path of a directory for results of this name; None if there is none.
+
+    Raises
+    ------
+    InputError
+        It holds such results already, those of another case or kind, or files that granwave did not write.
+    """
+    if directory is None:
+        return None
+    if isinstance(source, Case):
+        case = source.to_toml()
+    else:
+        with Result(source) as result:
+            case = result.case.to_toml()
+    place = results_directory(directory, force=force)
+    refuse_other_kind(place, SPECTRA)
+    names = [f"{name}.csv", f"{name}.json"]
+    others = [one for one in results_in(place) if one not in names and one.endswith((".csv", ".json"))]
+    if not force and others and case_in(place / SPECTRA_FILE) not in ("", case):
+        raise InputError(
+            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, or choose "
+            "another directory with -o"
+        )
+    if not force and (there := sorted(set(names) & set(results_in(place)))):
+        raise InputError(
+            f"{place}: already holds results ({there[0]}); --force replaces them, or choose another directory with -o"
+        )
+    refuse_foreign(place, [*names, SPECTRA_FILE])
+    return place
+
+
+def write_output(
+    directory: Path,
+    name: str,
+    state: State,
+    tables: Mapping[str, Table],
+    columns: Columns,
+    summary: Mapping[str, Any],
+    figures: Figures,
+) -> list[Path]:
+    """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
+    with held(directory):
+        names = [f"{name}.csv", f"{name}.json"]
+        if case_in(directory / SPECTRA_FILE) not in ("", state.case.to_toml()):
+            clear(directory)  # with --force: tables of the other case would lie beside those of this one
+        claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
+        write_spectra(directory / SPECTRA_FILE, state, tables)
+        with replacing(directory / names[0]) as scratch:
+            write_csv(columns, scratch)
+        replace_text(directory / names[1], json.dumps(plain(dict(summary)), indent=1, allow_nan=False) + "\n")
+        folder = FigureFolder(directory)
+        with style():
+            for figure, draw in figures.items():
+                folder.draw(draw, figure)
+    return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Finite:
+    """Modes of a finite packing, with its state."""
+
+    state: State
+    modes: Modes
+
+    def summary(self) -> dict[str, Any]:
+        """Return the values of modes.json."""
+        frequency, network = self.modes.frequency, self.state.network
+        above = frequency[frequency > 0]
+        return {
+            "name": self.state.name,
+            "kind": "modes",
+            "source": self.state.source,
+            "n_grains": network.n_grains,
+            "n_contacts": len(network.springs),
+            "n_wall_contacts": len(network.supports),
+            "n_left_out": len(network.left_out),
+            "n_freedoms": network.n_freedoms,
+            "n_modes": len(frequency),
+            "n_floppy": self.modes.n_floppy,
+            "lowest_frequency_Hz": float(above.min()) if len(above) else None,
+            "highest_frequency_Hz": float(np.nanmax(frequency)) if self.modes.complete else None,
+            "least_participation_ratio": float(self.modes.participation.min()),
+            "static_residual": self.state.residual,
+        }
+
+
+def bands(
+    source: Case | Path,
+    directory: Path | None,
+    path: str = "",
+    *,
+    points: int = POINTS,
+    n_bands: int | None = None,
+    directions: str = "",
+    plane: str = "",
+    allow_floppy: bool = False,
+    slab: bool = False,
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[BandStructure, list[Path]]:
+    """Find the bands of an endless packing and write them; see `band_structure`.
+
+    Parameters
+    ----------
+    directory
+        Directory of the results; None: nothing is written.
+
+    Returns
+    -------
+    BandStructure, list of Path
+        The bands, and the files.
+    """
+    place = check_place(directory, "bands", source, force=force)
+    found = band_structure(
+        source,
+        path,
+        points=points,
+        n_bands=n_bands,
+        directions=directions,
+        plane=plane,
+        allow_floppy=allow_floppy,
+        slab=slab,
+    )
+    if place is None:
+        return found, []
+    way = found.bands.path
+    columns: dict[str, Any] = {"distance": way.distance}
+    columns |= {name: one for name, one in zip(("kx", "ky", "kz"), way.k.T, strict=True)}
+    columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import bands as draw  # the drawing library takes a second to load
+
+        drawn = {
+            "bands": lambda: draw.band_diagram(found),
+            "group_velocity": lambda: draw.group_velocities(found),
+            "slowness": lambda: draw.slowness_curves(found),
+            "equal_frequency": lambda: draw.equal_frequency_curves(found),
+            "mode_shapes": lambda: draw.mode_shapes(found),
+        }
+    tables = files.tables_of_bands(found)
+    return found, write_output(place, "bands", found.state, tables, columns, found.summary(), drawn)
+
+
+def modes(
+    source: Case | Path,
+    directory: Path | None,
+    *,
+    n_modes: int | None = None,
+    directions: str = "",
+    allow_floppy: bool = False,
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[Finite, list[Path]]:
+    """Find the modes of a finite packing and write them.
+
+    Parameters
+    ----------
+    directory
+        As in `bands`.
+    n_modes
+        How many; None: all of a small packing, 60 of a large one.
+    allow_floppy
+        True to go on where motions meet no resistance.
+
+    Raises
+    ------
+    InputError
+        The packing bears no load, or is not rigid.
+    """
+    place = check_place(directory, "modes", source, force=force)
+    state = _finite(source, directions)
+    found = Finite(state, solve_modes(stiffness_of(state.network), n_modes))
+    if found.modes.n_floppy and not allow_floppy:
+        raise InputError(
+            f"{state.name}: the static state is not rigid: {found.modes.describe_floppy()}; friction, a load from all "
+            "sides, --directions or [[hold]] makes it so, and --allow-floppy goes on"
+        )
+    if place is None:
+        return found, []
+    columns = {
+        "mode": np.arange(1, len(found.modes.square) + 1),
+        "frequency_Hz": found.modes.frequency,
+        "participation_ratio": found.modes.participation,
+    }
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import finite as draw
+
+        drawn = {
+            "density_of_states": lambda: draw.density_of_states(found.modes),
+            "participation": lambda: draw.participation(found.modes),
+        }
+    tables = files.tables_of_modes(state, found.modes)
+    return found, write_output(place, "modes", state, tables, columns, found.summary(), drawn)
+
+
+def steady(
+    source: Case | Path,
+    directory: Path | None,
+    *,
+    drive: int | Sequence[int],
+    sensors: Sequence[int],
+    frequency: Array,
+    axis: str = "",
+    end: str = "",
+    directions: str = "",
+    force: bool = False,
+    figures: bool = True,
+) -> tuple[Transmission, State, list[Path]]:
+    """Find the steady transmission between grains of a finite packing and write it.
+
+    Parameters
+    ----------
+    directory
+        As in `bands`.
+    drive
+        Grain that is moved, or several that are moved alike.
+    frequency
+        (n,), Hz.
+    axis
+        Direction of drive and sensors; empty for z, or x in a packing of one layer.
+    """
+    place = check_place(directory, "transmission", source, force=force)
+    if not len(frequency) or not np.isfinite(frequency).all() or (frequency < 0).any():
+        raise InputError("--frequencies: expected numbers from 0 up (Hz)")
+    if frequency.max() > _HIGHEST:
+        raise InputError(f"--frequencies: found {frequency.max():g} Hz, expected at most {_HIGHEST:g} Hz")
+    state = _finite(source, directions, damped=True)
+    axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
+    if axis not in ("x", "y", "z"):
+        raise InputError(f'--axis: found "{axis}", expected x, y or z')
+    assembly = assemble(state.case)
+    support = state.case.boundary.bottom_support
+    damping = support.damper.damping if support is not None and support.damper is not None else None
+    dampers = dampers_of(assembly, state.network) if state.case.absorb else None
+    _note_buckling(state)
+    first, *together = [drive] if isinstance(drive, int) else drive
+    found = transmission(
+        stiffness_of(state.network), first, sensors, frequency, axis=axis, end=end, dampers=dampers,
+        losses=losses_of(assembly, state.network), together=together, bottom=damping,
+    )  # fmt: skip
+    if place is None:
+        return found, state, []
+    n = len(found.sensors)
+    columns = {
+        "frequency_Hz": np.repeat(found.frequency, n),
+        "sensor": np.tile(np.array(found.sensors), len(found.frequency)),
+        "amplitude_ratio": found.amplitude.ravel(),
+        "phase_rad": found.phase.ravel(),
+    }
+    drawn: Figures = {}
+    if figures:
+        from granwave.analysis.figures.spectra import finite as draw
+
+        drawn = {"transmission": lambda: draw.transmission_curve(found)}
+    tables = files.tables_of_transmission(state, found)
+    summary = transmission_summary(state, found)
+    return found, state, write_output(place, "transmission", state, tables, columns, summary, drawn)
+
+
+def _note_buckling(state: State) -> None:
+    """Log a warning if some modes of a packing grow: a steady motion about such a state does not last."""
+    stiffness = stiffness_of(state.network)
+    small = state.network.n_freedoms <= ALL_UP_TO
+    found = solve_modes(stiffness, None if small else _LOWEST_MODES)
+    if words := growing(found.square, found.largest):
+        _LOG.warning(
+            "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
+            "granwave modes names them",
+            state.name,
+            words.replace(", and ", ": ", 1).replace(" of them", " modes" if small else " modes or more"),
+        )
+
+
+def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
+    """Return the values of transmission.json."""
+    return {
+        "name": state.name,
+        "kind": "transmission",
+        "source": state.source,
+        "n_grains": state.network.n_grains,
+        "n_contacts": len(state.network.springs),
+        "n_left_out": len(state.network.left_out),
+        "drive": found.drive,
+        "driven_together": list(found.together),
+        "sensors": list(found.sensors),
+        "axis": found.axis,
+        "end": found.end,
+        "lowest_frequency_Hz": float(found.frequency.min()),
+        "highest_frequency_Hz": float(found.frequency.max()),
+        "largest_amplitude_ratio": found.amplitude.max(axis=0).tolist(),
+    }
+
+
+def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
+    """Return the case of this name or file, or the directory of a finished run.
+
+    Raises
+    ------
+    InputError
+        There is none, or keys are set for a run, whose case is what it was.
+    """
+    from granwave.workflows import library
+
+    path = Path(text)
+    if path.is_dir() and (path / RESULT_FILE).is_file():
+        if overrides:
+            raise InputError(
+                f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys"
+            )
+        return path
+    return library.load_case(text, overrides)
+
+
+def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:
+    if set(directions) - set("xyz"):
+        raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
+    state = packing_state(source, damped=damped)
+    if not directions:
+        return state
+    return dataclasses.replace(state, network=state.network.turned_off(directions))

@@ -1,1 +1,0 @@
-"""Bands, modes and transmission: computed, and written to a directory."""
