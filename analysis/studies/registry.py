@@ -27,14 +27,6 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
-    "lateral-source": "lateral.source",
-    "lateral-crystals": "lateral.crystals",
-    "lateral-width": "lateral.width",
-    "lateral-parameters": "lateral.parameters",
-    "filter": "rows.filter",
-    "filter-dented": "rows.dented",
-    "gap-switch": "rows.switch",
-    "interstitial-fcc": "rows.interstitial",
     "sphere-contact": "sphere_contact",
 }
 
