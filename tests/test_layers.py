@@ -180,10 +180,7 @@ def test_no_circle_of_includes():
 
 
 #: Rooms that still name a source, and the citations of the materials.
-NAME_A_SOURCE = (
-    "lammps_inputs/case/materials.toml", "analysis/studies/bands", "analysis/studies/lateral", "analysis/studies/rows",
-    "workflows/scans/bands", "workflows/scans/filter", "workflows/scans/switch",
-)  # fmt: skip
+NAME_A_SOURCE = ("lammps_inputs/case/materials.toml", "analysis/studies/bands", "workflows/scans/bands")
 
 
 def test_the_packages_name_no_source() -> None:
