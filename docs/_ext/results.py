@@ -87,11 +87,6 @@ SUITES = {
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
-    "filter": Suite("A row that filters waves", "scan", ("filter",)),
-    "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
-    "switch": Suite("A row that switches", "scan", ("switch",)),
-    "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
     "bands": Suite("Waves in frequency", "scan", ("bands",)),
 }
 
