@@ -175,12 +175,14 @@ def test_no_circle_of_includes():
     for path in sources:
         found = re.findall(r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE)
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
-    assert len(graph) > 40
+    assert len(graph) > 30
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
 
 
-#: Rooms that still name a source, and the citations of the materials.
-NAME_A_SOURCE = ("lammps_inputs/case/materials.toml", "analysis/studies/bands", "workflows/scans/bands")
+#: May name a source.
+NAME_A_SOURCE = (
+    "lammps_inputs/case/materials.toml",  # cites the origin of its values
+)  # fmt: skip
 
 
 def test_the_packages_name_no_source() -> None:
