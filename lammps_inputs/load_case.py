@@ -37,11 +37,7 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     return case_from_dict(data, path, overridden=changes)
 
 
-def case_from_dict(
-    data: Mapping[str, Any],
-    source: str | Path = "case",
-    overridden: Iterable[str] = (),
-) -> Case:
+def case_from_dict(data: Mapping[str, Any], source: str | Path = "case", overridden: Iterable[str] = ()) -> Case:
     """Make a case from the nested mapping of a case file, and check it; paths start from the working directory.
 
     Parameters

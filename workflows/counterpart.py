@@ -47,7 +47,7 @@ class Inputs:
     energy_continuum
         Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
     velocity_normalised
-        In units in which materials fall on one curve.
+        As in a packing's summary.json.
     """
 
     energy: float

@@ -1,7 +1,7 @@
 """Force-overlap curves of a contact law, and its coefficient of restitution, as tables and as figures.
 
 A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 / 2; all of it is
-returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the same, see test_restitution.py.
+returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the same, see test_curves.py.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
     yields = math.isfinite(law.yield_overlap)
     largest = max_overlap * (law.yield_overlap if yields else _UNIT_WITHOUT_YIELD * law.effective_radius)
     grid = np.linspace(0.0, 1.0, _POINTS)
-    first = _first_loading(law, largest)
+    first = np.linspace(0.0, largest, _POINTS)
+    if law.yield_overlap < largest:
+        first = np.union1d(first, [law.yield_overlap])
     branches = [("loading", first, law.loading_force(first))]
     for n, share in enumerate(_TURNS, start=1):
         peak = share * largest
@@ -134,12 +136,6 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
     path.parent.mkdir(parents=True, exist_ok=True)
     save_as(path, law_table(law, max_overlap), lambda: law_drawing(law, max_overlap, title))
     return path
-
-
-def _first_loading(law: ContactLaw, largest: float) -> NDArray[np.float64]:
-    """Return the overlaps of first loading, including that at first yield."""
-    grid = np.linspace(0.0, largest, _POINTS)
-    return np.union1d(grid, [law.yield_overlap]) if law.yield_overlap < largest else grid
 
 
 def _normalised_axes(axes, law: ContactLaw) -> None:

@@ -293,17 +293,13 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
     names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
-        "residual_": f"the curve is unloaded from {_count(turns)} only, and three tell all",
+        "residual_": f"the curve is unloaded from {turns} overlap{'s' * (turns != 1)} only, and three tell all",
         "unloading_": "the curve has no unloading",
     }
     for part, why in reasons.items():
         _keep([name for name in LAW_CONSTANTS if name.startswith(part) and name not in names], why, curve)
     _keep(names[most:], f"each constant needs a row beyond first yield, and {_FEWEST} more are needed", curve)
     return [name for name in LAW_CONSTANTS if name in names[:most]]
-
-
-def _count(turns: np.intp | int) -> str:
-    return f"{turns} overlap{'' if turns == 1 else 's'}"
 
 
 def _keep(names: Sequence[str], why: str, curve: Curve) -> None:

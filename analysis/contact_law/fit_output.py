@@ -127,20 +127,15 @@ def fit_toml(fit: Fit) -> str:
         lines.append(
             "# The curve is of two materials: [material] below is the softer; --pair A B writes the law between both."
         )
-    lines += ["", 'name = "fitted"', "", "[contact]", *_law_lines(fit)]
-    return (
-        "\n".join(lines)
-        + "\n\n"
-        + tomli_w.dumps(
-            {
-                "material": material,
-                "packing": {"kind": "chain", "size": 2, "diameter": diameter},
-                "load": {"velocity": 1.0},
-                "boundary": {"bottom": "free"},
-                "run": {"end_time": "auto"},
-            }
-        )
-    )
+    lines += ["", 'name = "fitted"', "", "[contact]", *_law_lines(fit), "", ""]
+    tables = {
+        "material": material,
+        "packing": {"kind": "chain", "size": 2, "diameter": diameter},
+        "load": {"velocity": 1.0},
+        "boundary": {"bottom": "free"},
+        "run": {"end_time": "auto"},
+    }
+    return "\n".join(lines) + tomli_w.dumps(tables)
 
 
 def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
@@ -152,18 +147,14 @@ def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
         Names of the two materials in the case.
     """
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
-    return (
-        "\n".join(
-            [
-                f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a case.",
-                f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the two.",
-                "[[pair]]",
-                f"materials = {json.dumps(list(materials))}",
-                *_law_lines(fit),
-            ]
-        )
-        + "\n"
-    )
+    lines = [
+        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a case.",
+        f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the two.",
+        "[[pair]]",
+        f"materials = {json.dumps(list(materials))}",
+        *_law_lines(fit),
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def _law_lines(fit: Fit) -> list[str]:
@@ -189,7 +180,7 @@ def fit_drawing(fit: Fit) -> Drawing:
     figure = new_figure(4.0)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     loading, overlap = curve.loading, curve.overlap * _MICRO
-    few = _thinned(curve.force.size)
+    few = slice(None, None, max(curve.force.size // 400, 1))
     above.plot(overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve")
     grid = np.linspace(0, curve.peak.max(), _POINTS)
     for law, colour, line, label in (
@@ -225,7 +216,3 @@ def fit_drawing(fit: Fit) -> Drawing:
             "published_deviation_percent": published_off,
         },
     )
-
-
-def _thinned(n: int) -> slice:
-    return slice(None, None, max(n // 400, 1))

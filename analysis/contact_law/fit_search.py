@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,16 +63,15 @@ class Search:
         """Find the best values: first those of loading, then those of unloading, then all together."""
         every, dents = np.arange(len(self.names)), np.array([name.startswith(_OF_UNLOADING) for name in self.names])
         tried = [(0.0, np.ones(every.size))]
-        if (
-            self.joint is not None
-        ):  # each row that changes sides of the joint gives a local minimum: try several positions
+        if self.joint is not None:  # each row that changes sides of it gives a local minimum: try several positions
             others = every[~dents & (every != self.joint)]
-            tried = sorted((self.solve(x, others, self.loading, rough=True) for x in self.joints), key=_cost)
+            tried = sorted((self.solve(x, others, self.loading, rough=True) for x in self.joints), key=itemgetter(0))
         released = [self.solve(x, every[~dents], self.loading) for _, x in tried[:_RELEASED]]
-        _, x = self.solve(min(released, key=_cost)[1], every[dents], ~self.loading)
+        _, x = self.solve(min(released, key=itemgetter(0))[1], every[dents], ~self.loading)
         for _ in range(3):
             _, x = self.solve(x, every)
-            self.width = max(_OUTLIER * _scatter(self.residuals(x)), _WIDTHS[1])
+            scatter = 1.4826 * float(np.median(np.abs(self.residuals(x))))  # standard deviation from the median
+            self.width = max(_OUTLIER * scatter, _WIDTHS[1])
         return x
 
     def alternatives(self, x: Array) -> list[tuple[float, Array]]:
@@ -101,19 +101,10 @@ class Search:
         return float(np.sum(np.where(r < self.width, 0.5 * r**2, self.width * (r - 0.5 * self.width))))
 
 
-def _cost(entry: tuple[float, Array]) -> float:
-    return entry[0]
-
-
 def _replaced(x: Array, which: Sequence[int] | NDArray[np.int_], values: Array | float) -> Array:
     changed = x.copy()
     changed[which] = values
     return changed
-
-
-def _scatter(residuals: Array) -> float:
-    """Estimate the standard deviation from the median."""
-    return 1.4826 * float(np.median(np.abs(residuals)))
 
 
 def _joints(names: Sequence[str], largest: float) -> list[Array]:

@@ -14,7 +14,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.model import Beside, Block, Cell, Column, Group, Part, Report, Table
+from granwave.analysis.document.model import Cell, Column, Group, Report, Table, changed
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import printed_unit
@@ -25,6 +25,10 @@ from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 BLANK = "\u2013"  # a value that does not apply
 _DIGITS = 5
+_ROUNDING = 1e-12
+_LEAST = 1e-100
+_UNIT = "Unit"  # heading of the column that has the units where each row is a quantity
+Numbers = tuple[float, ...]  # of one cell: a value, or a mean and its half-width; empty where there is none
 
 
 def label_of(key: str, called: str = SPHERES) -> str:
@@ -142,29 +146,10 @@ def _float(value: float, digits: int = _DIGITS) -> str:
     return plain(text)
 
 
-_ROUNDING = 1e-12
-_LEAST = 1e-100
-_UNIT = "Unit"  # heading of the column that has the units where each row is a quantity
-
-Numbers = tuple[float, ...]  # of one cell: a value, or a mean and its half-width; empty where there is none
-
-
 def tidied(report: Report) -> Report:
     """The report with all its tables tidied."""
-    sections = (dataclasses.replace(section, blocks=tuple(map(_block, section.blocks))) for section in report.sections)
-    return dataclasses.replace(report, sections=tuple(sections))
-
-
-def _block(block: Block) -> Block:
-    if isinstance(block, Group):
-        return dataclasses.replace(block, blocks=tuple(map(_part, block.blocks)))
-    return _part(block)
-
-
-def _part(part: Part) -> Part:
-    if isinstance(part, Beside):
-        return dataclasses.replace(part, table=tidied_table(part.table))
-    return tidied_table(part) if isinstance(part, Table) else part
+    found: Report = changed(report, Table, tidied_table)
+    return found
 
 
 def tidied_table(table: Table) -> Table:

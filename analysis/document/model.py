@@ -7,6 +7,7 @@ All texts are plain: a writer escapes what its format needs.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import Any, Literal, TypeVar
 
 Tone = Literal["", "lead", "good", "note", "bad"]
@@ -175,16 +176,21 @@ class Report:
 
 def cleaned(part: Model) -> Model:
     """The same with texts that any format can hold: control characters and lone surrogates are replaced."""
-    return _clean(part)
 
-
-def _clean(part: Any) -> Any:
-    if isinstance(part, str):
-        kept = "".join(c if c in "\n\t" or c.isprintable() else "\ufffd" for c in part)
+    def printable(text: str) -> str:
+        kept = "".join(c if c in "\n\t" or c.isprintable() else "\ufffd" for c in text)
         return kept.encode("utf-8", "replace").decode("utf-8")
+
+    return changed(part, str, printable)
+
+
+def changed(part: Any, kind: type, change: Callable[[Any], Any]) -> Any:
+    """The same with all its parts of a kind changed."""
+    if isinstance(part, kind):
+        return change(part)
     if isinstance(part, tuple):
-        return tuple(_clean(item) for item in part)
+        return tuple(changed(item, kind, change) for item in part)
     if dataclasses.is_dataclass(part) and not isinstance(part, type):
-        fields = dataclasses.fields(part)
-        return dataclasses.replace(part, **{field.name: _clean(getattr(part, field.name)) for field in fields})
+        names = [field.name for field in dataclasses.fields(part)]
+        return dataclasses.replace(part, **{name: changed(getattr(part, name), kind, change) for name in names})
     return part

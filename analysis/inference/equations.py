@@ -14,6 +14,7 @@ forces that they leave undetermined are refused, or made small by a ridge.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -22,6 +23,11 @@ from scipy import sparse
 
 from granwave.analysis.inference.grains import PAIRS, Array, Contacts, Grains
 from granwave.lammps_inputs.errors import InputError
+
+Weights = Literal["equal", "white", "correlated"]
+WEIGHTS: tuple[Weights, ...] = ("equal", "white", "correlated")
+_DENSE = 4000  # unknowns up to which singular values are computed
+_SINGULAR = 1e-10  # ratio of singular values below which forces are undetermined
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -123,10 +129,6 @@ def unknown_columns(friction: Array, dimension: int) -> NDArray[np.int64]:
     return np.sort(np.concatenate([columns[:, 0], columns[friction > 0, 1:].ravel()]))
 
 
-Weights = Literal["equal", "white", "correlated"]
-WEIGHTS: tuple[Weights, ...] = ("equal", "white", "correlated")
-
-
 @dataclasses.dataclass(frozen=True)
 class Noise:
     """Standard deviations of each component of what was measured; None where they are not known.
@@ -210,49 +212,29 @@ def covariance(grains: Grains, noise: Noise) -> Covariance:
     )
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Weighting:
-    """Factors of the equations.
+def weighting(equations: Equations, spread: Covariance, kind: Weights) -> Callable[[float], sparse.csr_array]:
+    """Return a function of the factor of the moduli that gives the weights, a matrix to multiply both equations by.
 
-    Attributes
-    ----------
-    motion
-        (n_rows,).
-    stress
-        Matrices by grain: (n_grains, k, k).
-    with_modulus
-        True if ``stress`` is to be divided by the factor of the moduli.
+    They are 1 (equal), each row over its standard deviation (white), or whiten the rows (correlated).
     """
-
-    motion: Array
-    stress: Array
-    with_modulus: bool
-
-    def rows(self, factor: float = 1.0) -> sparse.csr_array:
-        """Return the factors as a matrix that both equations are multiplied by."""
-        blocks = self.stress / (factor if self.with_modulus else 1.0)
-        n, k = blocks.shape[:2]
-        places = np.arange(n * k).reshape(n, k, 1)
-        rows, columns = np.broadcast_arrays(places, places.transpose(0, 2, 1))
-        stress = sparse.csr_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n * k, n * k))
-        return sparse.csr_array(sparse.block_diag([sparse.diags_array(self.motion), stress]))
-
-
-def weighting(equations: Equations, spread: Covariance, kind: Weights) -> Weighting:
-    """Return the factors: 1 (equal), each row over its standard deviation (white), or full whitening (correlated)."""
     n, k = spread.stress.shape[:2]
+    motion = np.ones(len(equations.motion_data)) if kind == "equal" else 1 / spread.motion
+    stress: NDArray = np.zeros((n, k, k))
     if kind == "equal":
-        return Weighting(np.ones(len(equations.motion_data)), np.broadcast_to(np.eye(k), (n, k, k)), False)
-    if kind == "white":
-        stress: NDArray = np.zeros((n, k, k))
+        stress[:] = np.eye(k)
+    elif kind == "white":
         stress[:, range(k), range(k)] = 1 / np.sqrt((spread.stress**2).sum(axis=2))
     else:
         stress = np.linalg.inv(spread.stress)
-    return Weighting(1 / spread.motion, stress, spread.of_strain)
+    places = np.arange(n * k).reshape(n, k, 1)
+    rows, columns = (one.ravel() for one in np.broadcast_arrays(places, places.transpose(0, 2, 1)))
 
+    def weights(factor: float) -> sparse.csr_array:
+        blocks = stress / (factor if spread.of_strain and kind != "equal" else 1.0)
+        of_stress = sparse.csr_array((blocks.ravel(), (rows, columns)), shape=(n * k, n * k))
+        return sparse.csr_array(sparse.block_diag([sparse.diags_array(motion), of_stress]))
 
-_DENSE = 4000  # unknowns up to which singular values are computed
-_SINGULAR = 1e-10  # ratio of singular values below which forces are undetermined
+    return weights
 
 
 def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> float | None:

@@ -217,6 +217,11 @@ class Contacts:
         found[self.second[self.second >= 0]] = True
         return found
 
+    def partners(self, ids: NDArray[np.int64]) -> list[str]:
+        """Return the ids of the second grains, and the names of walls, as text."""
+        pairs = zip(self.second.tolist(), self.wall.tolist(), strict=True)
+        return [str(ids[j]) if j >= 0 else self.walls[wall] for j, wall in pairs]
+
     def vectors(self, force: Array) -> Array:
         """Return forces on the first grains as vectors, from normal and tangential components: (m, d), N."""
         return np.einsum("mij,mj->mi", self.basis, force)

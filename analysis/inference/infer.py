@@ -7,13 +7,13 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import (
     Covariance,
     Equations,
     Noise,
-    Weighting,
     Weights,
     add_ridge,
     covariance,
@@ -129,15 +129,18 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
     kind, spread = _weights(grains, settings)
     weighed = weighting(equations, spread, kind)
 
-    def solution(factor: float, data: Array) -> tuple[Array, float]:
-        return _solve(equations, weighed, friction, settings.ridge, grains.dimension, factor, data)
+    def solution(factor: float, data: Array, rows: sparse.csr_array | None = None) -> tuple[Array, float]:
+        rows = weighed(factor) if rows is None else rows
+        matrix, right = add_ridge(rows @ equations.matrix, rows @ data, settings.ridge)
+        force = solve(matrix, right, friction, grains.dimension)
+        return force, float(((matrix @ force.ravel() - right) ** 2).sum())
 
     exact = weighting(equations, spread, "correlated") if settings.finds_modulus else weighed
 
     def misfit(factor: float, data: Array) -> float:
+        rows = exact(factor)
         if condition is None:
-            return _solve(equations, exact, friction, settings.ridge, grains.dimension, factor, data)[1]
-        rows = exact.rows(factor)
+            return solution(factor, data, rows)[1]
         return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
 
     search, factor, known = None, 1.0, settings.deviations.complete(grains)
@@ -212,21 +215,6 @@ def relative_noise(grains: Grains, share: float) -> Noise:
         return Noise(None, size(grains.stress), motion, turning)
     strain = np.einsum("nij,nj->ni", grains.compliance, grains.stress)
     return Noise(size(strain), None, motion, turning)
-
-
-def _solve(
-    equations: Equations,
-    weighed: Weighting,
-    friction: Array,
-    ridge: float,
-    dimension: int,
-    factor: float,
-    data: Array,
-) -> tuple[Array, float]:
-    rows = weighed.rows(factor)
-    matrix, right = add_ridge(rows @ equations.matrix, rows @ data, ridge)
-    force = solve(matrix, right, friction, dimension)
-    return force, float(((matrix @ force.ravel() - right) ** 2).sum())
 
 
 def _repeat(

@@ -45,6 +45,10 @@ from granwave.lammps_inputs.run_directory import (
 FIGURES = ("force_network", "residuals", "force_errors", "modulus", "noise")
 FILES = (INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT, MADE_CASE, SUMMARY_FILE)
 WRITTEN = (*FILES, *(file for name in FIGURES for file in figure_files(name)))
+_WIDEST = 5.0  # line of the largest force, points
+_TALLEST = 8.0  # figure, inches
+_OUTLINE = "#b8b8b8"
+_DEPTH = 2  # axis along which depth is measured, as everywhere
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -124,12 +128,6 @@ class Inferred:
                 folder.draw(partial(against_noise, *self.noise), FIGURES[-1])
 
 
-_WIDEST = 5.0  # line of the largest force, points
-_TALLEST = 8.0  # figure, inches
-_OUTLINE = "#b8b8b8"
-_DEPTH = 2  # axis along which depth is measured, as everywhere
-
-
 def network(found: Inference) -> Drawing:
     """Draw the grains and the forces between them; lines are as wide as the force is large."""
     first, second = _shown_axes(found)
@@ -150,10 +148,9 @@ def network(found: Inference) -> Drawing:
     drawn.set_array(size[order])
     axes.add_collection(drawn)
     figure.colorbar(drawn, ax=axes, label="Contact force (N)", shrink=0.8, pad=0.02)
-    names = [str(found.grains.ids[j]) if j >= 0 else contacts.walls[wall]
-             for j, wall in zip(contacts.second.tolist(), contacts.wall.tolist(), strict=True)]  # fmt: skip
+    ids = found.grains.ids
     _label(axes, first, second)
-    columns = {"i": found.grains.ids[contacts.first], "j": np.array(names, dtype=np.str_), "force_N": size}
+    columns = {"i": ids[contacts.first], "j": np.array(contacts.partners(ids), dtype=np.str_), "force_N": size}
     return Drawing(figure, columns)
 
 

@@ -59,7 +59,7 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
     source
         Directory of a run whose snapshots hold contact forces.
     case
-        Infer of the inference; None: those of the run (friction, material).
+        Case of the inference; None: those of the run (friction, material).
     progress
         Show a bar on a terminal.
 

@@ -29,6 +29,11 @@ _ROUNDING = 1e-11  # of the largest force: what lies outside the cone by less is
 _SINGULAR = 1e-12  # ratio of diagonal elements below which forces are not unique
 _ACCURACY = 1e-12  # of the conic solver, relative
 _SOLVED = ("Solved", "AlmostSolved", "InsufficientProgress")  # the last: as near as rounding lets it
+_WIDTH = math.log(30.0)  # of the first scan about the first guess, each way
+_SCANNED = 9
+_WIDENED = 4  # times that a scan is moved if the minimum lies at its end
+_OF_FACTOR = 1e-5  # accuracy of the logarithm of the factor
+_STEP = 0.02  # of the logarithm, for the curvature
 
 
 def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
@@ -178,13 +183,6 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
 def _selection(columns: NDArray[np.int64], values: Array, n_columns: int) -> sparse.csr_array:
     """Return a matrix with one value in each row."""
     return sparse.csr_array((values, (np.arange(len(columns)), columns)), shape=(len(columns), n_columns))
-
-
-_WIDTH = math.log(30.0)  # of the first scan about the first guess, each way
-_SCANNED = 9
-_WIDENED = 4  # times that a scan is moved if the minimum lies at its end
-_OF_FACTOR = 1e-5  # accuracy of the logarithm of the factor
-_STEP = 0.02  # of the logarithm, for the curvature
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -77,11 +77,9 @@ def force_columns(found: Sequence[Inference], times: Sequence[float]) -> Columns
 def _forces(one: Inference, time: float) -> dict[str, Any]:
     """Return the rows of forces.csv of one instant."""
     contacts, ids, force, axes = one.contacts, one.grains.ids, one.force, "xyz"[: one.grains.dimension]
-    pairs = zip(contacts.second.tolist(), contacts.wall.tolist(), strict=True)
-    partners = [str(ids[j]) if j >= 0 else contacts.walls[wall] for j, wall in pairs]
     vectors, points = contacts.vectors(force), one.grains.position[contacts.first] + contacts.arm
     columns: dict[str, Any] = {} if math.isnan(time) else {"time_s": np.full(len(contacts), time)}
-    columns |= {"i": ids[contacts.first], "j": np.array(partners, dtype=np.str_)}
+    columns |= {"i": ids[contacts.first], "j": np.array(contacts.partners(ids), dtype=np.str_)}
     columns |= {f"n{axis}": values for axis, values in zip(axes, contacts.normal.T, strict=True)}
     columns["normal_force_N"] = force[:, 0]
     columns["tangential_force_N"] = force[:, 1] if len(axes) == 2 else np.linalg.norm(force[:, 1:], axis=1)

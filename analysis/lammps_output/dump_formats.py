@@ -20,6 +20,10 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, DAMAGED, WHOLE, CutShortError, Frame, read_rows, whole_number
 
 _COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
+BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
+_MAGIC = b"DUMPCUSTOM"
+_ENDIAN, _REVISION = 1, 2
+_LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
 
 
 class Lines:
@@ -141,12 +145,6 @@ def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
         raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
     return header
-
-
-BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
-_MAGIC = b"DUMPCUSTOM"
-_ENDIAN, _REVISION = 1, 2
-_LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
 
 
 def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:

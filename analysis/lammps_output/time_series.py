@@ -45,6 +45,7 @@ ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
 
 Table = dict[str, NDArray[np.float64]]
+_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
 
 
 def read_energy(directory: str | Path) -> Table:
@@ -130,9 +131,6 @@ def _check_steps(path: Path, steps: NDArray[np.float64]) -> None:
     if len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())
         raise OutputFormatError(f"{path} lacks rows between the steps {steps[n]:.0f} and {steps[n + 1]:.0f}; {AGAIN}")
-
-
-_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
 
 
 def read_record(directory: str | Path) -> dict[str, Any]:

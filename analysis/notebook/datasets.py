@@ -26,6 +26,46 @@ from granwave.lammps_inputs.run_directory import SPECTRA_KINDS
 if TYPE_CHECKING:
     import h5py
 
+#: Dimensions of variables by kind, then group and name in spectra.h5; those after the bar are coordinates.
+_VARIABLES: dict[str, dict[str, tuple[str, ...]]] = {
+    "bands": {
+        "frequency": ("point", "band"),
+        "group_velocity": ("point", "band", "axis"),
+        "edges": ("band", "edge"),
+        "gaps": ("gap", "edge"),
+        "speed": ("wave",),
+        "surface_share": ("point", "band"),
+        "complex/attenuation": ("complex_frequency", "root"),
+        "complex/phase": ("complex_frequency", "root"),
+        "plane/frequency": ("plane_k2", "plane_k1", "plane_band"),
+        "plane/slowness": ("angle", "plane_wave"),
+    },
+    "modes": {
+        "frequency": ("mode",),
+        "participation_ratio": ("mode",),
+        "shape": ("freedom", "mode"),
+        "density_of_states": ("density_frequency",),
+    },
+    "transmission": {"amplitude_ratio": ("frequency", "sensor"), "phase": ("frequency", "sensor")},
+}
+_COORDINATES: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "bands": {
+        "distance": ("distance", ("point",)),
+        "k": ("k", ("point", "axis")),
+        "complex_frequency": ("complex/frequency", ("complex_frequency",)),
+        "plane_k1": ("plane/k", ("plane_k1",)),
+        "plane_k2": ("plane/k", ("plane_k2",)),
+        "angle": ("plane/angle", ("angle",)),
+    },
+    "modes": {
+        "id": ("id", ("freedom",)),
+        "direction": ("freedom", ("freedom",)),
+        "density_frequency": ("density_frequency", ("density_frequency",)),
+    },
+    "transmission": {"frequency": ("frequency", ("frequency",)), "sensor": ("sensor", ("sensor",))},
+}
+_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
+
 
 class _OnDemand(BackendArray):
     """Data set of an open result.h5 that is read where it is indexed."""
@@ -123,47 +163,6 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     return Variable(dimensions[: source.ndim], values, attributes)
 
 
-#: Dimensions of variables by kind, then group and name in spectra.h5; those after the bar are coordinates.
-_VARIABLES: dict[str, dict[str, tuple[str, ...]]] = {
-    "bands": {
-        "frequency": ("point", "band"),
-        "group_velocity": ("point", "band", "axis"),
-        "edges": ("band", "edge"),
-        "gaps": ("gap", "edge"),
-        "speed": ("wave",),
-        "surface_share": ("point", "band"),
-        "complex/attenuation": ("complex_frequency", "root"),
-        "complex/phase": ("complex_frequency", "root"),
-        "plane/frequency": ("plane_k2", "plane_k1", "plane_band"),
-        "plane/slowness": ("angle", "plane_wave"),
-    },
-    "modes": {
-        "frequency": ("mode",),
-        "participation_ratio": ("mode",),
-        "shape": ("freedom", "mode"),
-        "density_of_states": ("density_frequency",),
-    },
-    "transmission": {"amplitude_ratio": ("frequency", "sensor"), "phase": ("frequency", "sensor")},
-}
-_COORDINATES: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
-    "bands": {
-        "distance": ("distance", ("point",)),
-        "k": ("k", ("point", "axis")),
-        "complex_frequency": ("complex/frequency", ("complex_frequency",)),
-        "plane_k1": ("plane/k", ("plane_k1",)),
-        "plane_k2": ("plane/k", ("plane_k2",)),
-        "angle": ("plane/angle", ("angle",)),
-    },
-    "modes": {
-        "id": ("id", ("freedom",)),
-        "direction": ("freedom", ("freedom",)),
-        "density_frequency": ("density_frequency", ("density_frequency",)),
-    },
-    "transmission": {"frequency": ("frequency", ("frequency",)), "sensor": ("sensor", ("sensor",))},
-}
-_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
-
-
 def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -> Dataset:
     """Return bands along a path, modes of a finite packing, or the transmission between grains.
 
@@ -196,7 +195,9 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
         if group.startswith(kind)
     }
     variables = {
-        _short(name): _variable_of(shape, found[name]) for name, shape in _VARIABLES[kind].items() if name in found
+        "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]: _variable_of(shape, found[name])
+        for name, shape in _VARIABLES[kind].items()
+        if name in found
     }
     coordinates = {
         name: _variable_of(shape, found[source])
@@ -231,10 +232,6 @@ def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
         for values, tables in [read_spectra(directory, kind)]
     }
     return next(iter(found.values())) if len(found) == 1 else found
-
-
-def _short(name: str) -> str:
-    return "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]
 
 
 def _variable_of(shape: tuple[str, ...], content: tuple[Any, str]) -> Variable:

@@ -9,21 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.spectra.bands import (
-    Bands,
-    Gap,
-    band_edges,
-    describe_floppy,
-    gaps,
-    lowest,
-    refuse_floppy,
-    solve_bands,
-    upper_bound,
-)
+from granwave.analysis.spectra.bands import Bands, Gap, band_edges, describe_floppy, gaps, refuse_floppy, solve_bands
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
-from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness, stiffness_of
+from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness, lowest, stiffness_of, upper_bound
 from granwave.analysis.spectra.wave_vectors import ComplexBands, complex_bands, make_path
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
@@ -33,6 +23,11 @@ _LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e
 _ANGLES, _GRID = 180, 61
 _MOST_FREEDOMS = 48  # of a cell whose whole spectrum is found at all points of the grid
 _RIGID = 1e-9  # (c k)^2 over the largest omega^2 times (k a)^2
+_MOST_POINTS = 100_000
+_FREQUENCIES = 401  # for attenuation
+_BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
+NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface
+_WAVE = 1e-9  # of the largest frequency: where a wave vector counts as one of long waves
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -109,13 +104,6 @@ def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | Non
     centre = np.argmin(np.abs(grid).sum(axis=1))
     frequency[centre] = np.nan_to_num(frequency[centre])
     return Surface(plane, angle, long_wave_speeds(stiffness, directions), k, frequency.reshape(_GRID, _GRID, -1))
-
-
-_MOST_POINTS = 100_000
-_FREQUENCIES = 401  # for attenuation
-_BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
-NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface
-_WAVE = 1e-9  # of the largest frequency: where a wave vector counts as one of long waves
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

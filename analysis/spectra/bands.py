@@ -13,23 +13,18 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from granwave.analysis.spectra.network import FREEDOMS, Array, Network
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES
-from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Complex, Stiffness, factorised
+from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Complex, Stiffness, lowest, upper_bound
 from granwave.analysis.spectra.wave_vectors import Path
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError
 
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
 _LONG = 1e-6  # |k| times the period: a uniform displacement
 _BATCH = 2**24  # numbers in the matrices that are solved at once
-_FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
-_PRECISION, _MOST_RESTARTS = 1e-9, 20_000
 _TURNING = 0.99  # of the energy in rotations: grains that roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
-_BELOW = 1e-7  # of the largest omega^2, where values are sought from
 _LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
 ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
 _BINS, _MOMENTS, _VECTORS, _SEED = 120, 240, 12, 1
@@ -145,36 +140,6 @@ def solve_bands(
     omega = np.sqrt(np.where(there, square, 1.0))[:, :, None]
     velocity = np.where(there[:, :, None], velocity / (2 * omega), np.nan)
     return Bands(stiffness, path, square, velocity, shape, largest, share)
-
-
-def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
-    """Return the lowest eigenvalues of a sparse Hermitian matrix, rising, and their vectors.
-
-    Raises
-    ------
-    RunError
-        They are not found.
-    """
-    try:
-        if matrix.shape[0] > _FACTORISED_UP_TO:
-            basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
-            values, vectors = eigsh(matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS)
-            order = np.argsort(values)
-            return values[order], vectors[:, order]
-        shift = -_BELOW * largest
-        inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
-        operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
-        values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
-    except ArpackNoConvergence as error:
-        raise RunError(f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)") from None
-    order = np.argsort(values)
-    return values[order], vectors[:, order]
-
-
-def upper_bound(stiffness: Stiffness) -> float:
-    """Return an upper bound of omega^2 by Gershgorin's circles, s^-2."""
-    matrix = stiffness.matrix(np.zeros(3))
-    return float(np.abs(matrix).sum(axis=1).max())
 
 
 def refuse_floppy(bands: Bands, name: str) -> None:

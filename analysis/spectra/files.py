@@ -53,17 +53,10 @@ def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[st
         A file is missing or damaged.
     """
     path = directory / SPECTRA_FILE
-    tables: dict[str, dict[str, tuple[Any, str]]] = {}
     try:
         values = json.loads((directory / f"{kind}.json").read_text(encoding="utf-8"))
         with h5py.File(path, "r") as file:
-
-            def add(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset):
-                    group, _, own = name.rpartition("/")
-                    tables.setdefault(f"{kind}/{group}".rstrip("/"), {})[own] = _content(item)
-
-            file[kind].visititems(add)
+            tables = _tables({kind: file[kind]})
     except (OSError, ValueError, KeyError) as error:
         raise OutputFormatError(
             f"{directory}: {kind}.json or {path.name} is missing or damaged ({error}); make them anew with  "
@@ -81,9 +74,19 @@ def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
         return {}, {}
 
 
-def _content(item: h5py.Dataset) -> tuple[Any, str]:
-    values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
-    return values, str(item.attrs["unit"])
+def _tables(groups: Mapping[str, h5py.Group]) -> dict[str, dict[str, tuple[Any, str]]]:
+    """Return values and units of all data sets of groups, by group and name."""
+    found: dict[str, dict[str, tuple[Any, str]]] = {}
+    for kind, parent in groups.items():
+
+        def add(name: str, item: Any, kind: str = kind) -> None:
+            if isinstance(item, h5py.Dataset):
+                group, _, own = f"{kind}/{name}".rpartition("/")
+                values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
+                found.setdefault(group, {})[own] = values, str(item.attrs["unit"])
+
+        parent.visititems(add)
+    return found
 
 
 def case_in(path: Path) -> str:
@@ -98,21 +101,13 @@ def case_in(path: Path) -> str:
 def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dict[str, tuple[Any, str]]]:
     """Groups of an earlier file of the same case that are not written now."""
     new = {name.partition("/")[0] for name in tables}
-    found: dict[str, dict[str, tuple[Any, str]]] = {}
     try:
         with h5py.File(path, "r") as file:
-            if file.attrs.get("case") != case:
-                return {}
-
-            def add(name: str, item: Any) -> None:
-                if isinstance(item, h5py.Dataset) and name.partition("/")[0] not in new:
-                    group, _, own = name.rpartition("/")
-                    found.setdefault(group, {})[own] = _content(item)
-
-            file.visititems(add)
+            if file.attrs.get("case") == case:
+                return _tables({kind: group for kind, group in file.items() if kind not in new})
     except (OSError, KeyError):
-        return {}
-    return found
+        pass
+    return {}
 
 
 def tables_of_network(group: str, state: State) -> dict[str, Table]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 _STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
+Body = tuple["Material", "Shape"]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -161,48 +162,46 @@ class PairLaws:
     def _of_kinds(self, n: int, m: int, rows: Ints, radii: Array) -> list[Part]:
         (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
         geometry = cylinder_pair(shape, partner) if shape or partner else None
-        if self.case.contact_between(first, second).entry.is_power or (geometry is not None and geometry.parallel):
-            return self._by_size(rows, radii, lambda one, other: self._fixed(n, m, one, other))
+        contact = self.case.contact_between(first, second)
+        if contact.entry.is_power or (geometry is not None and geometry.parallel):
+            law = partial(self._touches, self.bodies[n], self.bodies[m], friction=contact.friction)
+            return self._by_size(rows, radii, law)
         if geometry is None:
             scale = radii[rows, 0] * radii[rows, 1] / (radii[rows, 0] + radii[rows, 1])
         else:
             sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
             scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
-        return [(self._in_a_point(n, m), rows, scale)]
+        point = self._touches((first, None), (second, None), (2.0, 2.0), contact.friction, scaled=True)  # R* = 1 m
+        return [(point, rows, scale)]
 
     @staticmethod
-    def _by_size(rows: Ints, radii: Array, law: Callable[[float, float], Touches]) -> list[Part]:
+    def _by_size(rows: Ints, radii: Array, law: Callable[[tuple[float, float]], Touches]) -> list[Part]:
         """Return a law for each pair of radii."""
         sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
-        parts = [(law(*size), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
+        parts = [(law((size[0], size[1])), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
         return [(touches, own, np.ones(len(own))) for touches, own in parts]
 
     @cached_property
     def _known(self) -> dict[Any, Touches]:
         return {}
 
-    def _in_a_point(self, n: int, m: int) -> Touches:
-        """Law of two kinds in a point, at R* = 1 m."""
-        if (n, m) not in self._known:
-            first, second = self.bodies[n][0], self.bodies[m][0]
-            contact = self.case.contact_between(first, second)
-            law = law_between(contact, (first, second), (2.0, 2.0))
-            self._known[n, m] = Touches(law, contact.friction, self._dent(law))
-        return self._known[n, m]
-
-    def _fixed(self, n: int, m: int, one: float, other: float) -> Touches:
-        """Law of two kinds of these radii, m, along a line or by a power."""
-        if (n, m, one, other) not in self._known:
-            (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
-            contact = self.case.contact_between(first, second)
-            law = law_between(contact, (first, second), (one, other), shapes=(shape, partner),
-                              plane_strain=self._plane_strain)  # fmt: skip
-            self._known[n, m, one, other] = Touches(law, contact.friction, 0.0, scaled=False)
-        return self._known[n, m, one, other]
-
-    @property
-    def _plane_strain(self) -> bool:
-        return self.case.contact.line == "plane-strain"
+    def _touches(
+        self,
+        first: Body,
+        second: tuple[Material | None, Shape],
+        radii: tuple[float, float],
+        friction: float,
+        *,
+        scaled: bool = False,
+    ) -> Touches:
+        """Return the law of two bodies of these radii, m."""
+        key = first, second, radii, friction, scaled
+        if key not in self._known:
+            (one, shape), (other, partner) = first, second
+            contact, line = self.case.contact_between(one, other), self.case.contact.line == "plane-strain"
+            law = law_between(contact, (one, other), radii, shapes=(shape, partner), plane_strain=line)
+            self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
+        return self._known[key]
 
     def _dent(self, law: ContactLaw) -> float:
         """Initial dent over R*."""
@@ -222,21 +221,11 @@ class PairLaws:
             rows = np.flatnonzero(kind == n)
             if not len(rows):
                 continue
+            flat, friction = (wall.material, None), wall_friction(self.case, wall, material)
             if shape is not None or self.case.contact_between(material, wall.material).entry.is_power:
                 radii = np.stack([radius, np.full_like(radius, math.inf)], axis=1)
-                found += self._by_size(rows, radii, lambda *size, n=n: self._at_wall(wall, n, size, scaled=False))
+                found += self._by_size(rows, radii, partial(self._touches, self.bodies[n], flat, friction=friction))
             else:
-                scale = wall.effective_radii(radius[rows])
-                found.append((self._at_wall(wall, n, (1.0, math.inf), scaled=True), rows, scale))
+                law = self._touches(self.bodies[n], flat, (1.0, math.inf), friction, scaled=True)
+                found.append((law, rows, wall.effective_radii(radius[rows])))
         return found
-
-    def _at_wall(self, wall: Wall, n: int, radii: tuple[float, float], *, scaled: bool) -> Touches:
-        key = (wall.name, n, radii, scaled)
-        if key not in self._known:
-            material, shape = self.bodies[n]
-            contact = self.case.contact_between(material, wall.material)
-            law = law_between(contact, (material, wall.material), radii, shapes=(shape, None),
-                              plane_strain=self._plane_strain)  # fmt: skip
-            friction = wall_friction(self.case, wall, material)
-            self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
-        return self._known[key]

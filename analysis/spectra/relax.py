@@ -42,26 +42,6 @@ _HALVINGS = 5  # of the interval in which the first strain is sought
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class StaticState:
-    """Static state.
-
-    Attributes
-    ----------
-    position, periods
-        Of the grains and of the cell: (n, 3) and (n_periods, 3), m.
-    residual
-        Largest net force on a grain over the largest force of a contact.
-    rounds
-        Steps that Newton's method took.
-    """
-
-    position: Array
-    periods: Array
-    residual: float
-    rounds: int
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
 class _At:
     """Energy, its gradient, and slopes of forces with the derivatives of distances, at a state."""
 
@@ -229,8 +209,15 @@ class _Problem:
         return values, rows
 
 
-def relax(bodies: Bodies) -> StaticState:
+def relax(bodies: Bodies) -> tuple[Array, Array, float]:
     """Find the static state of grains under their loads, or, if they buckle, the balance from which they do.
+
+    Returns
+    -------
+    position, periods
+        Of the grains and of the cell: (n, 3) and (n_periods, 3), m.
+    residual
+        Largest net force on a grain over the largest force of a contact.
 
     Raises
     ------
@@ -253,8 +240,7 @@ def relax(bodies: Bodies) -> StaticState:
             f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
             f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
         )
-    position, periods = problem.state(x)
-    return StaticState(position, periods, residual, steps)
+    return *problem.state(x), residual
 
 
 def _balanced(problem: _Problem, now: _At) -> bool:

@@ -79,10 +79,10 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
         return _slab_state(source)
     if isinstance(source, Case):
         bodies = cell_bodies(source)
-        found = relax(bodies)
-        network = bodies.network(found.position, found.periods)
+        position, periods, residual = relax(bodies)
+        network = bodies.network(position, periods)
         _refuse_unloaded(source, network)
-        return State(source.name, source, network, "case", found.residual, found.periods)
+        return State(source.name, source, network, "case", residual, periods)
     with Result(source) as result:
         return _mean_cell(result)
 
@@ -119,10 +119,10 @@ def _relaxed(case: Case, bodies: Bodies) -> State:
         raise InputError(
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
-    found = relax(bodies)
-    network = bodies.network(found.position, bodies.periods)
+    position, _, residual = relax(bodies)
+    network = bodies.network(position, bodies.periods)
     _refuse_unloaded(case, network)
-    return State(case.name, case, network, "case", found.residual, bodies.periods)
+    return State(case.name, case, network, "case", residual, bodies.periods)
 
 
 def _slab_state(source: Case | Path) -> State:

@@ -16,13 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from granwave.analysis.spectra.network import Array, Network
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, RunError
 
 Complex = NDArray[np.complex128]
 DENSE_UP_TO = 600  # degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
+_FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
+_PRECISION, _MOST_RESTARTS = 1e-9, 20_000
+_BELOW = 1e-7  # of the largest omega^2, where values are sought from
 
 
 def factorised(matrix: sparse.sparray) -> Any:
@@ -175,3 +178,33 @@ def _of_supports(network: Network) -> Array:
     slip = np.concatenate([across, -walls.lever[:, None, None] * _cross(walls.normal)], axis=2)
     parts = [stretch, turning, slip]
     return _block(parts, parts, [walls.stiffness, walls.turning, walls.tangential])
+
+
+def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
+    """Return the lowest eigenvalues of a sparse Hermitian matrix, rising, and their vectors.
+
+    Raises
+    ------
+    RunError
+        They are not found.
+    """
+    try:
+        if matrix.shape[0] > _FACTORISED_UP_TO:
+            basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
+            values, vectors = eigsh(matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS)
+            order = np.argsort(values)
+            return values[order], vectors[:, order]
+        shift = -_BELOW * largest
+        inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
+        operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
+        values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
+    except ArpackNoConvergence as error:
+        raise RunError(f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)") from None
+    order = np.argsort(values)
+    return values[order], vectors[:, order]
+
+
+def upper_bound(stiffness: Stiffness) -> float:
+    """Return an upper bound of omega^2 by Gershgorin's circles, s^-2."""
+    matrix = stiffness.matrix(np.zeros(3))
+    return float(np.abs(matrix).sum(axis=1).max())

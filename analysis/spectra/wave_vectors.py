@@ -45,6 +45,12 @@ _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
 _ROW = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}
 _EPSILON = 1e-3  # of a cell, for recognising its symmetry
+MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
+MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
+_FLOPS, _FEWEST = 5e8, 16  # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
+_WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
+_WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
+_SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -205,14 +211,6 @@ def _perpendicular(periods: Array) -> Array:
     """Vectors that complete one or two periods to three of the same length."""
     length = np.linalg.norm(periods[0])
     return np.asarray(length * np.linalg.svd(periods)[2][len(periods) :])
-
-
-MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
-MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
-_FLOPS, _FEWEST = 5e8, 16  # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
-_WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
-_WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
-_SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -27,10 +27,6 @@ STUDIES: dict[str, str] = {
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
     "tolerance": "tolerance.study",
-    "lateral-source": "lateral.source",
-    "lateral-crystals": "lateral.crystals",
-    "lateral-width": "lateral.width",
-    "lateral-parameters": "lateral.parameters",
     "sphere-contact": "sphere_contact",
 }
 
@@ -38,4 +34,4 @@ STUDIES: dict[str, str] = {
 OF_SPHERE_CONTACTS = ("sphere-contact",)
 
 #: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
-COMPARISON: dict[str, str] = {"comparison": "granular_continuum.study"}
+COMPARISON: dict[str, str] = {"comparison": "packing_and_block.study"}

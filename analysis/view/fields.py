@@ -21,6 +21,9 @@ from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP
 from granwave.analysis.result.reader import Result
 
 _MOST_OF_A_CHAIN = 120  # instants of up to a thousand
+BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
+LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
+_DECADES = 4  # of a scale of forces, far below F_y, to include the elastic wave
 
 
 class Instants(ABC):
@@ -89,11 +92,6 @@ class _History(Instants):
         found = np.zeros((self._n, 3))
         found[self._beads, 2] = self._along[quantity][row]
         return found
-
-
-BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
-LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
-_DECADES = 4  # of a scale of forces, far below F_y, to include the elastic wave
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,22 +171,14 @@ def _field(
     colours: str,
     limits: tuple[float, ...] | None,
 ) -> Field | None:
-    values = np.stack([_scalar(instants.values(number, quantity))[rows] for number in frames])
+    found = (instants.values(number, quantity) for number in frames)
+    values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in found])
     largest = float(np.max(values, initial=0.0))
     if not largest > 0:
         return None
-    low, high = limits or _limits(largest)
+    high = decades_up_to(largest, None)[1]
+    low, high = limits or (high / 10**_DECADES, high)
     with np.errstate(divide="ignore"):
         share = np.log(values / low) / np.log(high / low)
     levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
     return Field(name, label, colours, low, high, largest > high, levels.astype(np.float32))
-
-
-def _limits(largest: float) -> tuple[float, float]:
-    high = decades_up_to(largest, None)[1]
-    return high / 10**_DECADES, high
-
-
-def _scalar(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return numbers, and magnitudes of vectors."""
-    return np.linalg.norm(values, axis=1) if values.ndim == 2 else values

@@ -135,20 +135,16 @@ def _page(result: Result, chosen: Chosen, found: Sequence) -> str:
     mark = _MARK.format(version=k3d.__version__)
     policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
     head = f'<meta charset="utf-8">\n    {policy}'
-    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", _without_fallbacks, text, count=1)
+    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", lambda source: _without_fallbacks(source[0]), text, count=1)
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
     text = text.replace('<meta charset="utf-8">', head, 1)
     title = html.escape(f"{result.case.name} - granwave")
     return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
 
 
-def _without_fallbacks(source: re.Match[str]) -> str:
-    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
-    return _cleaned(source[0])
-
-
 @cache
-def _cleaned(source: str) -> str:
+def _without_fallbacks(source: str) -> str:
+    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
     text = zlib.decompress(base64.b64decode(source)).decode("utf-8")
     text = re.sub(r',url\(fonts/[^)]*\) format\("\w+"\)', "", text)
     return base64.b64encode(zlib.compress(text.encode("utf-8"), _COMPRESSION)).decode("ascii")

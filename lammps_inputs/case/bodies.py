@@ -15,7 +15,6 @@ the file.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from typing import Any, TypeVar
 
 from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
@@ -254,12 +253,8 @@ def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList)
 def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) -> Entry | None:
     """Read the table of one body; its material is given by name or by value."""
     has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
-    if not has_material or not isinstance(table, Mapping) or "material" not in table:
-        return read_table(section, table, prefix, errors)
-    rest = {name: value for name, value in table.items() if name != "material"}
-    material = read_material(table["material"], errors, f"{prefix}.material")
-    entry = read_table(section, rest, prefix, errors)
-    return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]
+    nested = {"material": read_material} if has_material else {}
+    return read_table(section, table, prefix, errors, nested)
 
 
 MATCHED = "matched"

@@ -95,7 +95,7 @@ class SupportBar:
     length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
     area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
-    end: Literal["free", "fixed", "infinite"] = choice(
+    end: str = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )
 
@@ -189,7 +189,8 @@ class Support:
             return NodeConstants(0.0, stiffness, damping)
         assert self.bar is not None
         impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
-        end = impedance if self.bar.end == "infinite" else self.bar.end
+        end: float | Literal["free", "fixed"] = "fixed" if self.bar.end == "fixed" else "free"
+        end = impedance if self.bar.end == "infinite" else end
         return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
 
     def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
@@ -274,27 +275,24 @@ def _parse_touched(value: Any) -> Touched:
     return Touched(**found)
 
 
+_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "usual": FRICTION}
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
+    bottom: str = choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         BOTTOMS,
         default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
-    sides: Literal["free", "wall", "periodic"] = choice(
-        "what is at the sides: nothing, planes, or the packing again",
-        ("free", "wall", "periodic"),
-        default="free",
+    sides: str = choice(
+        "what is at the sides: nothing, planes, or the packing again", ("free", "wall", "periodic"), default="free"
     )
-    x: Literal["free", "wall"] | None = choice(
-        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
-    )
-    y: Literal["free", "wall"] | None = choice(
-        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
-    )
+    x: str | None = choice("the two planes across x, where they differ from sides", ("free", "wall"), default=None)
+    y: str | None = choice("the two planes across y, where they differ from sides", ("free", "wall"), default=None)
     side_gap: float | None = number(
         "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
         "before the run, as [precompression] of walls does",
@@ -312,25 +310,14 @@ class Boundary:
     bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
-        "coefficient of Coulomb friction of the walls; that of the contacts by default",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
     )
     holder_friction: float | None = number(
         "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        **_FRICTION,
     )
     forget_gap: float = number(
-        "gap beyond which a dent is forgotten, never sooner",
-        unit="diameters",
-        above=0,
-        at_most=2,
-        default=0.1,
+        "gap beyond which a dent is forgotten, never sooner", unit="diameters", above=0, at_most=2, default=0.1
     )
 
     @property
@@ -343,8 +330,9 @@ class Boundary:
         return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
 
 
-_MOVE: dict[str, Any] = {"unit": "m", "above": 0, "default": None, "usual": DISPLACEMENT}
-_PRESS: dict[str, Any] = {"unit": "N", "above": 0, "default": None, "usual": FORCE}
+_NONE: dict[str, Any] = {"above": 0, "default": None}
+_MOVE = _NONE | {"unit": "m", "usual": DISPLACEMENT}
+_PRESS = _NONE | {"unit": "N", "usual": FORCE}
 _WALLS = ("x", "y", "tube")
 
 
@@ -352,21 +340,13 @@ _WALLS = ("x", "y", "tube")
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: Literal["uniaxial", "uniform", "gravity", "walls", "overlaps"] = choice(
+    kind: str = choice(
         "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
-    pressure: float | None = number(
-        "pressure on the faces of the packing", unit="Pa", above=0, default=None, usual=PRESSURE
-    )
-    force: float | None = number(
-        "force on each sphere of the top layer (uniaxial; also beside walls)",
-        unit="N",
-        above=0,
-        default=None,
-        usual=FORCE,
-    )
+    pressure: float | None = number("pressure on the faces of the packing", unit="Pa", **_NONE, usual=PRESSURE)
+    force: float | None = number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
     x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
     y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
     tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)

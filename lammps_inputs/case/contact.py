@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -193,7 +193,7 @@ class Contact:
         (*ALL_LAWS, LINE),
         default="elastoplastic",
     )
-    variant: Literal["continuous", "published"] = choice(
+    variant: str = choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
         default="continuous",
@@ -213,7 +213,7 @@ class Contact:
     friction: float = number(
         "coefficient of Coulomb friction between spheres", at_least=0, at_most=1e4, default=0.0, usual=FRICTION
     )
-    tangential: Literal["mindlin_rescale", "mindlin"] = choice(
+    tangential: str = choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",

@@ -8,7 +8,6 @@ form. Shapes are spheres, and cylinders whose axis is fixed in space.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -25,6 +24,7 @@ from granwave.lammps_inputs.case.schema import (
     ValidationError,
     choice,
     custom,
+    did_you_mean,
     finite,
     label,
     number,
@@ -121,8 +121,16 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
             errors.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
         return read_table(Material, own, key, errors)
-    known = _library(table.get("file"), errors, f"{key}.file")
-    base = None if known is None else _select(table["preset"], known, f"{key}.preset", errors, table.get("file"))
+    base, file = None, table.get("file")
+    try:
+        if file is not None and (not isinstance(file, str) or not file):
+            errors.add(f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials")
+        else:
+            known = presets() if file is None else load_materials(file)
+            base = _select(table["preset"], known, f"{key}.preset", errors, file)
+    except InputError as error:
+        for line in error.errors:
+            errors.add(f"{key}.file", line)
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, errors)
         return None
@@ -132,29 +140,14 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     return read_table(Material, {**values, **own}, key, errors)
 
 
-def _library(file: Any, errors: ErrorList, key: str) -> dict[str, Material] | None:
-    if file is None:
-        return presets()
-    if not isinstance(file, str) or not file:
-        errors.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
-        return None
-    try:
-        return load_materials(file)
-    except InputError as error:
-        for line in error.errors:
-            errors.add(key, line)
-        return None
-
-
 def _select(
     name: Any, known: Mapping[str, Material], key: str, errors: ErrorList, file: str | None = None
 ) -> Material | None:
     if isinstance(name, str) and name in known:
         return known[name]
-    near = difflib.get_close_matches(str(name).lower(), known, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}?" if near else ""
     there = f" in {file}" if file else ""
-    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
+    hint = did_you_mean(name, known, cutoff=0.5)
+    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
     return None
 
 
@@ -265,7 +258,7 @@ class HasShape(Protocol):
 
     @property
     def shape(self) -> str | None:
-        """``sphere`` or ``cylinder``; None, of a striker: a sphere."""
+        """``sphere``, ``cylinder``, or None for the usual one, a sphere."""
 
     @property
     def length(self) -> float | None:
@@ -278,7 +271,7 @@ class HasShape(Protocol):
 
 def shape_of(table: HasShape, axis: Vector = _AXES["y"]) -> Shape:
     """Return the shape of a table that `check_shape` found right; ``axis`` is the usual direction."""
-    if table.shape == "sphere" or table.length is None:
+    if table.shape != "cylinder" or table.length is None:
         return None
     return Cylinder(table.length, table.axis or axis)
 

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -113,7 +113,7 @@ class PackingSection:
     size: tuple[int, ...] = custom(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
     )
-    top_row: Literal["long", "short", "equal"] = choice(
+    top_row: str = choice(
         "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
         "one, or all rows have n",
         ROWS,
@@ -153,7 +153,7 @@ class PackingSection:
         default=0.0,
         usual=Usual(1e-12, 0.1, ("mm", "um")),
     )
-    scatter_distribution: Literal["uniform", "normal"] = choice(
+    scatter_distribution: str = choice(
         "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
         ("uniform", "normal"),
         default="uniform",

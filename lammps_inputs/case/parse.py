@@ -139,8 +139,12 @@ def _with_lists(value: Any) -> Any:
 
 _REQUIRED = ("packing", "material")
 
-_OF_CONTINUUM = ("block", "punch", "sphere", "partner")
-_OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
+_OF_OTHERS = {  # tables of other files
+    **dict.fromkeys(("block", "punch", "sphere", "partner"), "belongs to a continuum case: granwave continuum runs it"),
+    **dict.fromkeys(
+        ("replicates", "ranks", "case", "set", "grid", "zip", "points"), "belongs in a scan file: granwave scan runs it"
+    ),
+}
 
 
 def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
@@ -156,7 +160,11 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     dict
         Fields of `Case` by name; None for those that are wrong.
     """
-    _refuse_others(data, errors)
+    for name in (one for one in _OF_OTHERS if one in data):
+        errors.add_unknown(name, _OF_OTHERS[name])
+    refuse_unknown(
+        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)}, KNOWN, "", errors
+    )
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
@@ -250,17 +258,17 @@ def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> An
         return read_packing(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, errors)
-    before, plain = len(errors.lines), dict(table)
+    before = len(errors.lines)
     read: dict[str, Any] = {}
-    for key in WALL_KEYS:
-        if not isinstance(table.get(key), Mapping):
-            continue
-        plain[key] = "wall"
-        if key == "bottom":
-            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
-        else:
-            read[f"{key}_material"], read[f"{key}_tube"] = _read_sides(table[key], f"boundary.{key}", errors)
-    boundary = read_table(Boundary, plain, name, errors)
+    readers: dict[str, tuple[Callable[..., Any], str]] = {
+        "bottom": (read_bottom, "support"),
+        "sides": (_read_sides, "tube"),
+    }
+    walls = {key: table[key] for key in WALL_KEYS if isinstance(table.get(key), Mapping)}
+    for key, wall in walls.items():
+        reader, what = readers[key]
+        read[f"{key}_material"], read[f"{key}_{what}"] = reader(wall, f"boundary.{key}", errors)
+    boundary = read_table(Boundary, {**table, **dict.fromkeys(walls, "wall")}, name, errors)
     if boundary is None or len(errors.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
@@ -287,10 +295,9 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     packing, strikers = data.get("packing"), data.get("striker")
     if isinstance(packing, Mapping) and isinstance(strikers, list | tuple) and packing.get("shape") == "cylinder":
         axis = packing.get("axis", "z" if packing.get("kind") == "square" else None)  # rows of a square are along y
+        implied = {} if axis is None else {"axis": axis}
         data["striker"] = [
-            {**one, "axis": axis}
-            if axis is not None and isinstance(one, Mapping) and one.get("shape") == "cylinder" and "axis" not in one
-            else one
+            implied | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
             for one in strikers
         ]
     boundary = data.get("boundary", {})
@@ -300,15 +307,3 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(figures, Mapping) and isinstance(run, Mapping) and figures.get("film", "none") != "none":
         data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data
-
-
-def _refuse_others(data: Mapping[str, Any], errors: ErrorList) -> None:
-    for name in _OF_CONTINUUM:
-        if name in data:
-            errors.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
-    for name in _OF_SCAN:
-        if name in data:
-            errors.add_unknown(name, "belongs in a scan file: granwave scan runs it")
-    others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
-    rest = {name: value for name, value in data.items() if name not in others}
-    refuse_unknown(rest, KNOWN, "", errors)

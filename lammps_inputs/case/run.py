@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import re
 from collections.abc import Mapping
 from itertools import pairwise
@@ -16,6 +15,7 @@ from granwave.lammps_inputs.case.schema import (
     ValidationError,
     choice,
     custom,
+    did_you_mean,
     finite,
     number,
     numbers,
@@ -61,16 +61,14 @@ def parse_share(text: str, expected: str) -> float:
 class Run:
     """``[run]``: end time, timestep and snapshots."""
 
-    end_time: float | Literal["auto"] = positive_or_auto(
+    end_time: float | str = positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
         unit="s",
         usual=TIME,
         default=1e-3,
     )
-    timestep: float | Literal["auto"] = positive_or_auto(
-        "auto: follows the error of the energy balance; a number: all steps are that long",
-        unit="s",
-        usual=INTERVAL,
+    timestep: float | str = positive_or_auto(
+        "auto: follows the error of the energy balance; a number: all steps are that long", unit="s", usual=INTERVAL
     )
     energy_tolerance: float = number(
         "largest error of the energy balance, over the input, that an automatic timestep aims at",
@@ -78,12 +76,12 @@ class Run:
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
-    smallest_timestep: float | Literal["auto"] = positive_or_auto(
+    smallest_timestep: float | str = positive_or_auto(
         "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
     )
-    largest_timestep: float | Literal["auto"] = positive_or_auto(
+    largest_timestep: float | str = positive_or_auto(
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
@@ -112,10 +110,7 @@ class Run:
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
 
 
-def _parse_probes(value: Any) -> tuple[Probe, ...]:
-    if not isinstance(value, list | tuple):
-        raise ValidationError(_PROBE_FORM)
-    return tuple(_parse_probe(probe) for probe in value)
+_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
 
 
 def _parse_parts(value: Any) -> bool | str:
@@ -124,20 +119,19 @@ def _parse_parts(value: Any) -> bool | str:
     raise ValidationError('true, false or "auto"')
 
 
-_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
-
-
-def _parse_probe(value: Any) -> Probe:
-    if not isinstance(value, Mapping) or len(value) != 1:
+def _parse_probes(value: Any) -> tuple[Probe, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(one, Mapping) and len(one) == 1 for one in value):
         raise ValidationError(_PROBE_FORM)
-    ((what, which),) = value.items()
-    expected = f"{_PROBE_FORM} with ids from 1 up"
-    if what == "sphere":
-        return Probe(sphere=whole(which, expected))
-    if what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
-        first, second = (whole(sphere, expected) for sphere in which)
-        return Probe(contact=(first, second))
-    raise ValidationError(_PROBE_FORM)
+    probes, expected = [], f"{_PROBE_FORM} with ids from 1 up"
+    for what, which in (item for one in value for item in one.items()):
+        if what == "sphere":
+            probes.append(Probe(sphere=whole(which, expected)))
+        elif what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
+            first, second = (whole(sphere, expected) for sphere in which)
+            probes.append(Probe(contact=(first, second)))
+        else:
+            raise ValidationError(_PROBE_FORM)
+    return tuple(probes)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -157,16 +151,14 @@ class Probe:
 class Output:
     """``[output]``: form of the snapshots, and records besides snapshots and energies."""
 
-    dump_format: Literal["binary", "text"] = choice(
+    dump_format: str = choice(
         "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
         ("binary", "text"),
         default="binary",
     )
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
-    probe_interval: float | Literal["auto"] = positive_or_auto(
-        "time between records of probes and walls; auto: five timesteps",
-        unit="s",
-        usual=INTERVAL,
+    probe_interval: float | str = positive_or_auto(
+        "time between records of probes and walls; auto: five timesteps", unit="s", usual=INTERVAL
     )
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
@@ -229,11 +221,8 @@ def _parse_only(value: Any) -> tuple[str, ...]:
         raise ValidationError(expected)
     for name in value:
         if name not in FIGURE_NAMES:
-            near = difflib.get_close_matches(name.lower(), FIGURE_NAMES, n=1, cutoff=0.5)
-            raise ValidationError(
-                f"names of figures: there is no {show(name)}"
-                + (f"; did you mean {near[0]}?" if near else f", but {', '.join(FIGURE_NAMES)}")
-            )
+            hint = did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
+            raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
     return tuple(dict.fromkeys(value))
 
 
@@ -259,8 +248,7 @@ def _parse_colour_map(value: Any) -> str:
     from matplotlib import colormaps  # takes longer to load than most commands need
 
     if value not in colormaps:
-        near = difflib.get_close_matches(value.lower(), list(colormaps), n=1, cutoff=0.5)
-        raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+        raise ValidationError(expected + did_you_mean(value, colormaps, cutoff=0.5))
     return value
 
 
@@ -270,8 +258,7 @@ def _parse_formats(value: Any) -> tuple[str, ...]:
     if not all(isinstance(name, str) for name in names):
         raise ValidationError(expected)
     if unknown := [name for name in names if name not in (*FORMATS, "png")]:
-        near = difflib.get_close_matches(unknown[0].lower(), FORMATS, n=1)
-        raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+        raise ValidationError(expected + did_you_mean(unknown[0], FORMATS))
     return tuple(name for name in FORMATS if name in names)
 
 
@@ -298,9 +285,7 @@ class Figures:
         default=None,
     )
     dissipation_limits: tuple[float, float] | None = custom(
-        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
-        _LIMITS,
-        default=None,
+        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default", _LIMITS, default=None
     )
     width: float = number(
         "width of a figure of one column; wider ones grow in proportion, texts stay as they are",
@@ -314,7 +299,7 @@ class Figures:
         _parse_formats,
         default=("pdf",),
     )
-    film: Literal["none", "mp4", "gif", "webp"] = choice(
+    film: str = choice(
         f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "
         "where it is not given",
         ("none", *FILM_FORMATS),

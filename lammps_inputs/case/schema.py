@@ -12,7 +12,7 @@ import dataclasses
 import difflib
 import logging
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -72,6 +72,12 @@ class ErrorList:
             if wrong:
                 self.add(key, message)
 
+    def check_first(self, *rows: tuple[object, str, str]) -> bool:
+        """Add the error of the first row whose first entry is true; return True if there is none."""
+        found = next((row for row in rows if row[0]), None)
+        self.check(*([found] if found else []))
+        return found is None
+
     def add_unknown(self, key: str, message: str) -> None:
         """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
@@ -116,7 +122,7 @@ def number(
             raise ValidationError(expected)
         return result
 
-    return _field(description, unit, default, parse, usual)
+    return _field(description, unit, default, parse, usual, (word,) if word else None)
 
 
 def positive_or_auto(description: str, *, unit: str, usual: Usual, default: float | str = "auto") -> Any:
@@ -130,11 +136,16 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
 
     def parse(value: Any) -> Any:
         if value not in options or type(value) is not type(options[0]):
-            near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
-            raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+            raise ValidationError(expected + did_you_mean(value, map(str, options)))
         return value
 
     return _field(description, None, default, parse, options=options)
+
+
+def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return a hint at the known word most like another one; empty if none is like it."""
+    near = difflib.get_close_matches(str(word).lower(), list(known), n=1, cutoff=cutoff)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def text(description: str, *, default: Any = REQUIRED) -> Any:
@@ -161,12 +172,7 @@ def parse_label(value: Any) -> str:
 
 
 def custom(
-    description: str,
-    parse: Parse,
-    *,
-    unit: str | None = None,
-    default: Any = REQUIRED,
-    usual: Usual | None = None,
+    description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED, usual: Usual | None = None
 ) -> Any:
     """Field of a value with its own ``parse`` function; numbers outside ``usual`` give a warning."""
     return _field(description, unit, default, parse, usual)
@@ -282,7 +288,13 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
+def read_table(
+    section: type[Section],
+    table: Any,
+    prefix: str,
+    errors: ErrorList,
+    nested: Mapping[str, Callable[[Any, ErrorList, str], Any]] | None = None,
+) -> Section | None:
     """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
     Fields that are not made by the functions above keep their defaults.
@@ -291,14 +303,19 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
     ----------
     prefix
         Dotted name of the table, as in the file; empty for the top level.
+    nested
+        Readers of tables in it, by key; they add faults themselves, and return None with any.
     """
     if not isinstance(table, Mapping):
         errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
     before = len(errors.lines)
+    values = {
+        name: read(table[name], errors, f"{prefix}.{name}") for name, read in (nested or {}).items() if name in table
+    }
+    table = {name: value for name, value in table.items() if name not in values}
     fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
     refuse_unknown(table, list(fields), prefix, errors)
-    values: dict[str, Any] = {}
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]

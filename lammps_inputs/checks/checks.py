@@ -76,22 +76,16 @@ def check_together(parts: Mapping[str, Any], errors: ErrorList) -> None:
             (sensor.id > n_spheres, f"sensor.{n}.id", f"found {sensor.id}, expected an id from 1 to {n_spheres}"),
             (twice, f"sensor.{n}.name", f"found {show(sensor.name)} twice, expected a name of its own"),
         )
-    if output is not None:
-        for probe in output.probes:
-            beyond = [one for one in probe.spheres if one > n_spheres]
-            same = probe.contact is not None and probe.contact[0] == probe.contact[1]
-            errors.check(
-                *(
-                    (True, "output.probes", f"found sphere {one}, expected an id from 1 to {n_spheres}")
-                    for one in beyond
-                ),
-                (same, "output.probes", f"found contact {show(probe.contact)}, expected two different spheres"),
-            )
-        if output.history not in (0, "auto") and packing.kind != "chain" and not parts.get("line"):
-            errors.add(
-                "output.history",
-                f"found {output.history} for {packing.kind}, expected 0: only chains and [[line]]s have one",
-            )
+    for probe in output.probes if output is not None else ():
+        errors.check(
+            *((one > n_spheres, "output.probes", f"found sphere {one}, expected an id from 1 to {n_spheres}")
+              for one in probe.spheres),
+            (len(set(probe.spheres)) < len(probe.spheres), "output.probes",
+             f"found contact {show(probe.contact)}, expected two different spheres"),
+        )  # fmt: skip
+    if output is not None and packing.kind != "chain" and not parts.get("line") and output.history not in (0, "auto"):
+        found = f"found {output.history} for {packing.kind}"
+        errors.add("output.history", f"{found}, expected 0: only chains and [[line]]s have one")
     if boundary is not None and _boundary_fits(packing, boundary, errors):
         load: Load | None = parts.get("load")
         if load is not None and load.hits_spheres and load.index is None:
@@ -112,7 +106,8 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
     check_room(case, errors)
     check_cylinders(case, errors)
-    check_touched(case, errors)
+    if not check_touched(case, errors):
+        return None
     check_tube(case, errors)
     try:
         assembly = assemble(case)
@@ -169,41 +164,30 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log warnings about values that are valid but may not be meant."""
     case = assembly.case
-    ratio = case.material.poisson_ratio
+    ratio, n = case.material.poisson_ratio, assembly.lattice.n_spheres
     uses_factor = case.contact.takes("yield_factor")
     if uses_factor and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
+        exact = hertz_von_mises_yield_factor(ratio)
         _LOG.warning(
-            "%s: the contact law was fitted for a Poisson's ratio of %.2f, found %g; "
-            "its exact Hertz-von Mises yield factor is C = %.4f (contact.yield_factor is %g)",
-            case.name,
-            FITTED_POISSON_RATIO,
-            ratio,
-            hertz_von_mises_yield_factor(ratio),
-            case.contact.yield_factor,
-        )
+            "%s: the contact law was fitted for a Poisson's ratio of %.2f, found %g; its exact Hertz-von Mises yield "
+            "factor is C = %.4f (contact.yield_factor is %g)",
+            case.name, FITTED_POISSON_RATIO, ratio, exact, case.contact.yield_factor,
+        )  # fmt: skip
     if case.contact.yields and assembly.has_cylinders:
-        _LOG.warning(
-            "%s: contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
-            "contact.law = %s holds for the others",
-            case.name,
-            case.contact.law,
-        )
+        text = "%s: contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
+        _LOG.warning(text + "contact.law = %s holds for the others", case.name, case.contact.law)
     for wall, grain, depth in untouched(assembly):
         text = "%s: grain %d reaches %.3g m into the wall %s, which does not act on it: boundary.sides_touch"
         _LOG.warning(text, case.name, grain, depth, wall)
-    for probe in case.output.probes:
-        if probe.contact is not None and not _touch(assembly, *probe.contact):
-            _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, probe.contact)
+    for contact in (probe.contact for probe in case.output.probes if probe.contact is not None):
+        low, high = sorted(contact)
+        near = assembly.striker_contacts if high > n else [(low, one) for one in assembly.lattice.neighbours(low)]
+        if (low, high) not in near:
+            _LOG.warning("%s: the spheres of the probed contact %s do not touch at the start", case.name, contact)
     for name, echo in echoes(assembly.bars).items():
         if case.run.longest > echo:
-            _LOG.warning(
-                "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
-                "make the bar longer, or the run shorter",
-                case.name,
-                name,
-                echo,
-                case.run.longest,
-            )
+            text = "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
+            _LOG.warning(f"{text}make the bar longer, or the run shorter", case.name, name, echo, case.run.longest)
     if case.run.end_time == "auto" and not case.contact.yields:
         _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 
@@ -213,122 +197,101 @@ def _check_strikers(strikers: tuple[Striker, ...], n_spheres: int, errors: Error
         check_shape(striker, f"striker.{n}", errors)
         known = n_spheres + n - 1
         beyond = [sphere for sphere in striker.touches if sphere > known]
-        if beyond:
-            errors.add(
-                f"striker.{n}.touches",
-                f"found {beyond[0]}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers",
-            )
-        for key, shift in (("offset", striker.offset), ("misalignment", striker.misalignment)):
-            if any(shift) and any(striker.velocity) and not np.cross(shift, striker.velocity).any():
-                errors.add(
-                    f"striker.{n}.{key}",
-                    f"found {show(shift)} along its way, expected a part across it: a striker starts in contact, "
-                    "so that a shift along its way has no effect",
-                )
+        moves, no_effect = (
+            any(striker.velocity),
+            "a striker starts in contact, so that a shift along its way has no effect",
+        )
+        errors.check(
+            *((True, f"striker.{n}.touches",
+               f"found {one}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers")
+              for one in beyond[:1]),
+            *((any(shift) and moves and not np.cross(shift, striker.velocity).any(), f"striker.{n}.{key}",
+               f"found {show(shift)} along its way, expected a part across it: {no_effect}")
+              for key, shift in (("offset", striker.offset), ("misalignment", striker.misalignment))),
+        )  # fmt: skip
 
 
 def _check_bars(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     bars: dict[str, Bar | None] = {name: parts.get(name) for name in (BAR, INCIDENT_BAR)}
+    load: Load | None = parts.get("load")
+    longest = _LONGEST_ELEMENT * packing.diameter
     for name, bar in bars.items():
         if bar is not None and packing.kind != "chain":
             errors.add(name, f"found with packing.kind = {show(packing.kind)}, expected a chain")
-        elif bar is not None and bar.length > _LONGEST_ELEMENT * packing.diameter * bar.elements:
-            least = math.ceil(bar.length / (_LONGEST_ELEMENT * packing.diameter))
+        elif bar is not None and bar.length > longest * bar.elements:
             errors.add(
                 f"{name}.elements",
-                f"found {bar.elements} in {bar.length:g} m, expected {least} or more: "
+                f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
                 f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses",
             )
-    if bars[BAR] is not None and boundary.bottom != "free":
-        errors.add(
-            "boundary.bottom", f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'
-        )
-    load: Load | None = parts.get("load")
-    if bars[INCIDENT_BAR] is not None and load is not None and load.kind != "force":
-        errors.add(
-            "load.kind", f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"
-        )
-    if bars[INCIDENT_BAR] is not None and parts.get("striker"):
-        errors.add("striker", "found beside [incident_bar]; take one of them out")
-
-
-_GIVE_END = 'run.end_time as a number, not "auto"'
+    errors.check(
+        (bars[BAR] and boundary.bottom != "free", "boundary.bottom",
+         f'found {show(boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
+        (bars[INCIDENT_BAR] and load and load.kind != "force", "load.kind",
+         f"found {show(load.kind if load else '')}, expected a force: it acts on the free end of the incident_bar"),
+        (bars[INCIDENT_BAR] and parts.get("striker"), "striker",
+         "found beside [incident_bar]; take one of them out"),
+    )  # fmt: skip
 
 
 def _check_times(run: Run, output: Output | None, errors: ErrorList) -> None:
+    """Check times against the end of the run, and the bounds of an automatic timestep, which a fixed one lacks."""
     end, ends = run.longest, f"run.end_time, {run.longest:g} s"
+    step = 0.0 if isinstance(run.timestep, str) else run.timestep
     interval = 0.0 if output is None or isinstance(output.probe_interval, str) else output.probe_interval
-    shares, times = isinstance(run.frames, tuple) and isinstance(run.frames[0], str), run.frame_times or (0.0,)
-    if not isinstance(run.timestep, str) and run.timestep > end:
-        errors.add("run.timestep", f"found {run.timestep:g} s, expected at most {ends}")
-    _check_timestep(run, errors)
-    if shares and isinstance(run.end_time, str):
-        errors.add("run.frames", f"found shares of an end that is not known: give times in s, or {_GIVE_END}")
-    elif times[-1] > end:
-        errors.add("run.frames", f"found a time of {times[-1]:g} s, expected none beyond {ends}")
-    if interval > end:
-        errors.add("output.probe_interval", f"found {interval:g} s, expected at most {ends}")
-
-
-def _check_timestep(run: Run, errors: ErrorList) -> None:
-    """Check the bounds of an automatic timestep, and that a fixed one has none."""
-    bounds = {"run.smallest_timestep": run.smallest_timestep, "run.largest_timestep": run.largest_timestep}
-    given = {key: value for key, value in bounds.items() if not isinstance(value, str)}
-    if len(given) == 2 and given["run.smallest_timestep"] > given["run.largest_timestep"]:
-        errors.add(
-            "run.smallest_timestep",
-            f"found {run.smallest_timestep:g} s, expected at most run.largest_timestep, {run.largest_timestep:g} s",
-        )
-    if run.adaptive:
-        return
-    if run.energy_tolerance != ENERGY_TOLERANCE:
-        given["run.energy_tolerance"] = run.energy_tolerance
-    for key, value in given.items():
-        errors.add(key, f"found {value:g} beside run.timestep, a fixed one of {run.timestep:g} s; take one of them out")
+    last = run.frame_times[-1] if run.frame_times else 0.0
+    no_end = isinstance(run.frames, tuple) and isinstance(run.frames[0], str) and isinstance(run.end_time, str)
+    given = {name: value for name in ("smallest_timestep", "largest_timestep", "energy_tolerance")
+             if not isinstance(value := getattr(run, name), str)}  # fmt: skip
+    if run.energy_tolerance == ENERGY_TOLERANCE:
+        del given["energy_tolerance"]
+    least, most = given.get("smallest_timestep", 0.0), given.get("largest_timestep", math.inf)
+    errors.check(
+        (step > end, "run.timestep", f"found {step:g} s, expected at most {ends}"),
+        (least > most, "run.smallest_timestep",
+         f"found {least:g} s, expected at most run.largest_timestep, {most:g} s"),
+        *((not run.adaptive, f"run.{name}",
+           f"found {value:g} beside run.timestep, a fixed one of {step:g} s; take one of them out")
+          for name, value in given.items()),
+        (no_end, "run.frames",
+         'found shares of an end that is not known: give times in s, or run.end_time as a number, not "auto"'),
+        (not no_end and last > end, "run.frames", f"found a time of {last:g} s, expected none beyond {ends}"),
+        (interval > end, "output.probe_interval", f"found {interval:g} s, expected at most {ends}"),
+    )  # fmt: skip
 
 
 def _boundary_fits(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> bool:
-    before = len(errors.lines)
+    """Check that a packing can have such a bottom and such sides; return True if it can."""
+    bottom, sides, kind = boundary.bottom, boundary.sides, packing.kind
     if packing.grains is not None:
-        if boundary.bottom == "periodic":
-            errors.add(
-                "boundary.bottom", 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
-            )
-            return False
-        return boundary.sides != "periodic" or packing.period is not None
-    rule = KINDS[packing.kind]
+        text = 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
+        fits = errors.check_first((bottom == "periodic", "boundary.bottom", text))
+        return fits and (sides != "periodic" or packing.period is not None)
+    rule, before = KINDS[kind], len(errors.lines)
     nx, ny, nz = packing.lattice().shape
-    if boundary.bottom == "fixed" and nz == 1:
-        errors.add(
-            "boundary.bottom",
-            'found "fixed" with a single layer, which is struck; expected two layers or more',
-        )
-    if boundary.bottom == "periodic" and packing.kind != "chain":
-        if "z" not in rule.axes:
-            errors.add("boundary.bottom", f'found "periodic" for {packing.kind}, a single layer; expected "free"')
-        elif boundary.sides != "periodic":
-            errors.add(
-                "boundary.sides",
-                f'found {show(boundary.sides)} with boundary.bottom = "periodic", expected "periodic": both or none',
-            )
-        elif nz % rule.layer_period:
-            errors.add("packing.size", f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless "
-                                       f"{packing.kind}")  # fmt: skip
-    if boundary.sides == "periodic":
-        if packing.kind == "chain":
-            errors.add("boundary.sides", 'found "periodic" for a chain, expected "free" or "wall"')
-        elif is_plane_crystal(packing.kind) and packing.top_row != "equal":
-            errors.add(
-                "packing.top_row", f'found {show(packing.top_row)} with boundary.sides = "periodic", expected "equal"'
-            )
-        elif min(n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes) < _LEAST_PERIODIC:
-            errors.add(
-                "packing.size",
-                f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
-                'for boundary.sides = "periodic"',
-            )
-        elif ny % rule.row_period:
-            errors.add("packing.size", f"found {ny} rows, expected an even number for periodic {packing.kind} layers")
+    endless, periodic = bottom == "periodic" and kind != "chain", sides == "periodic"
+    across = min((n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes), default=_LEAST_PERIODIC)
+    errors.check((bottom == "fixed" and nz == 1, "boundary.bottom",
+                  'found "fixed" with a single layer, which is struck; expected two layers or more'))  # fmt: skip
+    errors.check_first(
+        (endless and "z" not in rule.axes, "boundary.bottom",
+         f'found "periodic" for {kind}, a single layer; expected "free"'),
+        (endless and not periodic, "boundary.sides",
+         f'found {show(sides)} with boundary.bottom = "periodic", expected "periodic": both or none'),
+        (endless and nz % rule.layer_period, "packing.size",
+         f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
+    )  # fmt: skip
+    errors.check_first(
+        (periodic and kind == "chain", "boundary.sides",
+         'found "periodic" for a chain, expected "free" or "wall"'),
+        (periodic and is_plane_crystal(kind) and packing.top_row != "equal", "packing.top_row",
+         f'found {show(packing.top_row)} with boundary.sides = "periodic", expected "equal"'),
+        (periodic and across < _LEAST_PERIODIC, "packing.size",
+         f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
+         'for boundary.sides = "periodic"'),
+        (periodic and ny % rule.row_period, "packing.size",
+         f"found {ny} rows, expected an even number for periodic {kind} layers"),
+    )  # fmt: skip
     return len(errors.lines) == before
 
 
@@ -338,12 +301,11 @@ def _check_resolution(load: Load | None, run: Run, errors: ErrorList) -> None:
         return
     key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
     highest, most = load.frequencies[1], 1 / (_STEPS_IN_A_PERIOD * run.timestep)
-    if highest > most:
-        errors.add(
-            f"load.{key}",
-            f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
-            f'{run.timestep:g} s; make run.timestep shorter, or "auto"',
-        )
+    errors.check(
+        (highest > most, f"load.{key}",
+         f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
+         f'{run.timestep:g} s; make run.timestep shorter, or "auto"'),
+    )  # fmt: skip
 
 
 def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
@@ -356,12 +318,3 @@ def _check_holder(parts: Mapping[str, Any], packing: PackingSection, boundary: B
          f"{found} for {packing.kind}, expected 0: only chains lie in a holder"),
         (upright, key, f'{found} under precompression.kind = "gravity", expected 0: a chain that stands has no holder'),
     )  # fmt: skip
-
-
-def _touch(assembly: Assembly, first: int, second: int) -> bool:
-    """Return True if two spheres touch at the start."""
-    low, high = sorted((first, second))
-    n = assembly.lattice.n_spheres
-    if high > n:
-        return (low, high) in assembly.striker_contacts
-    return high in assembly.lattice.neighbours(low)

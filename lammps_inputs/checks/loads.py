@@ -33,16 +33,15 @@ def check_plate(parts: Mapping[str, Any], errors: ErrorList) -> None:
     load: Load | None = parts.get("load")
     if load is None or load.kind != "plate":
         return
-    for name in ("striker", "incident_bar"):
-        if parts.get(name):
-            errors.add(name, 'found beside load.kind = "plate", which covers the whole top; take one of them out')
     stage: Precompression | None = parts.get("precompression")
-    if stage is not None and stage.kind != "walls":
-        errors.add(
-            "precompression.kind",
-            f'found {show(stage.kind)} beside load.kind = "plate", expected "walls": the plate is held while the walls '
-            "move in, and would bear any other load",
-        )
+    beside = 'found beside load.kind = "plate", which covers the whole top; take one of them out'
+    errors.check(
+        (parts.get("striker"), "striker", beside),
+        (parts.get("incident_bar"), "incident_bar", beside),
+        (stage is not None and stage.kind != "walls", "precompression.kind",
+         f'found {show(stage.kind if stage else "")} beside load.kind = "plate", expected "walls": the plate is held '
+         "while the walls move in, and would bear any other load"),
+    )  # fmt: skip
 
 
 def check_side_gap(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
@@ -78,6 +77,7 @@ _FREQUENCIES = 201  # of a load of many frequencies
 _PART = 0.5  # of the frequencies that a row passes: if more arrive too late, the case is refused
 _TOLERANCE = 1e-9  # for a run that is as long as it must be
 _KEY = "run.end_time"
+_STEADY = " (twice that and load.ramp: the last half of the run is to be steady)"
 _FITTED = ("harmonic", "up-and-down")  # shapes of one frequency, whose amplitudes are fitted
 
 Array = NDArray[np.float64]
@@ -142,7 +142,8 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
     chain = case.packing.kind == "chain"
     first, last = measured.ends
     beads = _beads_between(assembly, measured)
-    frequency = _frequencies(case.load)
+    low, high = case.load.frequencies
+    frequency = np.array([low]) if low == high else np.linspace(low, high, _FREQUENCIES)
     travel = beads * row.per_bead(frequency)
     passed = np.isfinite(travel)
     if not passed.any():
@@ -157,7 +158,7 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
         text = (
             f"found {end:g} s, expected {_up(float(due[0]))} s or more: at {frequency[0]:g} Hz waves take "
             f"{travel[0]:.3g} s from sphere {first} to {last}, at a group velocity of {way / travel[0]:.4g} m/s"
-            f"{_reason(case.load)}"
+            f"{_STEADY if case.load.shape == 'harmonic' else ''}"
         )
     else:
         low, high = float(frequency[late].min()), float(frequency[late].max())
@@ -181,19 +182,6 @@ def _is_weak(assembly: Assembly, row: Row) -> bool:
     if load.kind == "force":
         return load.largest <= force
     return load.largest * float(row.stiffness.max()) <= force
-
-
-def _reason(load: Load) -> str:
-    if load.shape == "harmonic":
-        return " (twice that and load.ramp: the last half of the run is to be steady)"
-    return ""
-
-
-def _frequencies(load: Load) -> Array:
-    low, high = load.frequencies
-    if low == high:
-        return np.array([low])
-    return np.linspace(low, high, _FREQUENCIES)
 
 
 def _due(load: Load, frequency: Array, travel: Array) -> Array:
@@ -241,27 +229,28 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
 
 def _check_entry(assembly: Assembly, entry: Absorb, key: str, errors: ErrorList) -> None:
     case, lattice = assembly.case, assembly.lattice
-    if (entry.index is None) == (entry.layers is None):
-        errors.add(key, f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them")
-    elif entry.index is not None and max(entry.index) > lattice.n_spheres:
-        n = lattice.n_spheres
-        errors.add(f"{key}.index", f"found {max(entry.index)}, expected ids from 1 to {n}, the end of the packing")
-    elif entry.layers is not None and case.packing.grains is not None:
-        errors.add(f"{key}.layers", "found for grains of a file, which have no layers; give index")
-    elif entry.layers is not None and entry.layers >= max(2, lattice.shape[2]):
-        errors.add(f"{key}.layers", f"found {entry.layers}, expected fewer than all {lattice.shape[2]} layers")
-    if (entry.rate is None) == (entry.impedance is None):
-        errors.add(key, f"found {'both' if entry.rate else 'neither'} of rate and impedance, expected one of them")
-    elif entry.impedance == MATCHED and (
+    n, layers, both = lattice.n_spheres, entry.layers, (entry.index is None) == (entry.layers is None)
+    unknown = entry.impedance == MATCHED and (
         case.precompression is None or case.precompression.kind == "walls" or not len(lattice.rule.supports)
-    ):
-        errors.add(
-            f"{key}.impedance",
-            f"found {show(MATCHED)} for a packing whose contacts bear no known static force along z, so that there is "
-            "no impedance of long waves; expected a number, N s/m, or a precompression",
-        )
-    if entry.impedance is not None and entry.towards != Absorb.towards:
-        errors.add(f"{key}.towards", "belongs to a rate; an impedance is the same for each sphere")
+    )
+    beyond = max(entry.index or (0,)) > n
+    if both:
+        errors.add(key, f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them")
+    elif layers is not None and case.packing.grains is not None:
+        errors.add(f"{key}.layers", "found for grains of a file, which have no layers; give index")
+    elif layers is not None and layers >= max(2, lattice.shape[2]):
+        errors.add(f"{key}.layers", f"found {layers}, expected fewer than all {lattice.shape[2]} layers")
+    errors.check(
+        (beyond and not both, f"{key}.index",
+         f"found {max(entry.index or (0,))}, expected ids from 1 to {n}, the end of the packing"),
+        ((entry.rate is None) == (entry.impedance is None), key,
+         f"found {'both' if entry.rate else 'neither'} of rate and impedance, expected one of them"),
+        (unknown and entry.rate is None, f"{key}.impedance",
+         f"found {show(MATCHED)} for a packing whose contacts bear no known static force along z, so that there is "
+         "no impedance of long waves; expected a number, N s/m, or a precompression"),
+        (entry.impedance is not None and entry.towards != Absorb.towards, f"{key}.towards",
+         "belongs to a rate; an impedance is the same for each sphere"),
+    )  # fmt: skip
 
 
 def _check_motion(assembly: Assembly, chosen: tuple[int, ...], key: str, errors: ErrorList) -> None:

@@ -32,7 +32,9 @@ def check_disorder(parts: Mapping[str, Any], errors: ErrorList) -> None:
     boundary: Boundary | None = parts.get("boundary")
     periodic = boundary is not None and boundary.sides == "periodic"
     lattice = packing.lattice(periodic=periodic)
-    _check_scatter(packing, errors)
+    scatter, radius = packing.diameter_scatter, packing.diameter / 2
+    if scatter >= radius:
+        errors.add("packing.diameter_scatter", f"found {scatter:g}, expected less than the radius, {radius:g} m")
     if packing.tilt is not None:
         _check_tilt(packing, parts, periodic, errors)
     for place, entry in enumerate(parts.get("replace", ()), start=1):
@@ -57,68 +59,50 @@ def check_room(case: Case, errors: ErrorList) -> None:
         one, other = pairs[gaps.argmin()].tolist()
         large = one if sites.larger[one - 1] else other
         more = np.count_nonzero(gaps < slack) - 1
+        image = "its own image" if one == other else f"sphere {one + other - large}"
         errors.add(
             _entry_of(case, sites, large),
-            f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps "
-            f"{'its own image' if one == other else f'sphere {one + other - large}'} by {-gaps.min():.3g} m"
+            f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps {image} by {-gaps.min():.3g} m"
             f"{f' (and {more} more)' if more else ''}; make it smaller, or leave out the spheres around it "
             "(packing.vacancies)",
         )
     _check_walls(case, sites, errors)
 
 
-def _check_scatter(packing: PackingSection, errors: ErrorList) -> None:
-    if packing.diameter_scatter >= packing.diameter / 2:
-        errors.add(
-            "packing.diameter_scatter",
-            f"found {packing.diameter_scatter:g}, expected less than the radius, {packing.diameter / 2:g} m",
-        )
-
-
 def _check_tilt(packing: PackingSection, parts: Mapping[str, Any], periodic: bool, errors: ErrorList) -> None:
     """Check that every sphere of a packing on a tilted floor finds two to lean on."""
-    if packing.kind != "square":
-        errors.add("packing.tilt", f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor')
-    if packing.vacancies:
-        errors.add("packing.vacancies", "found beside packing.tilt; spheres beside a vacancy would roll into it")
-    if parts.get("precompression") is not None:
-        errors.add(
-            "precompression",
-            "found beside packing.tilt, which closes contacts without force: the static stage has no weight along the "
-            "floor that would hold the spheres in their corner; take one of them out",
-        )
-    if periodic:
-        errors.add(
-            "boundary.sides", 'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'
-        )
+    errors.check(
+        (packing.kind != "square", "packing.tilt",
+         f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor'),
+        (packing.vacancies, "packing.vacancies",
+         "found beside packing.tilt; spheres beside a vacancy would roll into it"),
+        (parts.get("precompression"), "precompression",
+         "found beside packing.tilt, which closes contacts without force: the static stage has no weight along the "
+         "floor that would hold the spheres in their corner; take one of them out"),
+        (periodic, "boundary.sides",
+         'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'),
+    )  # fmt: skip
     for place, entry in enumerate(parts.get("replace", ()), start=1):
         if (entry.diameter or 0.0) > packing.diameter:
-            errors.add(
-                f"replace.{place}.diameter",
-                f"found {entry.diameter:g} above packing.diameter, {packing.diameter:g} m, beside packing.tilt; "
-                "make that the largest diameter",
-            )
+            found = f"found {entry.diameter:g} above packing.diameter, {packing.diameter:g} m, beside packing.tilt"
+            errors.add(f"replace.{place}.diameter", f"{found}; make that the largest diameter")
 
 
 def _check_replaced(entry: Replace, key: str, packing: PackingSection, lattice: Lattice, errors: ErrorList) -> None:
-    if entry.diameter is None and entry.material is None:
-        errors.add(key, "changes nothing; give a material, or a diameter")
-    if entry.diameter is not None and packing.diameter_scatter >= entry.diameter / 2:
-        errors.add(
-            f"{key}.diameter",
-            f"found {entry.diameter:g}, expected more than twice packing.diameter_scatter, "
-            f"{packing.diameter_scatter:g} m",
-        )
+    n, least = lattice.n_spheres, packing.diameter_scatter
     ways = {"index": entry.index, "a box": entry.low or entry.high, "share": entry.share}
     found = [name for name, value in ways.items() if value is not None]
+    beyond = [sphere for sphere in entry.index or () if sphere > n]
+    errors.check(
+        (entry.diameter is None and entry.material is None, key, "changes nothing; give a material, or a diameter"),
+        (entry.diameter is not None and least >= entry.diameter / 2, f"{key}.diameter",
+         f"found {entry.diameter or 0.0:g}, expected more than twice packing.diameter_scatter, {least:g} m"),
+        (len(found) != 1, key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}"),
+    )  # fmt: skip
     if len(found) != 1:
-        errors.add(key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}")
         return
-    beyond = [sphere for sphere in entry.index or () if sphere > lattice.n_spheres]
-    if beyond:
-        errors.add(
-            f"{key}.index", f"found {beyond[0]}, expected an id from 1 to {lattice.n_spheres}, the end of the packing"
-        )
+    errors.check(*((True, f"{key}.index", f"found {one}, expected an id from 1 to {n}, the end of the packing")
+                   for one in beyond[:1]))  # fmt: skip
     if (entry.low is None) != (entry.high is None):
         errors.add(f"{key}.{'low' if entry.low is None else 'high'}", "missing; a box has both corners")
     elif entry.low and entry.high and any(low > high for low, high in zip(entry.low, entry.high, strict=True)):
@@ -252,43 +236,37 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
             viscous_loss(assembly, contact, first, second, flat=shapes is None, shapes=shapes)
         except ValueError as error:
             names = " and ".join(RIGID if one is None else str(one.name) for one in (first, second))
-            found = show(_plain_loss(contact))
+            loss = dataclasses.asdict(contact.loss) if contact.loss else {}
+            found = show({name: value for name, value in loss.items() if value is not None})
             wrong.setdefault(key, f"found {found}, expected of {names} a restitution of {error}")
     for key, message in wrong.items():
         errors.add(key, message)
 
 
-def _plain_loss(contact: Contact) -> dict[str, Any]:
-    assert contact.loss is not None
-    return {name: value for name, value in dataclasses.asdict(contact.loss).items() if value is not None}
-
-
 def _check_power(contact: Contact, key: str, errors: ErrorList) -> None:
     """Check that law power has its constant and exponent, and no other law has them."""
     for name in ("constant", "exponent"):
-        value = getattr(contact, name)
-        if value is None and contact.takes(name):
-            errors.add(f"{key}.{name}", f'missing; law = "{contact.law}" is F = constant overlap^exponent')
-        elif value is not None and not contact.takes(name):
-            errors.add(f"{key}.{name}", f'found {value:g} with law = "{contact.law}"; it belongs to law = "power"')
+        value, takes = getattr(contact, name), contact.takes(name)
+        errors.check(
+            (value is None and takes, f"{key}.{name}",
+             f'missing; law = "{contact.law}" is F = constant overlap^exponent'),
+            (value is not None and not takes, f"{key}.{name}",
+             f'found {value or 0.0:g} with law = "{contact.law}"; it belongs to law = "power"'),
+        )  # fmt: skip
 
 
 def _check_constants(contact: Contact, key: str, errors: ErrorList) -> None:
     if not contact.constants:
         return
+    names = list(contact.constants)
     if not contact.takes("constants") or contact.variant != "continuous":
-        for name in contact.constants:
-            errors.add(
-                f"{key}.{name}",
-                f"belongs to law elastoplastic, variant continuous; found {contact.law}, {contact.variant}",
-            )
-        return
-    if fault := error_in_constants(contact):
-        names = list(contact.constants)
-        if len(names) == 1:
-            errors.add(f"{key}.{names[0]}", f"no passive law: {fault}")
-        else:
-            errors.add(key, f"{', '.join(names)}: no passive law: {fault}")
+        found = f"found {contact.law}, {contact.variant}"
+        errors.check(*((True, f"{key}.{name}", f"belongs to law elastoplastic, variant continuous; {found}")
+                       for name in names))  # fmt: skip
+    elif (fault := error_in_constants(contact)) and len(names) == 1:
+        errors.add(f"{key}.{names[0]}", f"no passive law: {fault}")
+    elif fault:
+        errors.add(key, f"{', '.join(names)}: no passive law: {fault}")
 
 
 def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: ErrorList) -> None:
@@ -302,12 +280,11 @@ def _check_names(parts: Mapping[str, Any], pairs: tuple[Pair, ...], errors: Erro
     known = dict.fromkeys([*(material.name or "" for material in materials if material is not None), RIGID])
     known.pop("", None)
     for n, pair in enumerate(pairs, start=1):
-        for name in dict.fromkeys(pair.materials):
-            if name not in known:
-                errors.add(
-                    f"pair.{n}.materials",
-                    f"found {show(name)}, expected materials of the case: {', '.join(map(show, known))} (a rigid wall)",
-                )
+        there = f"{', '.join(map(show, known))} (a rigid wall)"
+        errors.check(
+            *((name not in known, f"pair.{n}.materials", f"found {show(name)}, expected materials of the case: {there}")
+              for name in dict.fromkeys(pair.materials)),
+        )  # fmt: skip
 
 
 def _check_yields(parts: Mapping[str, Any], contact: Contact, pairs: tuple[Pair, ...], errors: ErrorList) -> None:

@@ -55,10 +55,7 @@ def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = 
 
 
 def _law(
-    case: Case,
-    materials: tuple[Material, Material | None],
-    radii: tuple[float, float],
-    shapes: tuple[Shape, Shape],
+    case: Case, materials: tuple[Material, Material | None], radii: tuple[float, float], shapes: tuple[Shape, Shape]
 ) -> ContactLaw:
     contact, plane_strain = case.contact_between(*materials), case.contact.line == "plane-strain"
     return law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)

@@ -278,13 +278,7 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-_NEW = {
-    "history_every": 0,
-    "first_step": 1,
-    "longest_step": 1,
-    "energy_tolerance": 0.0,
-    "line_every": 0,
-}  # since version 0.1
+_NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_tolerance": 0.0, "line_every": 0}  # since 0.1
 
 
 def read_deck(directory: str | Path) -> Deck:

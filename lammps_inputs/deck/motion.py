@@ -28,6 +28,7 @@ from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import ENERGY_FILE, LOAD_FILE
 
 GRAVITY = 9.81  # m/s^2, of beads on their holder
+_TICK = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
 _OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
 
@@ -39,7 +40,8 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing rotates)"
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
-        *_timestep(schedule),
+        *([_TICK] if schedule.adaptive else []),
+        f"timestep        {num(schedule.timestep)}",
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
         *_integration(assembly),
@@ -54,12 +56,6 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     else:
         lines.append("variable        input equal v_given")
     return [*lines, *_absorbing(assembly), *_holder(assembly)]
-
-
-def _timestep(schedule: Schedule) -> list[str]:
-    """The timestep, or the tick that the steps of an automatic one are multiples of."""
-    note = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
-    return [*([note] if schedule.adaptive else []), f"timestep        {num(schedule.timestep)}"]
 
 
 def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:

@@ -184,10 +184,7 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     moved, forces = sources(HISTORY), sources(FORCES)
     return [
         "# The chain in time.",
-        *command(
-            f"dump            history all custom {every} {DUMPS}/{run_directory.HISTORY_FILE}",
-            *moved.values(),
-        ),
+        *command(f"dump            history all custom {every} {DUMPS}/{run_directory.HISTORY_FILE}", *moved.values()),
         f'dump_modify     history {first_or_append(resumed)} sort id format line "%d %.17g %.17g"',
         *(f"dump_modify     history {renamed}" for renamed in column_names(moved)),
         f"dump            forces all local {every} {DUMPS}/{run_directory.FORCES_FILE} {joined(forces.values())}",

@@ -247,24 +247,12 @@ def _of_yielding(assembly: Assembly) -> float:
 _LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
 
 
-@dataclasses.dataclass(frozen=True)
-class _Growth:
-    """Depth and radius in diameters, each ``factor e^power``, and the factor of uncertainty ``spread``."""
-
-    depth: tuple[float, float]
-    radius: tuple[float, float]
-    spread: float
-
-
-_CLOSE_PACKED = _Growth((1.30, 0.255), (1.0, 0.265), 1.5)
-_LINE = _Growth((75.0, 0.0), (0.0, 0.0), 1.0)
+# factor and power of the depth, and of the radius, in diameters; factor of uncertainty
+_CLOSE_PACKED = (1.30, 0.255), (1.0, 0.265), 1.5
+_LINE = (75.0, 0.0), (0.0, 0.0), 1.0
 _GROWTH = {
-    "fcc": _CLOSE_PACKED,
-    "hcp": _CLOSE_PACKED,
-    "bcc": _Growth((1.30, 0.32), (2.2, 0.26), 1.4),
-    "sc": _LINE,
-    "chain": _LINE,
-}
+    "fcc": _CLOSE_PACKED, "hcp": _CLOSE_PACKED, "bcc": ((1.30, 0.32), (2.2, 0.26), 1.4), "sc": _LINE, "chain": _LINE,
+}  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True)
@@ -313,8 +301,9 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
     if energy < _LEAST:
         return None
-    depth, radius = (factor * energy**power * case.packing.diameter for factor, power in (growth.depth, growth.radius))
-    return ExpectedZone(depth, radius, growth.spread, room)
+    *sizes, spread = growth
+    depth, radius = (factor * energy**power * case.packing.diameter for factor, power in sizes)
+    return ExpectedZone(depth, radius, spread, room)
 
 
 def _room(assembly: Assembly, lattice: Lattice) -> dict[str, float]:

@@ -211,14 +211,12 @@ def check_run(
     InputError
         The run cannot be made; the message lists all faults.
     """
-    checks: list[Callable[[], None]] = []
-    if files:
-        checks.append(lambda: check_earlier_result(assemble(case)))
-    if memory:
-        checks.append(lambda: check_memory(expected))
-    if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))
-    raise_all(checks)
+    checks: list[tuple[bool, Callable[[], None]]] = [
+        (files, lambda: check_earlier_result(assemble(case))),
+        (memory, lambda: check_memory(expected)),
+        (directory is not None, lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve)),  # type: ignore[arg-type]
+    ]
+    raise_all(check for wanted, check in checks if wanted)
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:

@@ -1,9 +1,10 @@
-"""Runs of the punch: results, end, faults, convergence with the mesh, command line."""
+"""Runs of the punch on a block: progress, files, refusals."""
 
 from __future__ import annotations
 
 import json
 import logging
+import math
 
 import h5py
 import numpy as np
@@ -13,6 +14,7 @@ from granwave.lammps_inputs import InputError, RunError
 from granwave.workflows.finite_elements.frame import check_memory
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.punch.run import run_continuum
+from granwave.workflows.finite_elements.runner import advance, digits_of
 from tests.helpers.punch import values_of
 
 SMALL = {"name": "small", "material": "brass", "run": {"elements": 1500}}
@@ -159,3 +161,24 @@ def test_command_line(granwave, tmp_path):
     assert granwave("check", "half-space", "--set", "punch.velocity=-1", cwd=tmp_path).returncode == 2
     assert granwave("report", "out", "-o", "page.md", cwd=tmp_path).returncode == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "page.md"] or (tmp_path / "page_files").is_dir()
+
+
+@pytest.mark.parametrize("total", [6.5, 0.8, 0.0123, 2e-5])
+def test_a_bar_ends_at_its_total(total):
+    """Whatever the size of the total, and where the last place lies beyond it."""
+    digits, shown = digits_of(total), 0.0
+    end = round(total, digits)
+    assert end == pytest.approx(total, rel=0.01)
+    places = [0.1 * total * n for n in range(10)] + [total, 1.4 * total]
+    for place in places:
+        step = advance(shown, place, end, digits)
+        assert step >= 0
+        shown += step
+        assert shown <= end * (1 + 1e-9)
+    assert math.isclose(shown, end)
+
+
+def test_a_bar_without_a_total_goes_on():
+    assert digits_of(None) == 2
+    assert advance(1.0, 3.456, None, 2) == 2.46
+    assert advance(5.0, 3.0, None, 2) == 0

@@ -117,15 +117,23 @@ def keys() -> Iterator[Any]:
         for field in dataclasses.fields(section):
             key = f"{table}.{field.name}".removeprefix(".")
             if field.metadata and key not in NOT_IN_A_PAIR:
-                yield pytest.param(file, key, kinds_of(hints[field.name]), content, id=f"{section.__name__} {key}")
+                yield pytest.param(
+                    file,
+                    key,
+                    kinds_of(hints[field.name], field.metadata.get("options")),
+                    content,
+                    id=f"{section.__name__} {key}",
+                )
 
 
-def kinds_of(hint: Any) -> set[type]:
-    """TOML types allowed by an annotation."""
+def kinds_of(hint: Any, options: tuple[Any, ...] | None = None) -> set[Any]:
+    """TOML types allowed by an annotation, `Literal` for words or numbers of a list."""
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
-        return set().union(*map(kinds_of, typing.get_args(hint)))
+        return set().union(*(kinds_of(one, options) for one in typing.get_args(hint)))
+    if options and hint in map(type, options):
+        return {bool if hint is bool else Literal}
     if typing.get_origin(hint) is Literal:
-        return {bool if isinstance(option, bool) else Literal for option in typing.get_args(hint)}  # type: ignore[misc]
+        return {bool if isinstance(option, bool) else Literal for option in typing.get_args(hint)}
     return {typing.get_origin(hint) or hint}
 
 

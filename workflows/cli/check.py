@@ -38,7 +38,7 @@ def check(options: argparse.Namespace) -> int:
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
     kind = solver_of(read_toml(path))
     case = kind.load(path, options.overrides)
-    expected = kind.cost(case, options.np, True)
+    expected = kind.cost(case, options.ranks, True)
     inputs = counterpart = None
     if kind is GRANULAR:
         inputs, counterpart = inputs_of_packing(case), continuum_of(case)

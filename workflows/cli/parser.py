@@ -114,7 +114,7 @@ _SET = _option(
     "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE",
     help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
 )  # fmt: skip
-_RANKS = _option("--np", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+_RANKS = _option("--np", dest="ranks", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
 _NO_FIGURES = _flag("--no-figures", "leave the figures out", dest="figures", action="store_false")
 _FORCE = _flag("--force", "replace what is there")
 _RESUME_OR_FORCE = [_flag("--resume", "go on with what is there"), _FORCE]
@@ -265,7 +265,7 @@ COMMANDS = (
         _option("--drive", type=ids, required=True, metavar="ID",
                 help="grain that is shaken, or several, with commas, that are shaken alike; required"),
         _option("--sensor", dest="sensors", type=ids, required=True, metavar="ID,...", help="grains that are watched"),
-        _option("--frequencies", dest="frequency", type=frequencies, required=True, metavar="F,...",
+        _option("--frequencies", type=frequencies, required=True, metavar="F,...",
                 help="frequencies in Hz, or START:END:COUNT; required"),
         _option("--axis", default="", metavar="AXIS", help="direction of the motion, x, y or z (default: z)"),
         _option("--end", default="", metavar="END", help="far end: reflecting, matched (as if it went on) or layer:N, "

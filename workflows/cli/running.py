@@ -29,16 +29,16 @@ from granwave.workflows.solvers import CONTINUUM, solver_of
 
 def run(options: argparse.Namespace) -> int:
     """Execute ``granwave run``."""
-    starts_ranks = options.np > 1 and not mpi.launched()
+    starts_ranks = options.ranks > 1 and not mpi.launched()
     if starts_ranks:
-        mpi.check_cores(options.np)
+        mpi.check_cores(options.ranks)
         logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
     case = library.load_case(options.case, options.overrides)
     directory = results_directory(options.directory or case.name)
     how = _how(options)
     if starts_ranks:
-        decide(case, directory, n_ranks=options.np, **how)
-        return mpi.launch(options.np, _without_ranks(options.given))
+        decide(case, directory, n_ranks=options.ranks, **how)
+        return mpi.launch(options.ranks, _without_ranks(options.given))
 
     from granwave.workflows.run.driver import run_case  # loads the analysis, which starting ranks does without
 

@@ -156,7 +156,7 @@ def run(
         if isinstance(checkpoint, str) or not 0 < checkpoint < float("inf"):
             raise InputError(f"checkpoint: found {show(checkpoint)}, expected a number above 0 (s)")
         how: dict[str, Any] = {"figures": figures, "force": force, "resume": resume, "progress": progress}
-        if kind.run is not None:
+        if not kind.parallel:
             if ranks > 1:
                 raise InputError(f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one")
             if not resume:

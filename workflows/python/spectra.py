@@ -190,7 +190,7 @@ def transmission(
             None if directory is None else Path(home(directory)),
             drive=drive if isinstance(drive, int) else list(drive),
             sensors=[sensors] if isinstance(sensors, int) else list(sensors),
-            frequency=np.atleast_1d(np.asarray(frequencies, dtype=float)),
+            frequencies=np.atleast_1d(np.asarray(frequencies, dtype=float)),
             axis=axis,
             end=end,
             directions=directions,

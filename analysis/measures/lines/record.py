@@ -106,7 +106,13 @@ class LineRecord:
 
 
 def lines_of(result: Result) -> list[LineRecord]:
-    """Return the lines of a run, in the order of its case."""
+    """Return the lines of grains of a run, ``[[line]]`` of its case, in their order.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
     found = []
     for line in result.case.line:
         group = f"lines/{line.name}"

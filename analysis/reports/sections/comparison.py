@@ -9,7 +9,7 @@ from granwave.analysis.document.model import Block, Note, Section
 from granwave.analysis.figures.style import style
 from granwave.analysis.reports.inputs import Inputs
 from granwave.analysis.reports.sections.studies import pictures_of
-from granwave.analysis.studies.granular_continuum.impacts import collect, not_ideal
+from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
 from granwave.analysis.studies.registry import COMPARISON
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
 from granwave.analysis.studies.study import Study, make_studies

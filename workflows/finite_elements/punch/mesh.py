@@ -58,6 +58,7 @@ _DISK_PER_ELEMENT = 400.0  # bytes, with some 20 compressed snapshots
 _DISK_BASE = 1e6  # bytes, including figures
 NEAR = 0.455  # L over the contact radius
 ASPECT = 2.5  # depth over width of the smallest elements
+SPREAD = 3.25  # factor of the contact width on the rounded edge, see `contact_end`
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -144,9 +145,6 @@ def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge
     z = ASPECT * near * np.expm1(deep * np.arange(n_z + 1) / n_z)
     r[0], r[-1], z[-1] = 0.0, radius, height
     return Mesh(r, z)
-
-
-SPREAD = 3.25  # factor of the contact width on the rounded edge, see `contact_end`
 
 
 def punch_gap(mesh: Mesh, radius: float, taper: float) -> NDArray[np.float64]:

@@ -39,6 +39,10 @@ SAMPLED = 2e-7  # s, longest time between two rows of the ledger
 WINDOW, QUIET = 1e-5, 1e-4  # a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
 MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
+_PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
+_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
+LARGE_STRAIN = 0.1
+_ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 
 
 @dataclasses.dataclass
@@ -138,16 +142,6 @@ def _snapshot(solver: Solver, history: History) -> None:
     history.von_mises.append(solver.von_mises.astype(np.float32))
 
 
-def equivalent_strain(solver: Solver) -> NDArray[np.float64]:
-    """Return the sum of elastic and plastic equivalent strain of the elements, (n_z, n_r)."""
-    return solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, STRAIN]
-
-
-_PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
-_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
-LARGE_STRAIN = 0.1
-
-
 def summarise(case: ContinuumCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
     """Return the values of summary.json.
 
@@ -222,17 +216,16 @@ def zone_summary(case: ContinuumCase, solver: Solver, history: History) -> dict[
 def zone_strain(solver: Solver) -> float:
     """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none did.
 
-    The largest strain occurs in one element at the punch's edge and depends on the element size.
+    It is the sum of the elastic and the plastic one. The largest strain occurs in one element at the punch's edge
+    and depends on the element size.
     """
-    strain, volume = equivalent_strain(solver)[solver.ever], solver.operators.volume[solver.ever]
+    both = solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, STRAIN]
+    strain, volume = both[solver.ever], solver.operators.volume[solver.ever]
     if not len(strain):
         return 0.0
     order = np.argsort(strain)[::-1]
     reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
     return float(strain[order][reached.argmax()])
-
-
-_ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 
 
 def _tables(case: ContinuumCase, solver: Solver, history: History) -> Tables:

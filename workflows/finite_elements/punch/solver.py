@@ -1,17 +1,17 @@
-"""Operators of the one-point quadrilateral and lumped masses, from scikit-fem, and the stable timestep.
-
-One quadrature point does not lock in plastic flow, as it imposes one incompressibility condition per element. The two
-hourglass modes, which it does not see, are resisted by `hourglass_stiffness`. The radius at the centre of an element is
-never zero, so that the axis needs no special treatment; for rectangles one point integrates the volume 2 pi r dr dz
-exactly, and a field of equal radial and hoop stress is exactly in equilibrium. The mass is lumped with the same point,
-a quarter of the element to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
-
-Explicit solver: central differences with lumped masses on an axisymmetric block.
+"""Explicit solver: central differences with lumped masses on an axisymmetric block.
 
     v(n+1/2) = v(n-1/2) + dt (f_contact - f_internal(n))/m        u(n+1) = u(n) + dt v(n+1/2)
 
+The operators of the one-point quadrilateral and the lumped masses are those of scikit-fem. One quadrature point does
+not lock in plastic flow, as it imposes one incompressibility condition per element. The two hourglass modes, which it
+does not see, are resisted by `hourglass_stiffness`. The radius at the centre of an element is never zero, so that the
+axis needs no special treatment; for rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of
+equal radial and hoop stress is exactly in equilibrium. The mass is lumped with the same point, a quarter of the element
+to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
+
 All energies are computed independently, so that their sum checks the solution: elastic from the stresses, plastic from
-stress times plastic strain increment, viscous and contact losses from their work, kinetic at whole steps."""
+stress times plastic strain increment, viscous and contact losses from their work, kinetic at whole steps.
+"""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ _NEAR_STIFFEST = 0.7  # elements whose bound is below this fraction of the large
 _SAFETY = 0.98  # timestep over the stability limit
 
 Grid = NDArray[np.float64]
+AT_YIELD = 0.99  # von Mises stress over yield strength from which on an element counts as at yield
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -132,9 +133,6 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     omega = math.sqrt(np.linalg.eigvalsh(scaled)[:, -1].max())
     damping = math.sqrt(2) * LINEAR_VISCOSITY
     return _SAFETY * 2 / omega * (math.sqrt(1 + damping**2) - damping)
-
-
-AT_YIELD = 0.99  # von Mises stress over yield strength from which on an element counts as at yield
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,21 +1,22 @@
-"""Figures of a sphere contact, each written as NAME.png, .pdf and .csv."""
+"""Figures of a sphere contact from its ``result.h5``, each written as NAME.png, .pdf and .csv."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import h5py
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.series import one_panel, panels
 from granwave.analysis.figures.style import (
     BLUE,
     FORCE_MAP,
@@ -28,13 +29,79 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
+from granwave.workflows.finite_elements.runner import ElementResult
+from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
-from granwave.workflows.finite_elements.sphere_contact.result import SphereContactResult
-from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING
+from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, yield_unit
 
+if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
+
+Array = NDArray[np.float64]
+
+_CURVE = 500  # points of a curve of a law
 _MILLI, _MEGA = 1e3, 1e-6
 _SHOWN = 2.5  # half-width of the section, contact radii
-_CURVE = 500  # points of a curve of a law
+_OF_CYCLES = ("unloading", "residual_overlap")
+
+
+class SphereContactResult(ElementResult):
+    """The ``result.h5`` of a sphere contact, with quantities for its figures; raise as `ElementResult`."""
+
+    def _read_more(self, file: h5py.File) -> None:
+        self.case = SphereContactCase.from_dict(self.tables)
+        profiles = sorted(file.get("pressure", {}), key=int)
+        self.profiles = [(float(file[f"pressure/{n}"].attrs["overlap"]), f"pressure/{n}") for n in profiles]
+
+    @cached_property
+    def law(self) -> ContactLaw:
+        """Contact law of the pair."""
+        return self.case.law
+
+    @property
+    def units(self) -> tuple[float, float]:
+        """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in its place."""
+        unit = yield_unit(self.case)
+        return unit, float(self.hertz(np.array([unit]))[0])
+
+    @property
+    def plastic(self) -> bool:
+        """True if first yield is reached."""
+        return self.law.yield_overlap < self.case.max_overlap
+
+    @property
+    def overlap_label(self) -> str:
+        """Axis label of normalised overlaps."""
+        return r"Overlap $\alpha/\alpha_\mathrm{y}$" if self.plastic else r"Overlap, 400 $\alpha/\alpha_\mathrm{max}$"
+
+    @property
+    def strength(self) -> float:
+        """Yield strength of the softer sphere, Pa; without yielding, the Hertzian mean pressure at the unit overlap."""
+        strength = self.law.yield_strength
+        unit, force = self.units
+        return strength if math.isfinite(strength) else force / (math.pi * self.law.effective_radius * unit)
+
+    def hertz(self, overlap: Array) -> Array:
+        """Return the force of Hertz's law at overlaps (m), N."""
+        return 4 / 3 * self.law.effective_modulus * math.sqrt(self.law.effective_radius) * overlap**1.5
+
+    def thornton(self) -> ContactLaw | None:
+        """Return Thornton's law of the same pair; None if no sphere can yield."""
+        return self.case.contact_law("thornton") if self.case.yields else None
+
+    def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
+        """Return the indices of the entries of one branch."""
+        return np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
+
+    @property
+    def cycles(self) -> list[int]:
+        """Numbers of the cycles."""
+        return [int(number) for number in self["cycles/number"]]
+
+    @property
+    def overlaps(self) -> Array:
+        """Overlaps from 0 to the largest, for curves of laws, m."""
+        return np.linspace(0, self["loading/overlap"].max(), _CURVE)
 
 
 def force_overlap(result: SphereContactResult) -> Drawing:
@@ -42,26 +109,13 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     unit, force_unit = result.units
     overlap, force = result["history/overlap"] / unit, result["history/force"] / force_unit
     curve = result.overlaps
-    figure = new_figure(3.0)
-    axes = figure.subplots()
+    figure, axes = one_panel(3.0, result.overlap_label, r"Force $F/F_\mathrm{y}$")
     for cycle in result.cycles:
         down = result.branch(UNLOADING, cycle)
         down, up = np.append(down[0] - 1, down), result.branch(RELOADING, cycle)
-        axes.plot(
-            overlap[down],
-            force[down],
-            color=ORANGE,
-            linewidth=0.8,
-            label="unloading" if cycle == result.cycles[0] else None,
-        )
-        axes.plot(
-            overlap[up],
-            force[up],
-            ":",
-            color=BLUE,
-            linewidth=0.8,
-            label="reloading" if cycle == result.cycles[0] else None,
-        )
+        for rows, line, colour, name in ((down, "-", ORANGE, "unloading"), (up, ":", BLUE, "reloading")):
+            label = name if cycle == result.cycles[0] else None
+            axes.plot(overlap[rows], force[rows], line, color=colour, linewidth=0.8, label=label)
     rows = result.branch(LOADING)
     rows = rows[np.argsort(overlap[rows], kind="stable")]
     axes.plot(overlap[rows], force[rows], color="black", label="loading")
@@ -78,7 +132,6 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     hertz = result.hertz(curve) / force_unit
     axes.plot(curve / unit, hertz, color=GREY, linewidth=0.8, label="Hertz")
     axes.set(xlim=(0, None), ylim=(0, 1.15 * force.max()))
-    _labels(axes, result.overlap_label, r"Force $F/F_\mathrm{y}$")
     axes.legend(loc="upper left", fontsize=7)
     return Drawing(figure, columns | {"hertz_normalised": hertz})
 
@@ -86,8 +139,7 @@ def force_overlap(result: SphereContactResult) -> Drawing:
 def pressure_profiles(result: SphereContactResult) -> Drawing:
     """Draw the contact pressure along the surface."""
     effective = result.law.effective_radius
-    figure = new_figure(2.9)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.9, "Distance from the axis $r/R^*$", r"Contact pressure $p/\sigma_\mathrm{y}$")
     columns: dict[str, NDArray] = {}
     scale = Normalize(0, max(1, len(result.profiles) - 1))
     for n, (overlap, name) in enumerate(result.profiles):
@@ -97,7 +149,6 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
         axes.plot(radius[:end], pressure[:end], color=_colour(scale(n)), linewidth=0.9, label=label)
         columns |= {f"r_over_R*_{label}": radius[:end], f"pressure_normalised_{label}": pressure[:end]}
     axes.set(xlim=(0, None), ylim=(0, None))
-    _labels(axes, "Distance from the axis $r/R^*$", r"Contact pressure $p/\sigma_\mathrm{y}$")
     axes.legend(title=r"$\alpha/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
     return Drawing(figure, columns)
 
@@ -110,14 +161,12 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     area = math.pi * result["loading/law_contact_radius"] ** 2
     law = result["loading/law_force"] / area / result.strength
     hertz = result.hertz(overlap) / (math.pi * result.law.effective_radius * overlap) / result.strength
-    figure = new_figure(2.5)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.5, result.overlap_label, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
     order = np.argsort(overlap)
     axes.plot(overlap[order] / unit, found[order], color=BLUE, linewidth=0.9, label="finite elements")
     axes.plot(overlap[order] / unit, law[order], "--", color=GREEN, label="contact law")
     axes.plot(overlap[order] / unit, hertz[order], color=GREY, linewidth=0.8, label="Hertz")
     axes.set(xscale="log", xlim=(RESOLVED, None), ylim=(0, 1.15 * found[overlap > unit].max(initial=found.max())))
-    _labels(axes, result.overlap_label, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
     axes.legend(loc="lower right")
     return Drawing(figure, {"overlap_normalised": overlap / unit, "finite_elements": found, "law": law, "hertz": hertz})
 
@@ -129,21 +178,20 @@ def contact_area(result: SphereContactResult) -> Drawing:
     area_unit = result.law.effective_radius * unit
     found, law = (result[f"loading/{name}"] ** 2 / area_unit for name in ("contact_radius", "law_contact_radius"))
     order = np.argsort(overlap)
-    figure = new_figure(2.5)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.5, result.overlap_label, r"Contact area $A/A_\mathrm{y}$")
     axes.plot(overlap[order], found[order], color=BLUE, label="finite elements")
     axes.plot(overlap[order], law[order], "--", color=GREEN, label="contact law")
     axes.plot(overlap[order], overlap[order], color=GREY, linewidth=0.8, label="Hertz, Thornton")
     axes.set(xlim=(0, None), ylim=(0, None))
-    _labels(axes, result.overlap_label, r"Contact area $A/A_\mathrm{y}$")
     axes.legend(loc="upper left")
     return Drawing(figure, {"overlap_normalised": overlap, "finite_elements": found, "law": law})
 
 
 def unloading(result: SphereContactResult) -> Drawing:
     """Draw the normalised unloading curves."""
-    figure = new_figure(2.9)
-    axes = figure.subplots()
+    figure, axes = one_panel(
+        2.9, r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$", r"Force $F/F_\mathrm{max}$"
+    )
     columns: dict[str, NDArray] = {}
     scale = Normalize(0, max(1, len(result.cycles) - 1))
     grid = np.linspace(0, 1, 101)
@@ -160,11 +208,6 @@ def unloading(result: SphereContactResult) -> Drawing:
     if result.case.yields:
         axes.plot(grid, grid**1.35, "--", color="black", label="$n$ = 1.35")
     axes.set(xlim=(0, 1), ylim=(0, 1))
-    _labels(
-        axes,
-        r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$",
-        r"Force $F/F_\mathrm{max}$",
-    )
     axes.legend(title=r"$\alpha_\mathrm{max}/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
     return Drawing(figure, columns)
 
@@ -174,8 +217,7 @@ def residual_overlap(result: SphereContactResult) -> Drawing:
     unit, _ = result.units
     peak, residual, exponent = (result[f"cycles/{name}"] for name in ("peak_overlap", "residual_overlap", "exponent"))
     curve = np.geomspace(min(unit, peak.min()), peak.max(), _CURVE)
-    figure = new_figure(3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(2, 1))
     law = result.law.residual_overlap(curve)
     upper.loglog(peak / unit, residual / unit, "o", color=BLUE, markersize=4, label="finite elements")
     upper.loglog(curve / unit, law / unit, "--", color=GREEN, label="contact law")
@@ -198,8 +240,7 @@ def deviation(result: SphereContactResult) -> Drawing:
     order = np.argsort(overlap)
     order = order[overlap[order] >= RESOLVED * unit]
     x = overlap[order] / unit
-    figure = new_figure(3.8)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    figure, upper, lower = panels(3.8, rows=2, sharex=True, height_ratios=(3, 2))
     upper.loglog(x, force[order] / force_unit, color=BLUE, label="finite elements")
     upper.loglog(x, law[order] / force_unit, "--", color=GREEN, label="contact law")
     upper.set_ylabel(r"Force $F/F_\mathrm{y}$")
@@ -224,8 +265,7 @@ def quasi_static(result: SphereContactResult) -> Drawing:
     rows = rows[(overlap[rows] >= RESOLVED) & (result["history/force"][rows] > 0)]
     rows = rows[np.argsort(overlap[rows], kind="stable")]
     x, internal = overlap[rows], (result["energy/elastic"] + result["energy/plastic"])[rows]
-    figure = new_figure(3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 2))
     columns: dict[str, NDArray] = {"overlap_normalised": x}
     for name, colour in (("kinetic", BLUE), ("hourglass", ORANGE), ("damping", GREEN), ("contact", PURPLE)):
         columns[f"{name}_over_internal"] = share = result[f"energy/{name}"][rows] / internal
@@ -279,7 +319,6 @@ FIGURES: dict[str, Callable[[SphereContactResult], Drawing]] = {
     "quasi_static": quasi_static,
     "von_mises": von_mises,
 }
-_OF_CYCLES = ("unloading", "residual_overlap")
 
 
 def draw_figures(directory: str | Path) -> list[Path]:
@@ -306,8 +345,3 @@ def draw_figures(directory: str | Path) -> list[Path]:
 
 def _colour(share: float) -> Any:
     return colormaps[FORCE_MAP](0.92 * share)
-
-
-def _labels(axes: Axes, x: str, y: str) -> None:
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)

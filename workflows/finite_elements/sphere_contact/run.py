@@ -51,6 +51,20 @@ from granwave.workflows.finite_elements.sphere_contact.study import (
 logger = logging.getLogger("granwave")
 
 _PACKAGES = ("numpy", "numba", "scipy", "h5py", "matplotlib")
+_ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
+    "contact": "penalty",
+    "input": "work",
+}
+_OF_LOADING = {
+    "overlap": "m",
+    "force": "N",
+    "contact_radius": "m",
+    "mean_pressure": "Pa",
+    "law_force": "N",
+    "law_contact_radius": "m",
+}
+_UNITS = {"peak_overlap": "m", "residual_overlap": "m", "law_residual_overlap": "m", "peak_force": "N"}
+_MOST_KINETIC = 0.01  # of the internal energy
 
 
 def summarise(case: SphereContactCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
@@ -149,21 +163,6 @@ def _balance_error(case: SphereContactCase, history: History) -> float:
     return float(np.abs(history.column("balance")[kept] / history.column("work")[kept]).max())
 
 
-_ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
-    "contact": "penalty",
-    "input": "work",
-}
-_OF_LOADING = {
-    "overlap": "m",
-    "force": "N",
-    "contact_radius": "m",
-    "mean_pressure": "Pa",
-    "law_force": "N",
-    "law_contact_radius": "m",
-}
-_UNITS = {"peak_overlap": "m", "residual_overlap": "m", "law_residual_overlap": "m", "peak_force": "N"}
-
-
 def contact_table(case: SphereContactCase, history: History) -> dict[str, NDArray]:
     """The columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
     names, rows = [], []
@@ -231,9 +230,6 @@ def _tables(case: SphereContactCase, solver: Solver, history: History) -> Tables
         tables["fields/von_mises"] = field.von_mises, "Pa"
         tables["fields/plastic_strain"] = field.plastic_strain, "1"
     return tables
-
-
-_MOST_KINETIC = 0.01  # of the internal energy
 
 
 class _Run(ElementRun):

@@ -1,4 +1,4 @@
-"""Loading programme of a sphere contact: exponential loading, with unload-reload cycles.
+"""Loading programme of a sphere contact, exponential loading with unload-reload cycles, and its cost.
 
 On loading the overlap grows by the same fraction in every step, so that every decade of overlap takes the same time.
 Unloading continues until the contact force vanishes, at a rate chosen from the elastic stiffness 2 E* a. Changes of
@@ -25,6 +25,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.planning.schedule import MOST_STEPS
+from granwave.workflows.finite_elements.frame import ElementPlan
 from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere, squares_for
@@ -39,8 +42,12 @@ _FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
 START = 0.3  # overlap over alpha_y below which the loading rate is about constant
 _ELASTIC_UNIT = 1 / 400  # unit in place of alpha_y, if that is not reached, over the largest overlap
 _ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
-
 _AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
+_ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
+_BEGINNING = 2.0  # s, set-up, results and figures
+_TURNS = 5.2  # steps of the changes of rate in a cycle over `SMOOTHING`
+_DISK_PER_ELEMENT = 100.0  # bytes
+_DISK_BASE = 4e6  # bytes, history and figures
 
 LOADING, UNLOADING, RELOADING = range(3)
 
@@ -267,3 +274,23 @@ def _overrun(rate: float, target_rate: float, back: float, smoothing: float) -> 
         middle = 0.5 * (low + high)
         low, high = (middle, high) if (here + there * middle) * math.exp(-middle) > back else (low, middle)
     return smoothing * (here * (1 - math.exp(-low)) + there * (1 - (1 + low) * math.exp(-low)) - back * low)
+
+
+def plan(case: SphereContactCase) -> ElementPlan:
+    """Plan the run of a case; raise InputError if it has too many steps."""
+    n, start = squares(case), START * yield_unit(case)
+    loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
+    cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING
+    n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)
+    if not n_steps <= MOST_STEPS:
+        raise InputError(
+            f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, expected at most "
+            f"{MOST_STEPS:g}; make it faster"
+        )
+    return ElementPlan(
+        name=case.name,
+        n_elements=case.run.elements,
+        memory=case.memory,
+        disk=_DISK_BASE + _DISK_PER_ELEMENT * case.run.elements,
+        wall_time=_BEGINNING + n_steps * case.run.elements / _ELEMENT_STEPS_PER_SECOND,
+    )

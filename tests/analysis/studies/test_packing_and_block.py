@@ -1,0 +1,300 @@
+"""Granular and continuum models: comparison for a small suite that is run once, and behavior of suites."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import json
+import math
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granwave.analysis.document.model import Note
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.sections import comparison
+from granwave.analysis.studies.packing_and_block import blocks, forces, packings, sides, zone
+from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
+from granwave.analysis.studies.packing_and_block.study import select
+from granwave.analysis.studies.runs import read_run
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import RUN
+from granwave.lammps_inputs.run_state import note_files
+from granwave.workflows import library, load_scan
+from granwave.workflows.cli.main import main
+from granwave.workflows.scanning.suite import load_suite, run_suite
+
+#: Reference, equal normalized velocities with E doubled (v/4), and three spheres with the energy of one.
+GRANULAR = """
+case = "fcc-impact"
+[set]
+packing.size = [8, 8, 6]
+run.frames = 2
+run.end_time = 2e-4
+[[zip]]
+load.velocity = [1, 2, 4, 8, 16, 32, 0.25, 2]
+material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 115e9, 115e9, 230e9, 230e9]
+[[points]]
+load.velocity = 4.618802
+load.spheres = 3
+"""
+CONTINUUM = """
+case = "half-space"
+[set]
+run.elements = 1500
+[[zip]]
+punch.mass = [0.1, 0.1, 0.1, 0.01, 0.1]
+punch.velocity = [8, 12, 16, 37.94733, 11.31371]
+material.youngs_modulus = [115e9, 115e9, 115e9, 115e9, 230e9]
+"""
+pytestmark = pytest.mark.xdist_group("comparison")  # the suite is made by one process only
+SUITE = 'name = "small"\nscans = ["granular.toml", "continuum.toml"]\n'
+
+
+@pytest.fixture(scope="module")
+def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Directory of a finished suite."""
+    files = tmp_path_factory.mktemp("suite")
+    for name, text in (("granular", GRANULAR), ("continuum", CONTINUUM), ("suite", SUITE)):
+        (files / f"{name}.toml").write_text(text, encoding="utf-8")
+    assert main(["scan", str(files / "suite.toml"), "-o", str(files / "out")]) == 0
+    return files / "out"
+
+
+@pytest.fixture(scope="module")
+def impacts(suite: Path) -> Impacts:
+    (found,) = select([read_run(run.label, run.directory, run.summary) for run in read_inputs([suite], suite).whole()])
+    return found
+
+
+def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path, monkeypatch) -> None:
+    """Blocks too, which have no run.json."""
+    monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
+    for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
+        shutil.copytree(point, tmp_path / "bad")
+    values = json.loads((tmp_path / "bad" / "summary.json").read_text())
+    (tmp_path / "bad" / "summary.json").write_text(json.dumps(values | {"end_reason": "refused"}))
+    note_files(tmp_path / "bad", ["summary.json"])
+    inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
+    assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
+    section = comparison.comparison_section(inputs)
+    notes = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"]
+    assert notes == ["Left out here, as the energy balance did not close: bad (refused)."]
+    assert "(refused)" not in str(section.blocks[:-1])
+
+
+def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> None:
+    """With the reason: friction, another packing."""
+    whole = list(read_inputs([suite], suite).whole())
+    runs = [read_run(run.label, run.directory, run.summary) for run in whole]
+    first = next(run for run in whole if run.kind == "run")
+    for name, old, new in (("rough", "friction = 0.0", "friction = 0.2"), ("other", 'kind = "fcc"', 'kind = "hcp"')):
+        shutil.copytree(first.directory, tmp_path / name)
+        case = tmp_path / name / "case.toml"
+        assert old in case.read_text()
+        case.write_text(case.read_text().replace(old, new))
+        runs.append(read_run(name, tmp_path / name, first.summary))
+    assert comparison._left_out(runs) == {"friction": ["rough"], "another packing than the reference's": ["other"]}
+
+
+def test_both_kinds_are_collected(impacts: Impacts) -> None:
+    assert (len(impacts.granular), len(impacts.continuum)) == (9, 5)
+    assert [run.case.load.velocity for run in impacts.reference] == [1, 2, 4, 8, 16, 32]
+    assert [run.case.punch.velocity for run in impacts.continuum_reference] == [8, 12, 16]
+
+
+def test_granular_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
+    (row,) = packings.collapse(impacts)
+    assert (row.name, row.n) == ("modulus 230 GPa", 2)
+    assert row.largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
+
+
+def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
+    (row,) = blocks.collapse(impacts)
+    assert (row.name, row.energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
+    assert abs(row.fraction) < 0.01
+    assert abs(row.volume) < 0.03  # sampled every 0.2 us, for all materials
+
+
+def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
+    light, heavy = (dict(blocks.masses(impacts))[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
+    assert light[0].energy_normalised == pytest.approx(heavy[1].energy_normalised, rel=1e-6)
+    assert light[0].fraction == pytest.approx(heavy[1].fraction, rel=0.5)
+
+
+def test_loading_area_is_compared_at_equal_energy(impacts: Impacts) -> None:
+    ((energy, fractions),) = packings.area_table(packings.by_area(impacts))
+    assert set(fractions) == {1, 3}
+    run = next(run for run in impacts.reference if run.case.load.velocity == 8)
+    assert energy == pytest.approx(run.energy_normalised)
+    assert fractions[1] == run.fraction
+
+
+def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
+    constants = (-40.0, 3.0, 0.45)
+    made = []
+    for run in impacts.reference:
+        v = run.velocity_normalised
+        lost = np.polynomial.polynomial.polyval(v, constants)
+        made.append(dataclasses.replace(run, summary={**run.summary, "dissipated_fraction": lost / (0.5 * v**2)}))
+    fit = packings.quadratic_fit(Impacts(tuple(made), ()))
+    assert fit is None  # too few from a tenth of the largest velocity on
+    more = [
+        dataclasses.replace(
+            made[-1],
+            summary={
+                **made[-1].summary,
+                "velocity_normalised": v,
+                "energy_input_J": made[-1].energy * (v / made[-1].velocity_normalised) ** 2,
+                "dissipated_fraction": np.polynomial.polynomial.polyval(v, constants) / (0.5 * v**2),
+            },
+        )
+        for v in np.linspace(60, 290, 8)
+    ]
+    fit = packings.quadratic_fit(Impacts((*made, *more), ()))
+    assert fit is not None
+    np.testing.assert_allclose(fit.constants, constants, rtol=1e-8)
+    assert fit.misfit < 1e-10
+
+
+def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
+    for run in (impacts.reference[-1], impacts.continuum_reference[-1]):
+        found = sides.involved(run)
+        assert found is not None
+        assert found.fraction[-1] == pytest.approx(run.fraction, rel=1e-3)
+        assert np.all(np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0])
+        fraction, volume = found.part(0.9)
+        assert 0.9 <= fraction / run.fraction <= 1.0
+        assert volume < found.volume[-1]
+    (table,) = sides.tables(impacts)
+    mass, bulk = (cell.value for cell in table.rows[0][4:6])  # kg, cm^3 with voids
+    assert 1e-6 * bulk / (mass / 8500) == pytest.approx(math.sqrt(18) / math.pi)
+
+
+def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
+    found = forces.linear([run for run in impacts.reference if run.velocity_normalised >= 40])
+    assert found is not None
+    assert np.median(found.exponent) == pytest.approx(1, abs=0.15)
+    assert found.ray.shape[1] == len(found.velocity)
+    assert np.all(np.diff(found.ray[0]) > 0)
+
+
+def test_front_loses_its_peak(impacts: Impacts) -> None:
+    found = forces.fronts(impacts.reference)
+    assert len(found) == 4
+    for _, front in found:
+        assert front.depth[0] == 0
+        assert np.all(np.diff(front.largest[1:4]) < 0)
+        assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
+
+
+def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
+    of_packings, of_blocks = zone.packing_zones(impacts), zone.continuum_zones(impacts)
+    assert [one.run.case.load.velocity for one in of_packings] == [1, 2, 4, 8, 16, 32]
+    assert len(of_blocks) == 3
+    for one, diameter in ((of_packings[-1], 0.01), (of_blocks[-1], 0.01)):
+        summary = one.run.summary
+        assert one.zone.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
+        assert one.zone.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.energy == pytest.approx(one.run.energy / 2.630, rel=1e-3)  # J, of brass and 10 mm
+    assert of_packings[-1].zone.mark == zone.Mark.CUT
+    assert all(one.zone.mark != zone.Mark.CUT for one in of_blocks)
+
+
+def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
+    run = impacts.reference[2]
+    larger = dataclasses.replace(run.case, packing=dataclasses.replace(run.case.packing, size=(10, 10, 8)))
+    twin = dataclasses.replace(run, label="larger", case=larger)
+    labels = [one.run.label for one in zone.packing_zones(Impacts((*impacts.granular, twin), ()))]
+    assert "larger" in labels
+    assert len(labels) == len(impacts.reference)
+    old = dataclasses.replace(run, summary={key: run.summary[key] for key in run.summary if "zone_" not in key})
+    assert zone.zone_of(old) is None
+
+
+def test_suite_leaves_one_report_and_its_figures(suite: Path) -> None:
+    assert (suite / "granular" / "scan.csv").is_file()
+    page = (suite / "report.html").read_text(encoding="utf-8")
+    for text in ("Comparison", "Granular scaling", "Loading area", "modulus 230 GPa", "what holds 50, 90 and 99 %"):
+        assert text in page
+    names = {path.stem for path in (suite / "figures").glob("*.png")}
+    assert {
+        "dissipated_fraction",
+        "plastic_volume",
+        "plastic_zone",
+        "granular_scaling",
+        "loading_area",
+        "continuum_mass",
+    } <= names
+    with (suite / "figures" / "dissipated_fraction.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["curve"] for row in rows} >= {"granular, D = 10 mm", "continuum, m = 0.1 kg"}
+
+
+def test_suite_directory_stands_for_its_scans(suite: Path, tmp_path: Path) -> None:
+    first = write_report([suite], tmp_path / "a.md").read_text(encoding="utf-8")
+    second = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(encoding="utf-8")
+    assert first.splitlines()[0] == "# Report: small"  # a suite has a name of its own
+    assert second.splitlines()[0] == "# Report: granular, continuum"
+    assert "Comparison" in first and "Comparison" in second
+
+
+def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
+    assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite)]) == 2
+    assert "already holds results" in capfd.readouterr().err
+    assert main(["scan", str(suite.parent / "continuum.toml"), "-o", str(suite / "continuum"), "--resume"]) == 0
+    assert before == {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
+    assert json.loads((suite / "suite.json").read_text(encoding="utf-8"))["scans"] == ["granular", "continuum"]
+
+
+def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
+    run = impacts.reference[0]
+    assert read_run("x", tmp_path, run.summary) is None
+    assert collect([read_run("y", run.directory, {})]) == Impacts((), ())
+    assert select([]) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('scans = []', "scans: found [], expected a list of names"),
+        ('scans = "granular"', "expected a list of names"),
+        ('scans = ["velocity-fcx"]', "did you mean velocity-fcc?"),
+        ('scans = ["restitution", "restitution"]', "two scans of the name restitution"),
+        ('scans = ["restitution"]\nranks = 2', "ranks"),
+        ('scans = ["restitution"]\nname = "../up"', "a plain name"),
+    ],
+)  # fmt: skip
+def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_suite(tmp_path / "s.toml")
+    assert message in "\n".join(caught.value.errors)
+
+
+def test_keys_of_a_suite_are_set_in_its_scans(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["scan", "protection", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
+    assert "is a suite of scans" in capfd.readouterr().err
+    with pytest.raises(InputError, match="is a suite of scans"):
+        load_scan("protection")
+
+
+def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) -> None:
+    small = load_suite(suite.parent / "suite.toml")
+    taken = tmp_path / "continuum"
+    taken.mkdir()
+    claim(taken, ["case.toml"], kind=RUN)
+    (taken / "case.toml").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="holds a run"):
+        run_suite(small, tmp_path)
+    assert not (tmp_path / "granular").exists()
+
+
+def test_built_in_suite_is_sound() -> None:
+    names = {scan.name for scan in load_suite("protection").scans}
+    assert len(names) > 1 and names <= set(library.names(library.SCANS))
