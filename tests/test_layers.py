@@ -181,9 +181,9 @@ def test_no_circle_of_includes():
 
 #: Rooms that still name a source, and the citations of the materials.
 NAME_A_SOURCE = (
-    "analysis/studies/lateral", "analysis/studies/bands",
+    "analysis/studies/bands",
     "lammps_inputs/case/materials.toml",  # cites the origin of its values
-    *(f"workflows/scans/{name}" for name in ("lateral", "bands", "rectification", "resonance")),
+    *(f"workflows/scans/{name}" for name in ("bands", "rectification", "resonance")),
 )  # fmt: skip
 
 
