@@ -19,9 +19,6 @@ from __future__ import annotations
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
     "bands": "bands.simulated",
-    "tunable-gap": "bands.tunnel",
-    "resonance": "bands.resonance",
-    "rectification": "bands.rectification",
     "protected-height": "protection.heights",
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",

@@ -1,0 +1,95 @@
+"""A gap tuned by walls: spheres between cylinders (thesis 7.2).
+
+Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each gap, between two
+rigid walls that approach by a times the diameter; cylinders as long as the spheres are wide. The bands are those of the
+springs of its static state. Angular frequencies: the source's axes say Hz, but hold rad/s."""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+from tunnel import DIAMETER, Tunnel
+
+import granwave as gw
+
+THESIS, FIGURE = "thesis 7.2", "thesis Fig. 7.8"
+APPROACHES, RATIOS = (-1.8e-5, 0.0, 3e-5), (0.3, 0.5, 0.65)
+SPHERE, TIME = 75, 5e-3  # where and how long the source listens, s
+PRINTED = 5.6e3  # Hz, the source's cut-off of the row
+TOP_OF_AXIS, THIRD = 7e4, 3e5  # rad/s: of Fig. 7.7a, and the source's third band
+# spheres, cylinders: top of the axis of Fig. 7.8, rad/s, and what the source says of the width of the gap
+PAIRS = {
+    ("brass", "brass"): (9e4, ""), ("steel", "aluminium"): (14e4, "small"), ("aluminium", "steel"): (11e4, "large"),
+}  # fmt: skip
+BOTTOM = 2e4  # rad/s: of the axis
+
+
+def rows(runs):
+    plain, top = Tunnel(0.0), gw.bands(runs[0].case)["edges"].values[0, 1]
+    slowest = (SPHERE - 1) / TIME / plain.row_frequency  # group velocity in spheres/s over sqrt(K/m)
+    # fmt: off
+    yield gw.Row("Cut-off of the row", "Hz", ours=top, theory=2 * plain.row_frequency / (2 * math.pi),
+                 where="2 sqrt(K/m)", verification=True)
+    yield gw.Row("Cut-off of the row", "Hz", PRINTED, top, THESIS, "Why they differ is not certain. One reading: 5.6e4 "
+                 "rad/s, what a run of 5 ms shows at sphere 75 (next row).")
+    yield gw.Row("Highest frequency whose waves reach sphere 75 within 5 ms", "rad/s", where=THESIS,
+                 ours=2 * plain.row_frequency * math.sqrt(1 - slowest**2), remark="Group velocity sqrt(K/m) "
+                 "sqrt(1 - (w/2)^2 m/K) spheres a second. Near the digits of the source's 5.6 kHz.")
+    for a in APPROACHES:
+        edges, axis = Tunnel(a).edges, TOP_OF_AXIS if a <= 0 else None
+        yield gw.Row(f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS)
+        yield gw.Row(f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS)
+        yield gw.Row(f"Top of the optical band, a = {a:g}", "rad/s", axis, edges[1, 1], THESIS, bound=a <= 0,
+                     remark="The source: at most, by the axis of Fig. 7.7a." if axis else "")
+        third = "" if a else "The source: in the range of 0.3 MHz, which is 0.3e6 rad/s, 58 kHz."
+        yield gw.Row(f"Top of the third band, a = {a:g}", "rad/s", None if a else THIRD, edges[2, 1], THESIS, third)
+    for pair, (highest, said) in PAIRS.items():
+        places = [[Tunnel(a, ratio, *pair) for a in (-2e-5, 0.0, 3e-5)] for ratio in RATIOS]
+        gap = np.array([[one.edges[[0, 1], [1, 0]] for one in row] for row in places])
+        (low, high), name = gap[1, 1], "spheres of {}, {} cylinders".format(*pair)
+        for word, source, ours in (("Lowest edge of the gap, at least", BOTTOM, gap[..., 0].min()),
+                                   ("Highest edge of the gap, at most", highest, gap[..., 1].max())):
+            yield gw.Row(f"{word}: {name}", "rad/s", source, ours, FIGURE, "By the end of the axis.", digits=3,
+                         bound=True)
+        yield gw.Row(f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}", digits=3, where=FIGURE,
+                     ours=2 * (high - low) / (high + low), remark=f"The source: {said}." if said else "")
+    for ratio in RATIOS:
+        low, high = (Tunnel(a, ratio).edges[0, 1] for a in (-2e-5, 3e-5))
+        yield gw.Row(f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters", "rad/s",
+                     ours=high - low, where=THESIS, digits=3)
+    # fmt: on
+
+
+def verdict(runs):
+    low, high = (Tunnel(a).edges[[0, 1], [1, 0]] / 2e3 / math.pi for a in (APPROACHES[0], APPROACHES[-1]))
+    way = 1e6 * (APPROACHES[-1] - APPROACHES[0]) * DIAMETER
+    yield (
+        f"Walls that approach by {way:.2g} µm move the gap of the tunnel "
+        f"from {low[0]:.3g}-{low[1]:.3g} kHz to {high[0]:.3g}-{high[1]:.3g} kHz."
+    )
+
+
+def pictures(runs):
+    figure = Figure((3.5, 2.6), layout="constrained")
+    axes, data = figure.subplots(), {}
+    for n, a in enumerate(APPROACHES):
+        tunnel = Tunnel(a)
+        hertz, data["phase_rad"] = tunnel.omega / (2 * math.pi), tunnel.k * DIAMETER
+        for band in (0, 1):
+            label = "" if band else f"a = {a:g}"
+            axes.plot(data["phase_rad"] / math.pi, 1e-3 * hertz[:, band], color=f"C{n}", label=label)
+            data[f"f{band + 1}_at_{a:g}_Hz"] = hertz[:, band]
+    axes.set(xlabel="Phase per cell (π)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
+    axes.legend()
+    yield gw.Picture("tunable_gap_bands", "The two lowest bands at three places of the walls", figure, data)
+    figure = Figure((3.5, 2.6), layout="constrained")
+    axes, places = figure.subplots(), np.linspace(-2e-5, 3e-5, 21)
+    data = {"approach": places}
+    for n, ratio in enumerate(RATIOS):
+        top, bottom = np.array([Tunnel(a, ratio).edges[[0, 1], [1, 0]] for a in places]).T / (2 * math.pi)
+        label = f"cylinders {ratio:g} D"
+        axes.fill_between(1e5 * places, 1e-3 * top, 1e-3 * bottom, color=f"C{n}", alpha=0.35, lw=0, label=label)
+        data |= {f"top_{ratio:g}_Hz": top, f"bottom_{ratio:g}_Hz": bottom}
+    axes.set(xlabel="Approach of the walls (1e-5 diameters)", ylabel="Gap (kHz)", xlim=(-2, 3))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=7)
+    yield gw.Picture("tunable_gap_gaps", "The lowest gap against the place of the walls", figure, data)
