@@ -16,14 +16,12 @@ from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES
-from granwave.lammps_inputs.deck.deck import CASE_FILE
-from granwave.lammps_inputs.deck_changes import check_deck
+from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.planning.space import MOST_DRAWN
-from granwave.lammps_inputs.run_directory import FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
-from granwave.lammps_inputs.run_state import check_case, note_files
+from granwave.lammps_inputs.planning.cost import MOST_DRAWN
+from granwave.lammps_inputs.run_directory import CASE_FILE, FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
+from granwave.lammps_inputs.run_state import check_case, check_deck, note_files
 
 logger = logging.getLogger(__name__)
 

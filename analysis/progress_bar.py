@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
+if TYPE_CHECKING:
+    from tqdm import tqdm
 
 
 def in_notebook() -> bool:
@@ -29,4 +30,6 @@ def progress_bar(shown: bool, **options: Any) -> tqdm:
         from tqdm.auto import tqdm as bar_of_notebooks  # loads asyncio, which the command line does not need
 
         return bar_of_notebooks(**options)
+    from tqdm import tqdm  # not at the top: most commands show no bar
+
     return tqdm(disable=None if shown else True, **options)

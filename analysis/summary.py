@@ -25,13 +25,13 @@ from granwave.analysis.result.balance import misfit
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.deck_changes import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
+from granwave.lammps_inputs.run_state import changed_files
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input

@@ -9,7 +9,7 @@ from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
 from granwave.analysis.quantity_notes import meaning_of
-from granwave.lammps_inputs.packing.grain_words import GRAINS, in_grains
+from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
 _GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them

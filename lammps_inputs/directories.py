@@ -175,12 +175,7 @@ def refuse_other_file(path: Path, own: bytes) -> None:
 
 
 def check_disk(
-    directory: Path,
-    needed: float,
-    *,
-    what: str = "the results",
-    spare: float = 0.0,
-    remedy: str = "fewer run.frames",
+    directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0, remedy: str = "fewer run.frames"
 ) -> None:
     """Raise InputError if the disk has too little free space.
 

@@ -1,20 +1,25 @@
-"""Atomic replacement of files, system errors that name their file, and reading JSON that may be damaged."""
+"""Files: atomic replacement, system errors that name their file, rows of CSV, TOML with absolute paths; free memory."""
 
 from __future__ import annotations
 
 import contextlib
+import csv
+import difflib
 import errno
 import functools
 import json
 import math
 import os
 import re
+import tomllib
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
+
+from granwave.lammps_inputs.errors import InputError
 
 DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
 _BLOCK = 2**20  # bytes read at a time
@@ -52,7 +57,8 @@ def naming(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         number = error.errno or _number_in(str(error))
-        if number is None or (error.filename is not None and not _is_scratch(error.filename, path)):
+        scratch = f".{path.name}.{os.getpid()}"  # of `replacing`
+        if number is None or (error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch):
             raise
         reason = os.strerror(number) if error.errno is None or "errno = " in str(error) else error.strerror
         raise OSError(number, reason, str(path)) from error
@@ -66,11 +72,6 @@ def _number_in(message: str) -> int | None:
     """Return the system's error number in a message of HDF5."""
     found = re.search(r"errno = (\d+)", message)
     return int(found[1]) if found else None
-
-
-def _is_scratch(name: Any, path: Path) -> bool:
-    """Return True for a scratch file of `replacing`."""
-    return Path(os.fsdecode(name)).name == f".{path.name}.{os.getpid()}"
 
 
 def replace_text(path: Path, text: str) -> None:
@@ -166,3 +167,172 @@ def plain(value: Any) -> Any:
         return [plain(item) for item in value]
     value = value.item() if isinstance(value, np.generic) else value
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
+    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: that of the machine)."""
+    available = available_memory() if available is None else available
+    if memory > available:
+        raise InputError(
+            f"{what} need about {memory / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; "
+            f"{remedy} or change machine"
+        )
+
+
+def available_memory() -> float:
+    """Return the memory that is available to a new program on this machine, bytes."""
+    try:
+        for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
+            if line.startswith("MemAvailable:"):
+                return float(line.split()[1]) * 1024
+    except OSError:
+        pass  # not Linux: fall back on the total memory
+    return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+
+
+_BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
+_SPECIAL = re.compile('[,"#]')
+
+Row = tuple[int, list[str]]  # number of the line, and the cells
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
+
+
+def csv_rows(text: str) -> list[Row]:
+    """Return the rows of a text that are no comments; a row is a line, also where quotes are left open.
+
+    Raises
+    ------
+    ValueError
+        A line cannot be taken apart.
+    """
+    found = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        filled = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # it matches always
+        if not filled.strip():
+            continue
+        try:
+            found.append((number, next(csv.reader([filled], skipinitialspace=True))))
+        except csv.Error as error:
+            raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
+    return found
+
+
+def csv_cell(word: str) -> str:
+    """Return a word without line breaks as a cell that `csv_rows` reads, in quotes if they are needed."""
+    return '"' + word.replace('"', '""') + '"' if _SPECIAL.search(word) else word
+
+
+def read_csv_rows(path: Path) -> list[Row]:
+    """Read the rows of a CSV file.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
+    """
+    try:
+        return csv_rows(read_text(path))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a CSV file") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
+    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before it."""
+    csv.writer(file, lineterminator="\n").writerows([_no_formula(cell) for cell in row] for row in rows)
+
+
+def _no_formula(cell: object) -> object:
+    if not isinstance(cell, str) or cell[:1] not in _FORMULA or len(cell) < 2:
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
+
+
+_KEYS = ("file", "initial_overlap")  # last parts of the keys whose strings are paths
+
+
+def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
+    """Copy tables and lists with all paths in them absolute and links resolved.
+
+    Parameters
+    ----------
+    value
+        Tables of a case or a scan, or a value in them; in a scan a key may be dotted and hold a list of paths.
+    directory
+        Folder that relative paths start from.
+    key
+        Key of ``value``; empty for a whole file.
+    """
+    return _with_paths(value, key, lambda path: os.path.realpath(directory / path))
+
+
+def with_short_paths(value: Any, directory: Path, key: str = "") -> Any:
+    """Copy tables and lists with paths relative to a folder where that is shorter, for display."""
+    start = os.path.realpath(directory)
+    return _with_paths(value, key, lambda path: min(os.path.relpath(path, start), path, key=len))
+
+
+def _with_paths(value: Any, key: str, change: Callable[[str], str]) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _with_paths(item, name, change) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)(_with_paths(item, key, change) for item in value)
+    is_path = isinstance(value, str) and key.rpartition(".")[2] in _KEYS and value.strip() and "\0" not in value
+    return change(value) if is_path else value
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Read a TOML file (UTF-8, with or without a byte-order mark) and make the paths in it absolute.
+
+    Raises
+    ------
+    InputError
+        The file is missing, unreadable, not UTF-8, or not TOML.
+    """
+    path = Path(path)
+    try:
+        raw = read_regular(path)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file{_similar(path)}") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: found a directory, expected a TOML file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read: {reason}") from None
+    try:
+        content = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        raise InputError(
+            f"{path}: found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        ) from None
+    try:
+        return dict(with_absolute_paths(tomllib.loads(content), path.parent))
+    except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+
+
+def _similar(path: Path) -> str:
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.is_file()]
+    except OSError:
+        return f"; there is no directory {path.parent}"
+    near = difflib.get_close_matches(path.name, names, n=1)
+    return f"; did you mean {path.parent / near[0]}?" if near else ""
+
+
+def read_tables(path: Path) -> dict[str, Any] | None:
+    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8")) or None
+    except (OSError, ValueError, RecursionError):
+        return None

@@ -6,15 +6,13 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import RECORD, Case
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.parse import parse_case
+from granwave.lammps_inputs.case.case import RECORD, Case, case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_case, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.struck_spheres import centred
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.packing.places import centred
 
 
 def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -39,11 +37,7 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     return case_from_dict(data, path, overridden=changes)
 
 
-def case_from_dict(
-    data: Mapping[str, Any],
-    source: str | Path = "case",
-    overridden: Iterable[str] = (),
-) -> Case:
+def case_from_dict(data: Mapping[str, Any], source: str | Path = "case", overridden: Iterable[str] = ()) -> Case:
     """Make a case from the nested mapping of a case file, and check it; paths start from the working directory.
 
     Parameters

@@ -8,38 +8,21 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path, PurePosixPath
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.run_directory import (
-    CONTINUUM,
-    DUMPS,
-    FIGURE_SUFFIXES,
-    FIGURES_DIRECTORY,
-    INFERENCE,
-    MARKER,
-    MORE_FIGURE_SUFFIXES,
-    OTHER,
-    POINT_FILES,
-    RUN,
-    SCAN,
-    SCAN_WORK,
-    SPECTRA,
-    SUITE,
-    Marker,
-    files_of,
-)
-from granwave.lammps_inputs.unmarked_results import recognise
+from granwave.lammps_inputs.run_directory import Marker, files_of, recognise
 
 GROUPS = {
-    RUN: "a run",
-    CONTINUUM: "a run",
-    SCAN: "a scan",
-    SUITE: "a suite of scans",
-    SPECTRA: "bands or modes",
-    INFERENCE: "inferred forces",
+    run_directory.RUN: "a run",
+    run_directory.CONTINUUM: "a run",
+    run_directory.SCAN: "a scan",
+    run_directory.SUITE: "a suite of scans",
+    run_directory.SPECTRA: "bands or modes",
+    run_directory.INFERENCE: "inferred forces",
 }  # what a directory holds, one group each
 _SHOWN = 3  # names in a message
-_WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in SCAN_WORK
+_WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in run_directory.SCAN_WORK
 _SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`
 
 
@@ -51,7 +34,7 @@ def read_marker(directory: Path) -> Marker | None:
     Marker or None
         None if granwave wrote nothing there.
     """
-    path = directory / MARKER
+    path = directory / run_directory.MARKER
     if not path.is_symlink() and (found := read_json(path)) is not None:
         kind, case, files = found.get("kind"), found.get("case", ""), found.get("files")
         digests, sums = (noted if isinstance(noted := found.get(one), dict) else {} for one in ("digests", "sums"))
@@ -89,7 +72,7 @@ def claim(directory: Path, names: Iterable[str], *, kind: str | None = None, cas
         marker is unchanged.
     """
     names = list(names)
-    marker = read_marker(directory) or Marker(kind or OTHER)
+    marker = read_marker(directory) or Marker(kind or run_directory.OTHER)
     if kind:
         refuse_other_kind(directory, kind)
     refuse_foreign(directory, names, marker)
@@ -154,7 +137,10 @@ def own_file(directory: Path, name: str) -> Path | None:
 
 def figure_files(name: str) -> list[str]:
     """Return the file names that a figure may have: PNG, PDF, data, and further forms."""
-    return [f"{FIGURES_DIRECTORY}/{name}{suffix}" for suffix in (*FIGURE_SUFFIXES, *MORE_FIGURE_SUFFIXES)]
+    return [
+        f"{run_directory.FIGURES_DIRECTORY}/{name}{suffix}"
+        for suffix in (*run_directory.FIGURE_SUFFIXES, *run_directory.MORE_FIGURE_SUFFIXES)
+    ]
 
 
 def output_names(directory: Path) -> list[str]:
@@ -163,14 +149,14 @@ def output_names(directory: Path) -> list[str]:
     Where each rank writes its own file they are those that there are; without any it is the name with "%".
     """
     marker = read_marker(directory)
-    names = [name for name in (marker.files if marker else ()) if name.startswith(f"{DUMPS}/")]
+    names = [name for name in (marker.files if marker else ()) if name.startswith(f"{run_directory.DUMPS}/")]
     return list(dict.fromkeys(file for name in names for file in files_of(directory, name) or [name]))
 
 
 def results_in(directory: Path) -> list[str]:
     """Return the names of the results in a directory, without the files that a scan keeps beside the run of a point."""
     marker = read_marker(directory)
-    names = [name for name in (marker.files if marker else ()) if name not in POINT_FILES]
+    names = [name for name in (marker.files if marker else ()) if name not in run_directory.POINT_FILES]
     return [name for name in names if any(own_file(directory, file) is not None for file in files_of(directory, name))]
 
 
@@ -214,7 +200,7 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
     if marker is None:
         return
     if names is None:
-        chosen = [name for name in marker.files if name not in POINT_FILES]
+        chosen = [name for name in marker.files if name not in run_directory.POINT_FILES]
     else:
         chosen = [name for name in marker.files if not set(names).isdisjoint([name, *files_of(directory, name)])]
     if names is not None and not chosen:
@@ -228,19 +214,19 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
         del marker.files[name]
     if names is None:
         marker.case = ""
-        if marker.kind == SCAN:
-            _clear_work(directory / SCAN_WORK)
+        if marker.kind == run_directory.SCAN:
+            _clear_work(directory / run_directory.SCAN_WORK)
     _clear_scratch(directory, chosen)
     _remove_empty(directory, chosen)
     if marker.files:
         marker.write(directory)
-    elif not (directory / MARKER).is_symlink():
-        (directory / MARKER).unlink(missing_ok=True)
+    elif not (directory / run_directory.MARKER).is_symlink():
+        (directory / run_directory.MARKER).unlink(missing_ok=True)
 
 
 def _clear_nested(directory: Path) -> None:
     clear(directory)
-    clear(directory, POINT_FILES)
+    clear(directory, run_directory.POINT_FILES)
     with contextlib.suppress(OSError):
         directory.rmdir()
 

@@ -5,7 +5,7 @@ that granwave wrote there. A file that the marker does not list is never overwri
 ``--force``. A folder is removed only when it is empty, and links are not followed.
 
 The rules that follow from the marker are in `granwave.lammps_inputs.ownership`. Directories of version 0.1.0 have no
-marker; `granwave.lammps_inputs.unmarked_results` recognises them by the content of their files.
+marker; `recognise` tells them by the content of their files.
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ from __future__ import annotations
 import dataclasses
 import glob
 import json
+import re
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from granwave import __version__
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import head, read_json, read_tables, replace_text
 
 MARKER, LOCK_FILE = ".granwave", ".granwave-lock"
 
@@ -136,3 +139,136 @@ def files_of(directory: Path, name: str) -> list[str]:
 def is_scan(directory: str | Path) -> bool:
     """Return True for the directory of a scan."""
     return (Path(directory) / SCAN_INDEX).is_file()
+
+
+_VERSION = "0.1.0"
+_DECK = (CASE_FILE, SCRIPT_FILE, DATA_FILE, LOG_FILE)
+_BESIDE_DECK = re.compile(r"dents\.txt|load\.txt|preload_[xyz]\.txt|checkpoint-\d+\.restart")
+_DUMPS = re.compile(
+    r"(energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|spheres(-\d+)?\.bin|static\.lmp"
+)
+_SCAN_FILES = (
+    SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT,
+)  # fmt: skip
+_SUITE_FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT)
+_OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures of scans, without PDF until all points are done
+_EXPORTS = re.compile(
+    r"(spheres|contacts|wall_contacts|energy|probes|prestage|snapshots|points|(walls|snapshot|chain|bar)_\w+)\.csv"
+    r"|result\.nc|(spheres|contacts)(\.pvd|_\d{4,}\.vtp)|open_in_ovito\.py"
+)
+
+
+def recognise(directory: Path) -> Marker | None:
+    """Return the marker that version 0.1.0 would have written; None if granwave wrote nothing."""
+    case = ""
+    if found := _scan(directory):
+        kind = SCAN
+    elif found := _suite(directory):
+        kind = SUITE
+    elif found := _fit(directory):
+        kind = FIT
+    else:
+        kind, case, found = _run(directory)
+    if not found:
+        return None
+    there = [name for name in (*found, *_figures(directory)) if _is_there(directory, name)]
+    return Marker(kind, _VERSION, case, dict.fromkeys(there))
+
+
+def _is_there(directory: Path, name: str) -> bool:
+    path = directory / name
+    return path.is_dir() if name.endswith("/") else path.is_file()
+
+
+def _scan(directory: Path) -> list[str]:
+    index = read_json(directory / SCAN_INDEX)
+    ours = index is not None and {"name", "case", "varied", "points"} <= index.keys()
+    if not ours and not (directory / SCAN_WORK / "batches").is_dir():
+        return []
+    points = [
+        f"{folder}/{path.name}/"
+        for folder in (POINTS, UNFINISHED)
+        for path in (directory / folder).glob("*")
+        if (path / POINT_FILE).is_file()
+    ]
+    return [*_SCAN_FILES, *points]
+
+
+def _suite(directory: Path) -> list[str]:
+    index = read_json(directory / SUITE_INDEX)
+    return [*_SUITE_FILES] if index is not None and {"name", "scans"} <= index.keys() else []
+
+
+def _fit(directory: Path) -> list[str]:
+    ours = head(directory / FIT_TOML, 99).startswith(b"# Elasto-plastic contact law fitted to ")
+    return [*FIT_FILES] if ours else []
+
+
+def _run(directory: Path) -> tuple[str, str, list[str]]:
+    """Return the kind, the text of the case and the file names of a LAMMPS or finite-element run."""
+    tables = read_tables(directory / CASE_FILE) or {}
+    script = head(directory / SCRIPT_FILE, 4096)
+    deck = b"\n# Written by granwave from case.toml.\n" in script or "struck" in tables.get("resolved", {})
+    point = "attempts" in (read_json(directory / POINT_FILE) or {})
+    summary = read_json(directory / SUMMARY_FILE)
+    record = read_json(directory / RECORD_FILE)
+    whole, case = _result(directory / RESULT_FILE)
+    own = {
+        SUMMARY_FILE: "granwave" in ((summary or {}).get("versions") or {}),
+        RECORD_FILE: "n_steps" in (record or {}),
+        RESULT_FILE: bool(case),
+    }
+    if not deck and not point and not any(own.values()):
+        return RUN, "", []
+    damaged = {SUMMARY_FILE: summary is None, RECORD_FILE: record is None, RESULT_FILE: not whole}
+    found = [name for name in own if own[name] or damaged[name]]
+    if deck:
+        found += [*_DECK, *(path.name for path in directory.iterdir() if _BESIDE_DECK.fullmatch(path.name))]
+        found += [f"{DUMPS}/{name}" for name in _inside(directory / DUMPS, _DUMPS)]
+    if point:
+        found += [CASE_FILE, *POINT_FILES]
+    elif case and tables == tomllib.loads(case):
+        found.append(CASE_FILE)
+    if head(directory / CONTACT_TABLE, 99).startswith(b"branch,overlap_m,force_N,"):
+        found.append(CONTACT_TABLE)
+    found += [f"{EXPORT_DIRECTORY}/{name}" for name in _inside(directory / EXPORT_DIRECTORY, _EXPORTS)]
+    if not case and CASE_FILE in found and tables:
+        case = (directory / CASE_FILE).read_text(encoding="utf-8")
+    return RUN if deck or own[RECORD_FILE] else CONTINUUM, case, found
+
+
+def _result(path: Path) -> tuple[bool, str]:
+    """Return True if a file is missing or readable as HDF5, and the text of the case in it, empty if it has none."""
+    if not path.is_file():
+        return True, ""
+    import h5py  # takes longer to load than most commands need
+
+    try:
+        with h5py.File(path, "r") as file:
+            case = str(file.attrs["case"]) if {"case", "versions"} <= file.attrs.keys() else ""
+            return True, case if tomllib.loads(case) else ""
+    except (OSError, ValueError):
+        return False, ""
+
+
+def _figures(directory: Path) -> Iterator[str]:
+    """Iterate over the names of figures and their data."""
+    folder = directory / FIGURES_DIRECTORY
+    for name in _inside(folder, re.compile(r".+\.png")):
+        stem = name.removesuffix(".png")
+        pdf = folder / f"{stem}.pdf"
+        drawn = _is_undated(pdf) if pdf.exists() else _OF_SCANS.fullmatch(stem) is not None
+        if drawn and (folder / f"{stem}.csv").is_file():
+            yield from (f"{FIGURES_DIRECTORY}/{stem}{suffix}" for suffix in (".png", ".pdf", ".csv"))
+
+
+def _is_undated(pdf: Path) -> bool:
+    content = head(pdf)
+    return b"/Producer (Matplotlib pdf backend" in content and b"/CreationDate" not in content
+
+
+def _inside(folder: Path, pattern: re.Pattern[str]) -> list[str]:
+    """Return the names of files in a folder that match a pattern."""
+    if not folder.is_dir() or folder.is_symlink():
+        return []
+    return sorted(path.name for path in folder.iterdir() if pattern.fullmatch(path.name))

@@ -1,28 +1,20 @@
-"""Detection of changes after a run: case.toml edited, lost or damaged, output truncated, damaged or replaced."""
+"""Detection of changes after a run: case.toml or deck edited, output truncated, damaged or replaced."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import checksum, read_json, replace_text
+from granwave.lammps_inputs.files import checksum, read_json, read_tables, replace_text
 from granwave.lammps_inputs.ownership import claim, output_names, own_file, read_marker
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    CONTINUUM,
-    DATA_FILE,
-    FIGURES_TABLE,
-    MARKER,
-    RECORD_FILE,
-    RESULT_FILE,
-    SUMMARY_FILE,
-)
-from granwave.lammps_inputs.toml_files import read_tables
+from granwave.lammps_inputs.run_directory import DUMPS
 
 _RESOLVED = "resolved"  # derived values in case.toml
 _DIGEST_LENGTH = 16
@@ -41,7 +33,9 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    deciding = {name: table for name, table in tables.items() if name not in ("name", _RESOLVED, FIGURES_TABLE)}
+    deciding = {
+        name: table for name, table in tables.items() if name not in ("name", _RESOLVED, run_directory.FIGURES_TABLE)
+    }
     return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
 
 
@@ -53,16 +47,17 @@ def check_case(directory: Path) -> None:
     InputError
         A key of case.toml differs from the case that was run.
     """
-    there, as_run = read_tables(directory / CASE_FILE), tables_as_run(directory)
+    path = directory / run_directory.CASE_FILE
+    there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
         return
     for tables in (there, as_run):
-        tables.pop(FIGURES_TABLE, None)
+        tables.pop(run_directory.FIGURES_TABLE, None)
     if not (changes := list(_changes(there, as_run))):
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
     raise InputError(
-        f"{directory / CASE_FILE}: was changed after the run: {shown}. The results are of the case that was run: run "
+        f"{path}: was changed after the run: {shown}. The results are of the case that was run: run "
         f"the changed one into another directory, or delete it: granwave analyse {directory}  puts back what was run"
     )
 
@@ -77,10 +72,10 @@ def restore_case(directory: Path) -> bool:
     """
     check_case(directory)
     marker = read_marker(directory)
-    if marker is None or not tables_as_run(directory) or read_tables(directory / CASE_FILE) is not None:
+    if marker is None or not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
         return False
-    claim(directory, [CASE_FILE])
-    replace_text(directory / CASE_FILE, marker.case)
+    claim(directory, [run_directory.CASE_FILE])
+    replace_text(directory / run_directory.CASE_FILE, marker.case)
     return True
 
 
@@ -119,7 +114,7 @@ def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
     names
         Names of the files to look at; None: all that were noted.
     """
-    marker = read_marker(directory) if (directory / MARKER).is_file() else None
+    marker = read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
     if marker is None:
         return ""
     for name in marker.files if names is None else names:
@@ -133,20 +128,22 @@ def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
     return ""
 
 
-def changed_result(directory: Path, names: Iterable[str] = (RESULT_FILE, SUMMARY_FILE)) -> str:
+def changed_result(
+    directory: Path, names: Iterable[str] = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
+) -> str:
     """Describe the first result of a run that is not what its analysis wrote, and how to mend it; empty if none."""
     fault = changed_file(directory, names)
     if not fault:
         return ""
     marker = read_marker(directory)
-    if marker is not None and marker.kind == CONTINUUM:
+    if marker is not None and marker.kind == run_directory.CONTINUUM:
         return f"{fault}: run the case again with --resume"
     return f"{fault}: make it anew with  granwave analyse {directory}"
 
 
 def read_summary(directory: Path) -> dict[str, Any]:
     """Read the values of summary.json; empty if missing or damaged."""
-    return read_json(directory / SUMMARY_FILE) or {}
+    return read_json(directory / run_directory.SUMMARY_FILE) or {}
 
 
 def result_fault(directory: Path) -> str:
@@ -154,7 +151,11 @@ def result_fault(directory: Path) -> str:
 
     summary.json must exist. Other files may have been removed, to save disk space for instance.
     """
-    summary, result, record = directory / SUMMARY_FILE, directory / RESULT_FILE, directory / RECORD_FILE
+    summary, result, record = (
+        directory / run_directory.SUMMARY_FILE,
+        directory / run_directory.RESULT_FILE,
+        directory / run_directory.RECORD_FILE,
+    )
     if not read_summary(directory):
         return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
     if record.exists() and read_json(record) is None:
@@ -175,5 +176,63 @@ def result_fault(directory: Path) -> str:
 def outputs_complete(directory: Path) -> bool:
     """Return True if all output of LAMMPS exists as it was at the end of the run."""
     names = output_names(directory)
-    names = [DATA_FILE, *names]
+    names = [run_directory.DATA_FILE, *names]
     return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)
+
+
+logger = logging.getLogger(__name__)
+
+_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
+_FROM_DATA = "positions, diameters and densities are those of the file"
+_FROM_CASE = (
+    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
+    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
+)
+
+
+def note_deck(directory: Path, names: Iterable[str]) -> None:
+    """Store the digests of the files of a deck in the marker, so that `changed_files` detects edits."""
+    marker = read_marker(directory)
+    if marker is not None:
+        marker.digests |= {name: _digest(directory / name) for name in names}
+        marker.write(directory)
+
+
+def changed_files(directory: Path) -> list[str]:
+    """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
+    marker = read_marker(directory)
+    noted = marker.digests if marker else {}
+    return [
+        name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest
+    ]
+
+
+def check_deck(directory: Path) -> None:
+    """Warn if the deck was edited by hand before LAMMPS was run on it.
+
+    Raises
+    ------
+    InputError
+        The data file was changed after granwave ran the case.
+    """
+    by_hand = not (directory / run_directory.RECORD_FILE).exists()
+    for name in changed_files(directory):
+        path, is_data = directory / name, name == run_directory.DATA_FILE
+        if by_hand:
+            taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
+            written = [one.stat().st_mtime for one in (directory / DUMPS).glob("*") if one.is_file()]
+            newer = bool(written) and path.stat().st_mtime > max(written)
+            late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
+            logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
+        elif is_data:
+            raise InputError(
+                f"{path}: was changed after the run, and the positions of the spheres are read from it: put back what "
+                f"was run, or run the case again with --force. A deck to be edited is made by granwave write"
+            )
+        else:
+            logger.warning("%s: was changed after the run; the results are of what was run", path)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=16)).hexdigest()

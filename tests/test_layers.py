@@ -48,13 +48,11 @@ lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
-lammps_inputs/run_state lammps_inputs/deck_changes
+lammps_inputs/run_state
 lammps_inputs/ownership
-lammps_inputs/unmarked_results
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/toml_files lammps_inputs/memory lammps_inputs/csv_rows
-lammps_inputs/files lammps_inputs/named_files lammps_inputs/roots
+lammps_inputs/files
 lammps_inputs/errors
 plugins
 """

@@ -16,16 +16,16 @@ if TYPE_CHECKING:
     from granwave.workflows.library import load_case
     from granwave.workflows.run.driver import Outcome, run_case
     from granwave.workflows.scanning.driver import ScanOutcome, run_scan
-    from granwave.workflows.scanning.profile import Profile, load_profile
     from granwave.workflows.scanning.scan_file import Scan, load_scan
+    from granwave.workflows.scanning.slurm import Profile, load_profile
 
 _HOME = {
     "Outcome": "run.driver",
-    "Profile": "scanning.profile",
+    "Profile": "scanning.slurm",
     "Scan": "scanning.scan_file",
     "ScanOutcome": "scanning.driver",
     "load_case": "library",
-    "load_profile": "scanning.profile",
+    "load_profile": "scanning.slurm",
     "load_scan": "scanning.scan_file",
     "run_case": "run.driver",
     "run_scan": "scanning.driver",

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
-from granwave.lammps_inputs.planning.energy_input import expected_energy
+from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Inputs:
     energy_continuum
         Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
     velocity_normalised
-        In units in which materials fall on one curve.
+        As in a packing's summary.json.
     """
 
     energy: float

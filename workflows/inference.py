@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +15,6 @@ from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
 
 if TYPE_CHECKING:
     from granwave.analysis.inference.output import Inferred
-    from granwave.analysis.inference.plan import Camera
-
-CASE_MISSING = "--case: missing; expected a file with [material] and [infer] (granwave keys infer)"
 
 
 def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
@@ -25,19 +23,6 @@ def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
 
     with held(directory):
         inferred.write(directory, figures=figures)
-
-
-def is_run(source: Path) -> bool:
-    """Return True for a run, False for a table of grains.
-
-    Raises
-    ------
-    InputError
-        There is no such file or directory.
-    """
-    if not source.exists():
-        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
-    return source.is_dir() or source.name == RESULT_FILE
 
 
 def results_place(wanted: str | Path, *, force: bool) -> Path:
@@ -60,26 +45,67 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
     return directory
 
 
-def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *, progress: bool = False) -> Inferred:
-    """Infer the forces of a table of grains.
+def infer(
+    source: Path,
+    case_file: Path | None,
+    *,
+    noise: Sequence[float] | None = None,
+    frame_rate: float | None = None,
+    position_noise: float | None = None,
+    time: float | None = None,
+    repeat: int | None = None,
+    progress: bool = False,
+) -> Inferred:
+    """Infer the forces of a table of grains, or of measurements made of a run.
 
     Parameters
     ----------
+    source
+        Table, or directory of the run.
     case_file
-        File with [material] and [infer].
-    repetitions
-        Repetitions with noise; None: those of the case.
+        File with [material] and [infer]; a run can do without.
+    noise, frame_rate, position_noise, time
+        Measurements made of a run, as of `granwave.analysis.inference.plan.Camera`.
+    repeat
+        Repetitions with noise; None: those of the case, of a run 10.
     progress
         Show a bar on a terminal.
 
     Raises
     ------
     InputError
-        The table or the case is wrong, or the equations do not determine the forces.
+        There is no such table or run, it or the case is wrong, or the equations do not determine the forces.
     """
     from granwave.analysis.inference.case import read_infer_case
+    from granwave.analysis.inference.plan import Camera, plan_experiment
+
+    if not source.exists():
+        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
+    of_runs = {"noise": noise, "frame-rate": frame_rate, "position-noise": position_noise, "time": time}
+    if not (source.is_dir() or source.name == RESULT_FILE):
+        if given := [name for name, value in of_runs.items() if value is not None]:
+            raise InputError(
+                f"--{given[0]}: found it with a table, expected it with the directory of a run; what "
+                "holds for a table stands in [infer] of --case"
+            )
+        if case_file is None:
+            raise InputError("--case: missing; expected a file with [material] and [infer] (granwave keys infer)")
+        return _infer_table(source, case_file, repeat, progress=progress)
+    camera = Camera(
+        noise=tuple(noise or (0.0,)),
+        frame_rate=frame_rate,
+        position_noise=position_noise or 0.0,
+        time=time,
+        repetitions=10 if repeat is None else max(repeat, 1),
+    )
+    case = None if case_file is None else read_infer_case(case_file, of_run=True)
+    return plan_experiment(source, case, camera, progress=progress)
+
+
+def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, progress: bool) -> Inferred:
+    from granwave.analysis.inference.case import read_infer_case
     from granwave.analysis.inference.equations import Noise
-    from granwave.analysis.inference.infer import infer
+    from granwave.analysis.inference.infer import infer as infer_forces
     from granwave.analysis.inference.measurement import read_measurement
     from granwave.analysis.inference.output import Inferred
     from granwave.analysis.inference.tables import summary_of
@@ -92,7 +118,7 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *
     found = []
     for time, grains in zip(measured.times, measured.grains, strict=True):
         try:
-            found.append(infer(grains, case.walls, settings, progress=progress))
+            found.append(infer_forces(grains, case.walls, settings, progress=progress))
         except InputError as error:
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
@@ -102,18 +128,3 @@ def infer_table(source: Path, case_file: Path, repetitions: int | None = None, *
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
     summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
     return Inferred(found, measured.times, summary)
-
-
-def infer_run(source: Path, case_file: Path | None, camera: Camera, *, progress: bool = False) -> Inferred:
-    """Infer the forces of measurements made of a run.
-
-    Raises
-    ------
-    InputError
-        The run cannot be measured, or the case is wrong.
-    """
-    from granwave.analysis.inference.case import read_infer_case
-    from granwave.analysis.inference.plan import plan_experiment
-
-    case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    return plan_experiment(source, case, camera, progress=progress)

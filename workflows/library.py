@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.deck.deck import CASE_FILE
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import load_case as load_case_file
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 CASES, SCANS = "cases", "scans"

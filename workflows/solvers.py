@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import raise_all
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
@@ -59,7 +61,7 @@ class Kind:
     parts
         Unit of their size: spheres or elements.
     versions
-        Names, in `granwave.workflows.run.versions`, of the programs that their results depend on.
+        Names, in `granwave.workflows.run.record.versions`, of the programs that their results depend on.
     read
         Function that makes a case, as `case_from_dict`.
     size
@@ -69,6 +71,8 @@ class Kind:
     check
         Function that raises InputError if a case of this cost cannot be run; parameters as in
         `granwave.lammps_inputs.planning.plan.check_run`.
+    run
+        Function that runs a case of finite elements into a directory, as `run_continuum`.
     parallel
         True if cases can run on several ranks.
     """
@@ -80,7 +84,13 @@ class Kind:
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
     check: Callable[..., None]
+    run: Callable[..., dict[str, Any]]
     parallel: bool = False
+
+    def load(self, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Any:
+        """Read a case file; ``overrides`` as in `granwave.lammps_inputs.load_case`."""
+        changes = parse_overrides(overrides)
+        return self.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
 
 
 def solver_of(tables: Mapping[str, Any]) -> Kind:
@@ -101,8 +111,8 @@ def _check_mesh(
     raise_all(checks)
 
 
-def _continuum_kind(package: str, case: str, planning: str) -> Kind:
-    """Make a kind whose modules are imported on demand; ``case`` is the name of its class."""
+def _continuum_kind(package: str, case: str, planning: str, run: str) -> Kind:
+    """Make a kind whose modules are imported on demand, from the names of its class, a module and its function."""
 
     def part(module: str, name: str) -> Any:
         return getattr(importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name)
@@ -115,7 +125,12 @@ def _continuum_kind(package: str, case: str, planning: str) -> Kind:
         size=lambda found: found.run.elements,
         cost=lambda found, *_: part(planning, "plan")(found),
         check=_check_mesh,
+        run=lambda *given, **how: part("run", run)(*given, **how),
     )
+
+
+def _by_the_driver(*_: Any, **__: Any) -> dict[str, Any]:
+    raise NotImplementedError("`granwave.workflows.run.driver.run_case` runs these cases")
 
 
 GRANULAR = Kind(
@@ -126,7 +141,8 @@ GRANULAR = Kind(
     size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check=check_run,
+    run=_by_the_driver,
     parallel=True,
 )
-CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "study")
+CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh", "run_continuum")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "study", "run_sphere_contact")

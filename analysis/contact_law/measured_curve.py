@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.csv_rows import read_csv_rows
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_csv_rows
 
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}

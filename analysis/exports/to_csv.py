@@ -29,7 +29,7 @@ from granwave.analysis.exports.staging import Staging
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.scans.table import ScanData
-from granwave.lammps_inputs.csv_rows import write_csv_rows
+from granwave.lammps_inputs.files import write_csv_rows
 
 OUTDATED = (
     r"snapshot_\d{4,}\.csv|walls_(bottom|plate|tube|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"

@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from granwave.analysis.figures.run_figures import painter
-from granwave.lammps_inputs.case.figures import Figures
+from granwave.lammps_inputs.case.run import Figures
 
 
 def work(

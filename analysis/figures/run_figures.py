@@ -25,7 +25,7 @@ from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.figures import Figures
+from granwave.lammps_inputs.case.run import Figures
 
 
 @dataclasses.dataclass(frozen=True)

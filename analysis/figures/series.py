@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import QuadMesh
-from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
 
-from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
@@ -77,21 +73,6 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
     """
     axes.set(**{f"{name}scale": "log" for name in log})
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
-
-
-def map_of_forces(axes: Axes, x: ArrayLike, y: ArrayLike, force: NDArray[np.float64], faintest: float) -> QuadMesh:
-    """Forces (n_y, n_x) by colour on a logarithmic scale, one cell around each point; of both signs in two colours.
-
-    Parameters
-    ----------
-    faintest
-        Of the largest force: where the colours begin.
-    """
-    largest = float(np.abs(force).max())
-    options: dict[str, Any] = {"cmap": FORCE_MAP, "norm": LogNorm(faintest * largest, largest, clip=True)}
-    if force.min() < 0:
-        options = {"cmap": "RdBu", "norm": SymLogNorm(faintest * largest, vmin=-largest, vmax=largest)}
-    return axes.pcolormesh(x, y, force, rasterized=True, shading="nearest", **options)
 
 
 def legend_outside(figure: Figure, ncols: int = 0, *, left: bool = False, **options: Any) -> None:

@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.files import available_memory
 
 PROCESSES = "GRANWAVE_FIGURE_PROCESSES"  # environment variable: largest number of processes that draw
 USUAL_FIGURES = 18  # of a packing; a chain has ten

@@ -24,12 +24,11 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.scales import least_span, plain_powers
-from granwave.lammps_inputs.csv_rows import write_csv_rows
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import GranwaveError, InputError
-from granwave.lammps_inputs.files import replace_bytes, replacing
+from granwave.lammps_inputs.files import replace_bytes, replacing, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
-from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
+from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY, NOT_DRAWN_SUFFIX
 
 logger = logging.getLogger(__name__)

@@ -21,7 +21,7 @@ from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures.style import WIDTH, style
 from granwave.analysis.films.scenes import QUANTITIES, VIEWS, Scene, scene
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.figures import Figures
+from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from granwave.lammps_inputs.packing.grain_words import GRAINS, SPHERES, grains_called
+from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
 
 def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:

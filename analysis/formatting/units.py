@@ -6,8 +6,8 @@ import dataclasses
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from granwave.lammps_inputs.case.supports import Damper, HalfSpace, Plate, SupportBar
-from granwave.lammps_inputs.case.tables import unit_of as granular_unit_of
+from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
+from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
 
 # Keys of continuum cases, whose schema belongs to their solver; a test compares both.
 CONTINUUM_UNITS = {

@@ -13,6 +13,7 @@ import numpy as np
 
 from granwave.analysis.inference.equations import WEIGHTS, Noise, Weights
 from granwave.analysis.inference.grains import STATES, Array, Contacts, Wall
+from granwave.lammps_inputs.case.hints import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -27,8 +28,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.case.si_values import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
 GIVEN, FIND = "given", "find"

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.inference.grains import TENSOR, Array
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.csv_rows import read_csv_rows
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_csv_rows
 
 _SHOWN = 10  # largest number of faults in a message
 

@@ -12,7 +12,7 @@ from granwave.analysis.inference.grains import PAIRS, Array, Contacts, Grains, W
 from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.shape import Cylinder
+from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 from scipy.optimize import curve_fit
 
@@ -72,6 +72,18 @@ def width(x: Array, signal: Array, share: float = 0.5) -> float:
     start = x[a] + (level - signal[a]) / (signal[a + 1] - signal[a]) * (x[a + 1] - x[a])
     end = x[b - 1] + (level - signal[b - 1]) / (signal[b] - signal[b - 1]) * (x[b] - x[b - 1])
     return float(end - start)
+
+
+def decay_rate(x: ArrayLike, y: ArrayLike) -> float:
+    """Rate of an exponential decay: minus the slope of the straight line through ln(y); NaN unless all y are positive.
+
+    Parameters
+    ----------
+    x, y
+        Place, and what decays: (n_points,).
+    """
+    x, y = np.asarray(x), np.asarray(y)
+    return -float(np.polyfit(x, np.log(y), 1)[0]) if len(y) > 1 and (y > 0).all() else np.nan
 
 
 @dataclasses.dataclass(frozen=True)

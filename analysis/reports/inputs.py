@@ -25,7 +25,7 @@ from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.study_file import is_study_file
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.files import read_json, read_tables
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINTS,
@@ -37,7 +37,6 @@ from granwave.lammps_inputs.run_directory import (
     is_scan,
 )
 from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
-from granwave.lammps_inputs.toml_files import read_tables
 
 _LOG = logging.getLogger(__name__)
 

@@ -23,7 +23,7 @@ from granwave.lammps_inputs.deck.columns import (
     VISCOUS,
     WALL_CONTACTS,
 )
-from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
+from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768

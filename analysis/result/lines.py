@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from granwave.analysis.lammps_output.time_series import read_lines
 from granwave.analysis.result.first_pulse import first_pulses
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.lines import all_line_ids, line_ids
-from granwave.lammps_inputs.packing.motion import velocities_of
+from granwave.lammps_inputs.packing.motion import all_line_ids, line_ids, velocities_of
 
 _FLAT = 1e-6  # diameters; a packing that extends by less along an axis lies in a plane
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.lammps_inputs.ownership import GROUPS, held
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
@@ -22,7 +22,6 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
     is_scan,
 )
-from granwave.lammps_inputs.toml_files import read_toml
 
 OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
 UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report

@@ -22,14 +22,14 @@ from granwave.analysis.result.damage import damage_of
 from granwave.analysis.result.groups import AT_ONCE
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.figures import Figures, read_figures
+from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.files import read_tables
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE
 from granwave.lammps_inputs.run_state import changed_result
-from granwave.lammps_inputs.toml_files import read_tables
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw

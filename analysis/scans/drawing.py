@@ -24,15 +24,18 @@ from granwave.analysis.measures.zone.marks import Mark
 from granwave.analysis.scans.axes import (
     AXIS,
     CHARACTER,
+    draw_marks,
     even_in_log,
     fit,
     is_wide,
     log_ticks,
+    marked_fill,
+    marked_marker,
+    marks_of,
     scale_abscissae,
     scale_values,
 )
 from granwave.analysis.scans.keys import Key, shown
-from granwave.analysis.scans.marks import draw_marks, marked_fill, marked_marker, marks_of
 
 YELLOW = "#E69F00"
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, YELLOW, GREY, "black")

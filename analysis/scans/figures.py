@@ -6,6 +6,7 @@ confidence interval as error bar. A quantity that is 0 at all points, as dissipa
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -17,14 +18,112 @@ import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.grains import grains_called_in
+from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.measures.zone.marks import Mark, mark_of
-from granwave.analysis.quantities import QUANTITIES
+from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
-from granwave.analysis.scans.ordinates import Ordinate, Value, ordinates, plastic_spheres, value_of
-from granwave.analysis.scans.result import SEED, PointResult, ScanResult
+from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
 from granwave.analysis.scans.table import TIMES, determines, independent_keys, physical
 from granwave.analysis.statistics import estimate
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.run_directory import CASE_FILE
+
+_UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
+_OF_ZONE = ("plastic_", "zone_")  # names of figures of plastic zones
+_SHOWN_IN = {"m": ("mm", 1e3), "m^3": ("mm^3", 1e9)}  # where lengths have no diameter to be divided by
+
+Value = Callable[[PointResult], float]
+
+
+@dataclasses.dataclass(frozen=True)
+class Ordinate:
+    """Quantity that is plotted: the start of the figure's name, a title for the axis, a column, a value by point."""
+
+    name: str
+    title: str
+    column: str
+    value: Value
+
+    @property
+    def zone(self) -> bool:
+        """True for a plastic zone, whose points are marked where it reaches a bound."""
+        return self.name.startswith(_OF_ZONE)
+
+
+def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordinate]:
+    """Return what can be shown of points that are done.
+
+    Parameters
+    ----------
+    varied
+        Keys that vary in the scan.
+    """
+    lengths, forces = _scales(varied, done)
+    scales: dict[str, tuple[str, str, dict[int, float]]] = {
+        "m": ("D", "diameter", lengths),
+        "N": (r"F_\mathrm{y}", "yield_force", forces),
+    }
+    known = {unit: scale for unit, scale in scales.items() if all(map(math.isfinite, scale[2].values()))}
+    found = [_ordinate(name, key, known) for name, key in SCAN_FIGURES.items()]
+    left_out = set()
+    if not all(math.isfinite(_number(point, "restitution")) for point in done):
+        left_out.add("restitution")
+    if not any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done):
+        left_out.add("plastic_zone_volume")  # of packings: the number of spheres tells it
+    if not protects(varied, [point.summary for point in done]):
+        left_out.add(REDUCTION)
+    return [one for one in found if one.name not in left_out]
+
+
+def _ordinate(name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]) -> Ordinate:
+    """A value of the summary, over the scale of its unit where there is one."""
+    entry, number = QUANTITIES[key], plastic_spheres if key == "n_plastic_spheres" else value_of(key)
+    if entry.symbol and entry.unit in scales:
+        symbol, words, scale = scales[entry.unit]
+        title, column = f"{entry.axis} ${entry.symbol}/{symbol}$", f"{name}_over_{words}"
+        return Ordinate(name, title, column, lambda point: number(point) / scale[point.number])
+    unit, factor = _SHOWN_IN.get(entry.unit, (entry.unit, 1.0))
+    title = entry.title + (f" ({printed_unit(unit)})" if unit else "")
+    column = key if unit == entry.unit else f"{name}_{unit.replace('^', '')}"
+    return Ordinate(name, title, column, lambda point: factor * number(point))
+
+
+def _scales(varied: Sequence[str], done: Sequence[PointResult]) -> tuple[dict[int, float], dict[int, float]]:
+    """Return diameter (m) and yield force (N) of points by number, NaN where there is none; each case is read once."""
+    keys = [key for key in varied if not key.startswith(_UNITS_OF_ITS_OWN)]
+    known: dict[tuple[Any, ...], tuple[float, float]] = {}
+    lengths, forces = {}, {}
+    for point in done:
+        labels = tuple(point.labels.get(key) for key in keys)
+        if labels not in known:
+            try:
+                case = load_case((point.directory or Path()) / CASE_FILE)
+                force = sphere_contact(case).yield_force if case.contact.yields else math.nan
+                known[labels] = case.packing.diameter, force
+            except (InputError, OSError):
+                known[labels] = math.nan, math.nan
+        lengths[point.number], forces[point.number] = known[labels]
+    return lengths, forces
+
+
+def _number(point: PointResult, name: str) -> float:
+    value = point.summary.get(name)
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+
+
+def value_of(name: str) -> Value:
+    """Return a function that takes a value of the summary, NaN where there is none."""
+    return lambda point: _number(point, name)
+
+
+def plastic_spheres(point: PointResult) -> float:
+    """NaN for a law that does not yield."""
+    yields = point.summary.get("plastic_zone_volume_m3") is not None
+    return _number(point, "n_plastic_spheres") if yields else math.nan
+
 
 _FEWEST = 2  # points of a figure
 _MOST_SINGLE = 8  # curves of a single point that are shown
@@ -251,29 +350,17 @@ def _collapses(
     points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
 ) -> dict[str, Callable[[], Drawing | None]]:
     """Return functions that draw the collapse of materials on normalised axes."""
-    velocity = _values(points, rows, value_of("velocity_normalised"))
-    energy = _values(points, rows, value_of("energy_input_normalised"))
-    dissipated = _values(points, rows, value_of("dissipated_fraction"))
-    plastic = _values(points, rows, plastic_spheres)
     found: dict[str, Callable[[], Drawing | None]] = {}
-    for name, x, y, titles, columns in (
-        (
-            "collapse_dissipated_fraction",
-            velocity,
-            dissipated,
-            (QUANTITIES["velocity_normalised"].title, QUANTITIES["dissipated_fraction"].title),
-            ("velocity_normalised", "dissipated_fraction"),
-        ),
-        (
-            "collapse_plastic_volume",
-            energy,
-            plastic,
-            (QUANTITIES["energy_input_normalised"].title, r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"),
-            ("energy_input_normalised", "plastic_volume_in_spheres"),
-        ),
+    fraction, volume = "dissipated_fraction", "plastic_volume_in_spheres"
+    of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
+    for name, key, column, title, value in (
+        (f"collapse_{fraction}", "velocity_normalised", fraction, QUANTITIES[fraction].title, value_of(fraction)),
+        ("collapse_plastic_volume", "energy_input_normalised", volume, of_volume, plastic_spheres),
     ):
-        series = _series(rows, x, y, others, marks if y is plastic else None)
+        x, y = _values(points, rows, value_of(key)), _values(points, rows, value)
+        series = _series(rows, x, y, others, marks if value is plastic_spheres else None)
         if _enough(series):
+            titles, columns = (QUANTITIES[key].title, title), (key, column)
             found[name] = partial(draw_curves, series, *titles, others, columns, joined=False, chosen=False)
     return found
 

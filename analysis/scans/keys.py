@@ -189,20 +189,22 @@ def _of_entry(name: str) -> Naming | None:
 
 def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
     """Return the axis and the components of vectors that are all along it; None of anything else."""
-    vectors = []
-    for label in labels:
-        try:
-            vector = json.loads(label) if isinstance(label, str) else label
-        except ValueError:
-            return None
-        if not isinstance(vector, list) or len(vector) != 3 or not all(map(_is_number, vector)):
-            return None
-        vectors.append(vector)
+    vectors = [vector for vector in map(_parsed, labels) if isinstance(vector, list) and len(vector) == 3]
+    if len(vectors) < len(labels) or not all(_is_number(part) for vector in vectors for part in vector):
+        return None
     axes = {axis for vector in vectors for axis in range(3) if vector[axis]}
     if len(axes) != 1:
         return None
     (axis,) = axes
     return "xyz"[axis], tuple(float(vector[axis]) for vector in vectors)
+
+
+def _parsed(label: Any) -> Any:
+    """Return the list that a label is the text of; other labels as they are."""
+    try:
+        return json.loads(label) if isinstance(label, str) else label
+    except ValueError:
+        return label
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
@@ -220,17 +222,9 @@ def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
 
 def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
     """Parse labels as lists of counts; empty if any label is not such a list."""
-    found = []
-    for label in labels:
-        try:
-            counts = json.loads(label) if isinstance(label, str) else label
-        except ValueError:
-            return []
-        counts = counts if isinstance(counts, list) else [counts]
-        if not counts or not all(isinstance(count, int) and not isinstance(count, bool) for count in counts):
-            return []
-        found.append(tuple(counts))
-    return found
+    found = [counts if isinstance(counts, list) else [counts] for counts in map(_parsed, labels)]
+    whole = all(isinstance(n, int) and not isinstance(n, bool) for counts in found for n in counts)
+    return [tuple(counts) for counts in found] if whole and all(found) else []
 
 
 def _is_number(value: Any) -> bool:

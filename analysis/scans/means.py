@@ -11,10 +11,9 @@ from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
-from granwave.analysis.scans.protection import REDUCTION, protects
-from granwave.analysis.scans.result import SEED, ScanResult
+from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
-from granwave.lammps_inputs.packing.grain_words import SPHERES, in_grains
+from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
@@ -39,7 +38,7 @@ class Means:
     half_widths
         Half-widths of the 95 % confidence intervals; None without replicates.
     protection
-        True if the scan asks what reaches a target; `granwave.analysis.scans.protection.protects`.
+        True if the scan asks what reaches a target; `granwave.analysis.scans.result.protects`.
     called
         What the grains of its runs are called.
     """

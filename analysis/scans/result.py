@@ -10,15 +10,15 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.units import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
-from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.files import read_json, read_tables
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
 from granwave.lammps_inputs.run_state import case_digest, read_summary, tables_as_run
-from granwave.lammps_inputs.toml_files import read_tables
 
 SEED = "packing.seed"  # points that differ only in this key are replicates
 
@@ -172,3 +172,25 @@ def other_point(directory: Path) -> str:
 def read_point(directory: Path) -> dict[str, Any]:
     """Read the record of a point: ``state``, ``attempts``, ``reason``; empty if there is none."""
     return read_json(directory / POINT_FILE) or {}
+
+
+REDUCTION = "peak_reduction"
+_TARGET = "boundary.bottom"
+_MOVES = "target_peak_displacement_m"  # of targets that are no rigid wall
+_WORTH = 1e-3  # difference from 1 below which nothing is protected, as by a single sphere
+
+
+def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> bool:
+    """Return True for a scan of targets, or of one that is no rigid wall, of which some packing takes a share.
+
+    Parameters
+    ----------
+    varied
+        Keys that vary in the scan.
+    summaries
+        Summaries of its finished points.
+    """
+    found = [summary for summary in summaries if isinstance(summary.get(REDUCTION), int | float)]
+    asked = any(key == _TARGET or key.startswith(f"{_TARGET}.") for key in varied)
+    asked = asked or (bool(found) and all(summary.get(_MOVES) is not None for summary in found))
+    return asked and any(abs(summary[REDUCTION] - 1) > _WORTH for summary in found)

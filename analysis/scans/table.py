@@ -24,8 +24,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
-from granwave.lammps_inputs.csv_rows import write_csv_rows
-from granwave.lammps_inputs.files import replacing
+from granwave.lammps_inputs.files import replacing, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
 

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.shape import Shape
+    from granwave.lammps_inputs.case.material import Shape
 
 _ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"

@@ -25,8 +25,7 @@ from granwave.lammps_inputs.packing.walls import wall_friction
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.case.shape import Shape
+    from granwave.lammps_inputs.case.material import Material, Shape
     from granwave.lammps_inputs.packing.walls import Wall
 
 Array = NDArray[np.float64]

@@ -36,14 +36,14 @@ from scipy import sparse
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.contact.absorbing import absorbing_ids, impedance_of, rise_of
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.shape import Shape
+    from granwave.lammps_inputs.case.material import Shape
 
 REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
 BOTTOM, _Z = "bottom", 2  # wall, and direction of its damper

@@ -10,7 +10,7 @@ from typing import Any
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 
 @dataclasses.dataclass(frozen=True)

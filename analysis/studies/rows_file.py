@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.studies.study import Row, Study
-from granwave.lammps_inputs.csv_rows import write_csv_rows
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import replace_text, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 

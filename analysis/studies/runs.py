@@ -14,10 +14,10 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.punch_case import PunchCase, read_punch_case
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.lammps_inputs.toml_files import read_toml
 
 AnyCase = TypeVar("AnyCase")
 Kind = TypeVar("Kind", bound="AnyRun[Any]")

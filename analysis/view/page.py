@@ -25,7 +25,7 @@ from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.packing.grain_words import SPHERES
+from granwave.lammps_inputs.packing.cylinders import SPHERES
 from granwave.lammps_inputs.run_directory import VIEW_FILE
 
 MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size

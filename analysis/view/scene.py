@@ -24,8 +24,8 @@ from granwave.analysis.figures.style import new_figure, style
 from granwave.analysis.measures.geometry.planes import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field, Instants
-from granwave.lammps_inputs.case.shape import Cylinder, Shape
-from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.case.material import Cylinder, Shape
+from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:

@@ -31,8 +31,8 @@ from granwave.analysis.reports.sections.studies import studies_of
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.scanning.scan_file import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
@@ -87,7 +87,6 @@ SUITES = {
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "confined": Suite("Confined rows", "scan", ("confined",)),
     "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
     "filter": Suite("A row that filters waves", "scan", ("filter",)),
     "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),

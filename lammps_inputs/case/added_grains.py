@@ -21,10 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.ids import parse_index
-from granwave.lammps_inputs.case.lattice_size import check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.material import Material, presets
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.hints import DIAMETER
+from granwave.lammps_inputs.case.material import (
+    Material,
+    Vector,
+    axis_field,
+    check_shape,
+    length_field,
+    presets,
+    shape_field,
+    shape_of,
+)
+from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -32,14 +40,13 @@ from granwave.lammps_inputs.case.schema import (
     finite,
     label,
     number,
+    parse_index,
     parse_point,
     show,
     whole,
 )
-from granwave.lammps_inputs.case.shape import Vector, axis_field, check_shape, length_field, shape_field, shape_of
-from granwave.lammps_inputs.case.si_values import DIAMETER
+from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
-from granwave.lammps_inputs.memory import available_memory
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
@@ -60,17 +67,7 @@ _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a p
 
 @dataclasses.dataclass(frozen=True)
 class Ring:
-    """Places around the axis x = y = 0.
-
-    Attributes
-    ----------
-    radius
-        m; None: where they touch both spheres of the gap.
-    z
-        m; None for rings at gaps.
-    gap
-        Spheres that the gaps follow; empty: all gaps.
-    """
+    """Places around the axis x = y = 0; without a radius (m) where they touch both spheres of a gap; gap (): of all."""
 
     n: int
     radius: float | None
@@ -197,14 +194,6 @@ class AddedGrains:
         return found
 
 
-def _opened(positions: NDArray[np.float64], gaps: Sequence[tuple[int, float]]) -> NDArray[np.float64]:
-    """Open a chain: move all spheres behind a gap on by its width."""
-    positions = positions.copy()
-    for sphere, width in gaps:
-        positions[sphere:, 2] += width
-    return positions
-
-
 def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     """Return the centres of the holes of a lattice between six spheres ("octahedral") or four ("tetrahedral").
 
@@ -260,25 +249,26 @@ def with_added_grains(
         return packing  # `check_together` tells why
     before = len(errors.lines)
     for place, entry in enumerate(added, start=1):
-        if (entry.at is None) == (entry.ring is None):
-            found = "neither at nor ring" if entry.at is None else "both at and ring"
-            errors.add(f"grains.{place}", f"found {found}, expected one of them")
-        elif isinstance(entry.at, str) and packing.kind not in _HOLED:
-            errors.add(
-                f"grains.{place}.at",
-                f"found {show(entry.at)} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places",
-            )
-        elif isinstance(entry.at, str) and entry.repeat is not None:
-            errors.add(f"grains.{place}.repeat", f"found beside at = {show(entry.at)}, which are all such holes")
+        both, holes_of = entry.at is not None, show(entry.at) if isinstance(entry.at, str) else ""
+        errors.check_first(
+            (both == (entry.ring is not None), f"grains.{place}",
+             f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
+            (holes_of and packing.kind not in _HOLED, f"grains.{place}.at",
+             f"found {holes_of} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places"),
+            (holes_of and entry.repeat, f"grains.{place}.repeat",
+             f"found beside at = {holes_of}, which are all such holes"),
+        )  # fmt: skip
         check_shape(entry, f"grains.{place}", errors)
-    if packing.gaps and packing.kind != "chain":
-        errors.add("packing.gaps", f"found with packing.kind = {show(packing.kind)}, expected a chain")
-    elif beyond := [sphere for sphere, _ in packing.gaps if sphere >= packing.size[0]]:
-        last = packing.size[0] - 1
-        errors.add("packing.gaps", f"found a gap after sphere {beyond[0]}, expected after one from 1 to {last}")
-    for name in _OF_SITES:
-        if getattr(packing, name):
-            errors.add(f"packing.{name}", "found beside [[grains]], whose packing is no lattice; take one of them out")
+    last = packing.size[0] - 1
+    beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
+    errors.check_first(
+        (packing.gaps and packing.kind != "chain", "packing.gaps",
+         f"found with packing.kind = {show(packing.kind)}, expected a chain"),
+        *((True, "packing.gaps", f"found a gap after sphere {one}, expected after one from 1 to {last}")
+          for one in beyond),
+    )  # fmt: skip
+    beside = "found beside [[grains]], whose packing is no lattice; take one of them out"
+    errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
     if len(errors.lines) > before:
         return packing
     own, lattice, period = packing.grains, None, packing.period
@@ -288,24 +278,21 @@ def with_added_grains(
             return packing
         period = lattice.lengths if periodic else None
         n = lattice.n_spheres
+        position = lattice.positions(1, n)
+        for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
+            position[sphere:, 2] += width
         own = Grains(
-            _opened(lattice.positions(1, n), packing.gaps),
-            np.full(n, packing.diameter),
-            [""] * n,
-            [""] * n,
-            np.zeros((n, 3)),
-            [packing.of_grain] * n,
+            position, np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)), [packing.of_grain] * n
         )
-    position, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
+    centres, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
     shape = [*own.shape]
     for place, entry in enumerate(added, start=1):
         n = entry.most_places(len(own))
         if (needed := n * _MEMORY_OF_GRAIN) > (available := available_memory()):
-            errors.add(
-                f"grains.{place}.{'at' if entry.ring is None else 'ring'}",
-                f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}, which need more than "
-                f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; expected fewer",
-            )
+            found = f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
+            room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
+            key = f"grains.{place}.{'at' if entry.ring is None else 'ring'}"
+            errors.add(key, f"{found}, which need more than {room}; expected fewer")
             continue
         try:
             places = entry.places(lattice, own)
@@ -314,20 +301,15 @@ def with_added_grains(
             continue
         if not len(places):
             errors.add(f"grains.{place}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
-        position.append(places)
+        centres.append(places)
         diameter.append(np.full(len(places), entry.diameter))
         material += [_name_of(entry.material, materials)] * len(places)
         group += [entry.group or ""] * len(places)
         shape += [shape_of(entry)] * len(places)
-    starts = np.cumsum([1, *map(len, position)]).tolist()
-    still = np.zeros((sum(map(len, position[1:])), 3))
+    starts = np.cumsum([1, *map(len, centres)]).tolist()
+    still = np.zeros((sum(map(len, centres[1:])), 3))
     grains = Grains(
-        np.concatenate(position),
-        np.concatenate(diameter),
-        material,
-        group,
-        np.concatenate([own.velocity, still]),
-        shape,
+        np.concatenate(centres), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still]), shape
     )
     grains.file, grains.lines, grains.added_from = own.file, own.lines, starts[1:-1]
     return PackingSection(

@@ -1,6 +1,6 @@
-"""Bodies other than the equal spheres of a packing, and sensors.
+"""Bodies other than the equal spheres of a packing, sensors, and spheres that absorb waves.
 
-    [[replace]]                  spheres of another material or diameter
+[[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain
     [[hold]]                     grains that do not move
@@ -15,28 +15,37 @@ the file.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
-from granwave.lammps_inputs.case.ids import parse_index
-from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
+from granwave.lammps_inputs.case.material import (
+    SHAPES,
+    Material,
+    Shape,
+    Vector,
+    length_field,
+    parse_axis,
+    read_material,
+    shape_of,
+)
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
     choice,
     count,
     custom,
+    finite,
     label,
     number,
-    parse_point,
+    numbers,
+    or_word,
+    parse_index,
     plain_name,
     read_table,
     show,
     vector,
     whole,
 )
-from granwave.lammps_inputs.case.shape import SHAPES, Cylinder, Shape, Vector, length_field, parse_axis
-from granwave.lammps_inputs.case.si_values import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 
 Entry = TypeVar("Entry")
 
@@ -80,13 +89,6 @@ def _parse_touches(value: Any) -> tuple[int, ...]:
         raise ValidationError(f'{error}; or "{CENTRE}"') from None
 
 
-def _parse_extent(value: Any) -> tuple[float, float, float]:
-    extent = parse_point(value, _POINT_FORM)
-    if min(extent) < 0:
-        raise ValidationError(f"{_POINT_FORM}, none of them negative")
-    return extent
-
-
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Replace:
     """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
@@ -97,12 +99,8 @@ class Replace:
     """
 
     index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
-    low: tuple[float, float, float] | None = custom(
-        "corner of a box", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
-    )
-    high: tuple[float, float, float] | None = custom(
-        "opposite corner", lambda value: parse_point(value, _POINT_FORM), unit="m", default=None
-    )
+    low: tuple[float, float, float] | None = custom("corner of a box", numbers(3, _POINT_FORM), unit="m", default=None)
+    high: tuple[float, float, float] | None = custom("opposite corner", numbers(3, _POINT_FORM), unit="m", default=None)
     share: float | None = number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
     diameter: float | None = number("diameter of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
     material: Material | None = None
@@ -128,14 +126,12 @@ class Striker:
     )
     misalignment: tuple[float, float, float] = custom(
         "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
-        _parse_extent,
+        numbers(3, _POINT_FORM, lambda *extent: min(extent) >= 0, f"{_POINT_FORM}, none of them negative"),
         unit="m",
         default=(0.0, 0.0, 0.0),
         usual=_OFFSET,
     )
-    shape: Literal["sphere", "cylinder"] | None = choice(
-        "shape of the striker; a sphere by default", SHAPES, default=None
-    )
+    shape: str | None = choice("shape of the striker; a sphere by default", SHAPES, default=None)
     length: float | None = length_field()
     axis: Vector | None = custom(  # noqa: RUF009
         "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
@@ -147,9 +143,7 @@ class Striker:
     @property
     def body(self) -> Shape:
         """Shape of the striker."""
-        if self.shape != "cylinder" or self.length is None:
-            return None
-        return Cylinder(self.length, self.axis or _ALONG_Y)
+        return shape_of(self)
 
     @property
     def moves(self) -> bool:
@@ -182,22 +176,6 @@ class Hold:
         return "" if self.directions == _NO_DIRECTION else self.directions
 
 
-def _parse_direction(value: Any) -> tuple[float, float, float]:
-    expected = "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down"
-    direction = parse_point(value, expected)
-    if not any(direction):
-        raise ValidationError(expected)
-    return direction
-
-
-def _parse_line_index(value: Any) -> tuple[int, ...] | str:
-    return value if value == ALL_GRAINS else parse_index(value)
-
-
-def _parse_leave_out(value: Any) -> int | str:
-    return value if value == "auto" else whole(value, 'a whole number from 0 up, or "auto"', at_least=0)
-
-
 def _parse_line_name(value: Any) -> str:
     name = plain_name(value)
     if not all(one.isascii() and (one.isalnum() or one in "_-") for one in name):
@@ -217,18 +195,18 @@ class Line:
     )
     direction: tuple[float, float, float] = custom(
         "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
-        _parse_direction,
+        numbers(3, "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down", lambda *way: any(way)),
         default=(0.0, 0.0, 1.0),
     )
     index: tuple[int, ...] | str | None = custom(
         'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
-        _parse_line_index,
+        or_word(ALL_GRAINS, parse_index),
         default=None,
     )
     leave_out: int | str = custom(
         "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
         "does not move",
-        _parse_leave_out,
+        or_word("auto", lambda value: whole(value, 'a whole number from 0 up, or "auto"', at_least=0)),
         default="auto",
     )
 
@@ -275,9 +253,47 @@ def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList)
 def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) -> Entry | None:
     """Read the table of one body; its material is given by name or by value."""
     has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
-    if not has_material or not isinstance(table, Mapping) or "material" not in table:
-        return read_table(section, table, prefix, errors)
-    rest = {name: value for name, value in table.items() if name != "material"}
-    material = read_material(table["material"], errors, f"{prefix}.material")
-    entry = read_table(section, rest, prefix, errors)
-    return None if entry is None or material is None else dataclasses.replace(entry, material=material)  # type: ignore[type-var]
+    nested = {"material": read_material} if has_material else {}
+    return read_table(section, table, prefix, errors, nested)
+
+
+MATCHED = "matched"
+_DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", "none")
+_RATE = Usual(1.0, 1e8)
+
+
+def _parse_impedance(value: Any) -> float | str:
+    expected = 'a number above 0, or "matched"'
+    if value == MATCHED:
+        return MATCHED
+    found = finite(value, expected)
+    if found <= 0:
+        raise ValidationError(expected)
+    return found
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Absorb:
+    """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
+
+    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes stronger with depth
+    reflects little over many frequencies. ``impedance`` is a dashpot along z on each sphere: the end of a row, without
+    reflection where it is the impedance of the row.
+    """
+
+    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
+    layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
+    rate: float | None = number(
+        "largest damping rate: the force is mass x rate x velocity", unit="1/s", above=0, default=None, usual=_RATE
+    )
+    towards: str = choice(
+        'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
+        _DIRECTIONS,
+        default="+z",
+    )
+    impedance: float | str | None = custom(
+        "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
+        _parse_impedance,
+        unit="N s/m",
+        default=None,
+    )

@@ -1,15 +1,248 @@
-"""``[boundary]``: bottom and sides of a packing."""
+"""``[boundary]`` and ``[precompression]``: bottom, sides and static load of a packing.
+
+Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space`` or ``bar``.
+
+plate        a rigid plate on a spring and an optional damper
+damper       a massless plate on a damper, which bears the static force: an end that absorbs waves
+half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
+             4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
+bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import ValidationError, choice, custom, number
-from granwave.lammps_inputs.case.si_values import DIAMETER, DISPLACEMENT, FRICTION
-from granwave.lammps_inputs.case.supports import Support
+from granwave.lammps_inputs.case.hints import (
+    ACCELERATION,
+    AREA,
+    DIAMETER,
+    DISPLACEMENT,
+    FORCE,
+    FRICTION,
+    LENGTH,
+    MASS,
+    PRESSURE,
+)
+from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    count,
+    custom,
+    number,
+    read_table,
+    refuse_unknown,
+    show,
+)
+
+_SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
+_DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
+BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
+PLATE_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
+_OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plate:
+    """Rigid plate on a spring and a damper."""
+
+    mass: float = number("mass of the plate", unit="kg", above=0, usual=MASS)
+    stiffness: float = number("stiffness of the spring between plate and ground", unit="N/m", above=0)
+    damping: float = number("constant of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Damper:
+    """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
+
+    damping: float = number(
+        "force on the ground, beyond the static one, over the velocity of the plate", unit="N s/m", above=0
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class HalfSpace:
+    """Surface of an elastic half-space under the packing, moving as a rigid disc."""
+
+    radius: float | None = number(
+        "radius of the disc that moves; that of the packing's footprint by default",
+        unit="m",
+        above=0,
+        default=None,
+        usual=LENGTH,
+    )
+
+    def stiffness(self, material: Material, radius: float) -> float:
+        """Return the stiffness of a rigid disc of this radius (m) on the half-space, N/m."""
+        return _SPRING * _shear_modulus(material) * radius / (1 - material.poisson_ratio)
+
+    def damping(self, material: Material, radius: float) -> float:
+        """Return the radiation damping, N s/m."""
+        return (
+            _DAMPER * radius**2 * math.sqrt(material.density * _shear_modulus(material)) / (1 - material.poisson_ratio)
+        )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SupportBar:
+    """Elastic bar under the whole packing."""
+
+    length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
+    area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
+    elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
+    end: str = choice(
+        "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
+    )
+
+    def mass(self, material: Material) -> float:
+        """Return the mass of the whole bar, kg."""
+        return material.density * self.area * self.length
+
+    def stiffness(self, material: Material) -> float:
+        """Return the stiffness of an element, N/m."""
+        return material.youngs_modulus * self.area * self.elements / self.length
+
+
+@dataclasses.dataclass(frozen=True)
+class NodeConstants:
+    """Constants of a node on a spring and a damper, along the normal of the plane.
+
+    Attributes
+    ----------
+    mass
+        Mass of the node, kg; 0 for a surface without inertia.
+    stiffness
+        Stiffness of the spring, N/m.
+    damping
+        Damping constant, N s/m.
+    """
+
+    mass: float
+    stiffness: float
+    damping: float
+
+
+@dataclasses.dataclass(frozen=True)
+class BarConstants:
+    """Constants of an elastic bar of lumped masses, along the normal of the plane.
+
+    Attributes
+    ----------
+    elements
+        Number of elements.
+    mass
+        Mass of the whole bar, kg.
+    stiffness
+        Stiffness of an element, N/m.
+    end
+        Far end: ``free``, ``fixed``, or the impedance of a non-reflecting end, N s/m.
+    """
+
+    elements: int
+    mass: float
+    stiffness: float
+    end: float | Literal["free", "fixed"]
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Support:
+    """Support of the bottom plane: exactly one of plate, damper, half-space and bar."""
+
+    plate: Plate | None = None
+    damper: Damper | None = None
+    half_space: HalfSpace | None = None
+    bar: SupportBar | None = None
+
+    @property
+    def kind(self) -> str:
+        """Name of the support, as in the case file."""
+        return next(name for name in SUPPORTS if getattr(self, name))
+
+    @property
+    def bears(self) -> bool:
+        """True if the support can bear a static load, by a spring to the ground or as a damper."""
+        return self.bar is None or self.bar.end == "fixed"
+
+    def constants(self, material: Material | None, footprint: float) -> NodeConstants | BarConstants:
+        """Return the mass, stiffness and damping behind the plane.
+
+        Parameters
+        ----------
+        material
+            Material of the surface; a plate and a damper need none.
+        footprint
+            Radius of the packing's footprint, m.
+        """
+        if self.plate:
+            return NodeConstants(self.plate.mass, self.plate.stiffness, self.plate.damping)
+        if self.damper:
+            return NodeConstants(0.0, 0.0, self.damper.damping)
+        assert material is not None
+        if self.half_space:
+            radius = self.half_space.radius or footprint
+            stiffness, damping = self.half_space.stiffness(material, radius), self.half_space.damping(material, radius)
+            return NodeConstants(0.0, stiffness, damping)
+        assert self.bar is not None
+        impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
+        end: float | Literal["free", "fixed"] = "fixed" if self.bar.end == "fixed" else "free"
+        end = impedance if self.bar.end == "infinite" else end
+        return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
+
+    def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
+        """Return the longest timestep that resolves the motion of the support, s.
+
+        Parameters
+        ----------
+        material, footprint
+            As in `constants`.
+        contacts
+            Sum of the stiffnesses of all contacts with the plane, N/m.
+        """
+        if self.plate:
+            return PLATE_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
+        if self.damper:
+            return _OF_DECAY * self.damper.damping / contacts
+        assert material is not None
+        if self.half_space:
+            return _OF_DECAY * self.half_space.damping(material, self.half_space.radius or footprint) / contacts
+        assert self.bar is not None
+        element = self.bar.length / self.bar.elements
+        front = self.bar.mass(material) / self.bar.elements / 2
+        return min(
+            BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus),
+            PLATE_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
+        )
+
+
+SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
+
+
+def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
+    """Read material and support from ``bottom = {...}``; faults are added to ``errors``."""
+    refuse_unknown(table, ("material", *SUPPORTS), key, errors)
+    chosen = [name for name in SUPPORTS if name in table]
+    if not table:
+        errors.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(SUPPORTS)}')
+    if len(chosen) > 1:
+        errors.add(key, f"found {' and '.join(chosen)}, expected one of them")
+        return None, None
+    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
+    if not chosen:
+        return material, None
+    if "material" not in table and chosen[0] not in ("plate", "damper"):
+        errors.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
+    section = read_table(SUPPORTS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
+    return material, None if section is None else Support(**{chosen[0]: section})
+
+
+def _shear_modulus(material: Material) -> float:
+    return material.youngs_modulus / (2 * (1 + material.poisson_ratio))
+
 
 BOTTOMS = ("wall", "fixed", "free", "periodic")
 
@@ -42,27 +275,24 @@ def _parse_touched(value: Any) -> Touched:
     return Touched(**found)
 
 
+_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "usual": FRICTION}
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: Literal["wall", "fixed", "free", "periodic"] = choice(
+    bottom: str = choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         BOTTOMS,
         default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
-    sides: Literal["free", "wall", "periodic"] = choice(
-        "what is at the sides: nothing, planes, or the packing again",
-        ("free", "wall", "periodic"),
-        default="free",
+    sides: str = choice(
+        "what is at the sides: nothing, planes, or the packing again", ("free", "wall", "periodic"), default="free"
     )
-    x: Literal["free", "wall"] | None = choice(
-        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
-    )
-    y: Literal["free", "wall"] | None = choice(
-        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
-    )
+    x: str | None = choice("the two planes across x, where they differ from sides", ("free", "wall"), default=None)
+    y: str | None = choice("the two planes across y, where they differ from sides", ("free", "wall"), default=None)
     side_gap: float | None = number(
         "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
         "before the run, as [precompression] of walls does",
@@ -80,25 +310,14 @@ class Boundary:
     bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
     friction: float | None = number(
-        "coefficient of Coulomb friction of the walls; that of the contacts by default",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
     )
     holder_friction: float | None = number(
         "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
-        at_least=0,
-        at_most=1e4,
-        default=None,
-        usual=FRICTION,
+        **_FRICTION,
     )
     forget_gap: float = number(
-        "gap beyond which a dent is forgotten, never sooner",
-        unit="diameters",
-        above=0,
-        at_most=2,
-        default=0.1,
+        "gap beyond which a dent is forgotten, never sooner", unit="diameters", above=0, at_most=2, default=0.1
     )
 
     @property
@@ -109,3 +328,54 @@ class Boundary:
     def has_planes(self, axis: str) -> bool:
         """True if there are planes across x or y."""
         return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
+
+
+_NONE: dict[str, Any] = {"above": 0, "default": None}
+_MOVE = _NONE | {"unit": "m", "usual": DISPLACEMENT}
+_PRESS = _NONE | {"unit": "N", "usual": FORCE}
+_WALLS = ("x", "y", "tube")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Precompression:
+    """``[precompression]``: a static load, applied before the impact and kept during it."""
+
+    kind: str = choice(
+        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
+        "that are moved in and then held, or nothing but the overlaps of grains at the start",
+        ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
+    )
+    pressure: float | None = number("pressure on the faces of the packing", unit="Pa", **_NONE, usual=PRESSURE)
+    force: float | None = number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
+    x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
+    y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
+    tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)
+    x_force: float | None = number("force to which each of the planes across x is moved in", **_PRESS)
+    y_force: float | None = number("force to which each of the planes across y is moved in", **_PRESS)
+    tube_force: float | None = number("force outward on the whole tube to which it shrinks", **_PRESS)
+    overlaps: bool | None = choice(
+        "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
+    )
+    acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
+
+    @property
+    def moves(self) -> dict[str, float]:
+        """Distances by which walls move in, by x, y or tube, m."""
+        found = {name: getattr(self, name) for name in _WALLS}
+        return {name: distance for name, distance in found.items() if distance is not None}
+
+    @property
+    def presses(self) -> dict[str, float]:
+        """Forces to which walls move in, by x, y or tube, N."""
+        found = {name: getattr(self, f"{name}_force") for name in _WALLS}
+        return {name: force for name, force in found.items() if force is not None}
+
+    @property
+    def moves_walls(self) -> bool:
+        """True if there is no dead load but, perhaps, a force on the top."""
+        return self.kind in ("walls", "overlaps")
+
+    @property
+    def takes_overlaps(self) -> bool:
+        """True if overlaps of grains at the start are part of the load."""
+        return bool(self.overlaps) or self.kind == "overlaps"

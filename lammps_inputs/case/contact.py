@@ -1,16 +1,178 @@
-"""``[contact]``: contact law, its constants, friction, loss and initial dents."""
+"""``[contact]`` and ``[[pair]]``: contact law, its constants, friction, loss and initial dents."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Literal
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 
 from granwave import _contact_laws
-from granwave.lammps_inputs.case.dents import Dents, parse_dents
-from granwave.lammps_inputs.case.loss import Loss, parse_loss
-from granwave.lammps_inputs.case.schema import choice, custom, number
-from granwave.lammps_inputs.case.si_values import FRICTION
-from granwave.lammps_inputs.case.yield_factor import DEFAULT_YIELD_FACTOR
+from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    custom,
+    finite,
+    number,
+    parse_point,
+    read_table,
+    refuse_unknown,
+    show,
+)
+
+_DENT_FORM = (
+    "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
+)
+
+
+def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
+    if isinstance(value, str) and value:
+        return value
+    if isinstance(value, Mapping | list | tuple):
+        tables = [value] if isinstance(value, Mapping) else value
+        if not tables:
+            raise ValidationError(_DENT_FORM)
+        return tuple(_parse_dent(table) for table in tables)
+    size = finite(value, _DENT_FORM)
+    if size < 0:
+        raise ValidationError(f"{_DENT_FORM}, not negative")
+    return size
+
+
+def _parse_dent(table: Any) -> Dents:
+    known = {"overlap", "force", "low", "high"}
+    if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
+        raise ValidationError(_DENT_FORM)
+    size = finite(table.get("overlap", table.get("force")), _DENT_FORM)
+    if size < 0:
+        raise ValidationError(f"{_DENT_FORM}, not negative")
+    low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
+    if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
+        raise ValidationError("low of a box of dents below its high, along each axis")
+    return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Dents:
+    """Initial dents of the contacts in a box, given by the largest earlier overlap (m) or force (N)."""
+
+    overlap: float | None = None
+    force: float | None = None
+    low: tuple[float, float, float] | None = None
+    high: tuple[float, float, float] | None = None
+
+
+LOSS_FORM = (
+    "{time = ...} in s, {restitution = ..., velocity = ...} with the velocity in m/s, "
+    "{dashpot = ...} or {dashpot = {restitution = ...}}"
+)
+_KINDS = ("time", "restitution", "dashpot")
+_LONGEST_TIME = 1.0  # s
+_GAIN = "below 0 a contact would gain energy, and restitution exceed 1"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class DashpotRestitution:
+    """Restitution that a dashpot gives a Hertzian contact, at any speed."""
+
+    restitution: float
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Loss:
+    """Viscous loss of contacts: one of the three kinds.
+
+    Attributes
+    ----------
+    time
+        Loss time A, s.
+    restitution, velocity
+        Restitution of a head-on collision, and its speed of approach, m/s; the loss time follows from both.
+    dashpot
+        Factor of Tsuji's dashpot, or the restitution that it gives a Hertzian contact.
+    """
+
+    time: float | None = None
+    restitution: float | None = None
+    velocity: float | None = None
+    dashpot: float | DashpotRestitution | None = None
+
+
+def parse_loss(value: Any) -> Loss:
+    """Read a loss; raise `ValidationError` for anything but one of the three kinds."""
+    if not isinstance(value, Mapping) or not value:
+        raise ValidationError(LOSS_FORM)
+    kinds = [name for name in _KINDS if name in value]
+    if unknown := [name for name in value if name not in (*_KINDS, "velocity")]:
+        raise ValidationError(f"{LOSS_FORM}; {unknown[0]} is unknown")
+    if len(kinds) > 1:
+        raise ValidationError(f"one of {LOSS_FORM}; {kinds[0]} and {kinds[1]} exclude each other")
+    if kinds == ["restitution"] and "velocity" not in value:
+        raise ValidationError(
+            f"{LOSS_FORM}; the velocity at which the restitution holds is missing, "
+            f"and {{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
+        )
+    if kinds != ["restitution"] and "velocity" in value:
+        raise ValidationError(f"{LOSS_FORM}; a velocity belongs to a restitution")
+    if "time" in value:
+        time = finite(value["time"], LOSS_FORM)
+        if time < 0:
+            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
+        if time > _LONGEST_TIME:
+            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {time:g} us is {time:g}e-6")
+        return Loss(time=time)
+    if "dashpot" in value:
+        return Loss(dashpot=_parse_dashpot(value["dashpot"]))
+    velocity = finite(value["velocity"], LOSS_FORM)
+    if not POSSIBLE["m/s"][0] <= velocity <= VELOCITY.high * 1e3:
+        raise ValidationError("a velocity above 0 (m/s), at which the restitution holds")
+    return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
+
+
+def _parse_dashpot(value: Any) -> float | DashpotRestitution:
+    if isinstance(value, Mapping):
+        if set(value) != {"restitution"}:
+            raise ValidationError(LOSS_FORM)
+        return DashpotRestitution(restitution=_parse_restitution(value["restitution"]))
+    factor = finite(value, LOSS_FORM)
+    if factor < 0:
+        raise ValidationError(f"a factor of the dashpot from 0 up; {_GAIN}")
+    return factor
+
+
+def _parse_restitution(value: Any) -> float:
+    restitution = finite(value, LOSS_FORM)
+    if not 0 < restitution <= 1:
+        raise ValidationError("a restitution above 0 and at most 1")
+    return restitution
+
+
+DEFAULT_YIELD_FACTOR = 1.60
+FITTED_POISSON_RATIO = 0.30
+_DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
+
+
+def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
+    """Return the exact C for a Poisson's ratio (above -1, below 0.5)."""
+    from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+
+    def stress(depth: float | np.ndarray) -> np.ndarray:
+        zeta = np.maximum(depth, 1e-300)
+        vertical = -1.0 / (1.0 + zeta**2)
+        radial = -(1.0 + poisson_ratio) * (1.0 - zeta * np.arctan(1.0 / zeta)) + 0.5 / (1.0 + zeta**2)
+        return np.abs(vertical - radial)
+
+    grid = np.linspace(0.0, _DEEPEST, 301)
+    start = int(np.argmax(stress(grid)))
+    bounds = (grid[max(start - 1, 0)], grid[min(start + 1, grid.size - 1)])
+    refined = minimize_scalar(
+        lambda depth: -float(stress(depth)), bounds=bounds, method="bounded", options={"xatol": 1e-10}
+    )
+    return 1.0 / max(-float(refined.fun), float(stress(grid[start])))
+
 
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
@@ -31,7 +193,7 @@ class Contact:
         (*ALL_LAWS, LINE),
         default="elastoplastic",
     )
-    variant: Literal["continuous", "published"] = choice(
+    variant: str = choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
         default="continuous",
@@ -51,7 +213,7 @@ class Contact:
     friction: float = number(
         "coefficient of Coulomb friction between spheres", at_least=0, at_most=1e4, default=0.0, usual=FRICTION
     )
-    tangential: Literal["mindlin_rescale", "mindlin"] = choice(
+    tangential: str = choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",
@@ -112,3 +274,85 @@ class Contact:
     def takes(self, option: str) -> bool:
         """Return True if the law has an option: such as ``variant``, ``yield_factor`` or ``beta``."""
         return option in self.entry.options
+
+
+RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
+_NOT_BY_PAIR = ("initial_overlap", "line")
+_KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Pair:
+    """The contact law between two materials.
+
+    Attributes
+    ----------
+    materials
+        Names of the two materials, which may be equal; "rigid" for a rigid wall.
+    contact
+        Values of ``[contact]``, overridden by those of the pair.
+    """
+
+    materials: tuple[str, str]
+    contact: Contact
+
+    def fits(self, first: str | None, second: str | None) -> bool:
+        """Return True if the pair holds for materials of these names, in any order."""
+        return sorted(self.materials) == sorted((str(first), str(second)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the pair as a table of a case file."""
+        values = {name: getattr(self.contact, name) for name in _KEYS}
+        return {"materials": list(self.materials)} | {
+            name: value for name, value in values.items() if value is not None
+        }
+
+
+def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]:
+    """Read the ``[[pair]]`` tables of a case; entry n has the dotted name ``pair.n``, from 1.
+
+    Parameters
+    ----------
+    contact
+        The table ``[contact]``, source of the values that a pair does not give.
+    """
+    if not isinstance(tables, list | tuple):
+        errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
+        return ()
+    common = {name: value for name, value in contact.items() if name in _KEYS} if isinstance(contact, Mapping) else {}
+    found: list[Pair] = []
+    for n, table in enumerate(tables, start=1):
+        pair = _read(table, common, f"pair.{n}", errors)
+        if pair is None:
+            continue
+        if any(other.fits(*pair.materials) for other in found):
+            errors.add(f"pair.{n}.materials", f"found {show(list(pair.materials))} twice, expected each pair once")
+        found.append(pair)
+    return tuple(found)
+
+
+def _read(table: Any, common: Mapping[str, Any], key: str, errors: ErrorList) -> Pair | None:
+    if not isinstance(table, Mapping):
+        errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
+        return None
+    before = len(errors.lines)
+    refuse_unknown(table, ("materials", *_KEYS), key, errors)
+    names, expected = table.get("materials"), 'the names of two, such as ["steel", "brass"]'
+    if "materials" not in table:
+        errors.add(f"{key}.materials", f"missing; expected {expected}")
+    elif not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
+        errors.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
+    own = {name: value for name, value in table.items() if name in _KEYS}
+    if not own:
+        errors.add(key, "changes nothing; give keys of [contact], such as friction")
+    contact = read_table(Contact, {**_others(common, own), **own}, key, errors)
+    if contact is None or len(errors.lines) > before or not isinstance(names, list | tuple):
+        return None
+    return Pair(materials=(names[0], names[1]), contact=contact)
+
+
+def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values that a pair takes from ``[contact]``: all but the constants of another law."""
+    if own.get("law", common.get("law")) == common.get("law"):
+        return dict(common)
+    return {name: common[name] for name in ("friction", "tangential", "loss") if name in common}

@@ -24,11 +24,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.hints import POSSIBLE, plain
+from granwave.lammps_inputs.case.material import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
-from granwave.lammps_inputs.case.shape import AXIS_COLUMNS, Shape, read_shapes, shape_columns
-from granwave.lammps_inputs.case.si_values import POSSIBLE, plain
-from granwave.lammps_inputs.csv_rows import csv_cell, csv_rows
-from granwave.lammps_inputs.files import read_regular, read_text
+from granwave.lammps_inputs.files import csv_cell, csv_rows, read_regular, read_text
 
 if TYPE_CHECKING:
     import ase

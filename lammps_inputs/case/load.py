@@ -1,6 +1,6 @@
 """``[load]``: the load on a packing.
 
-    impact         initial velocity of the struck spheres
+impact         initial velocity of the struck spheres
     striker        velocities of the [[striker]]s only
     force          force on the struck spheres, or on the free end of the incident bar
     displacement   prescribed displacement of the struck spheres
@@ -25,17 +25,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
-from typing import Any, Literal
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import load_at
-from granwave.lammps_inputs.case.ids import parse_index
-from granwave.lammps_inputs.case.load_table import parse_load_table, read_load_file
-from granwave.lammps_inputs.case.schema import ErrorList, choice, count, custom, number, read_table, show, vector
-from granwave.lammps_inputs.case.si_values import (
+from granwave.lammps_inputs.case.hints import (
     DISPLACEMENT,
     FORCE,
     FREQUENCY,
@@ -46,47 +45,110 @@ from granwave.lammps_inputs.case.si_values import (
     impossible,
     unusual,
 )
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    count,
+    custom,
+    number,
+    numbers,
+    parse_index,
+    read_table,
+    show,
+    vector,
+)
+from granwave.lammps_inputs.files import read_text
+
+_TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
+
+
+def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
+    if not isinstance(value, list | tuple) or len(value) < 2:
+        raise ValidationError(_TABLE_FORM)
+    rows: tuple[tuple[float, float], ...] = tuple(map(numbers(2, _TABLE_FORM), value))
+    if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
+        raise ValidationError(_TABLE_FORM)
+    if expected := impossible([time for time, _ in rows], "s"):
+        raise ValidationError(f"times of {expected}")
+    if not any(size for _, size in rows):
+        raise ValidationError("a value other than zero")
+    return rows
+
+
+def read_load_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    name, fault = table["file"], ""
+    if "table" in table:
+        fault = "found beside load.table; give one of them"
+    elif not isinstance(name, str) or not name:
+        fault = f"found {show(name)}, expected the path of a file of two columns, time and value"
+    else:
+        try:
+            rows = _numbers(read_text(Path(name)).splitlines())
+            return {"table": parse_load_table(rows)}
+        except OSError as error:
+            fault = f"{name}: cannot be read: {error.strerror or error}"
+        except ValueError as error:
+            fault = f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}"
+        except ValidationError as error:
+            fault = f"{name}: found {show(rows)}, expected {error}"
+    errors.add("load.file", fault)
+    return {}
+
+
+def _numbers(lines: Sequence[str]) -> list[list[float]]:
+    """Read two numbers from each line; raise ValueError naming the first line that has others."""
+    rows = []
+    for n, line in enumerate(lines, start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            time, size = map(float, words)
+        except ValueError:
+            raise ValueError(f"found {show(line.strip())} in line {n}") from None
+        rows.append([time, size])
+    return rows
+
 
 Array = NDArray[np.float64]
 
 DEFAULT_VELOCITY = 5.0  # m/s
-_KINDS = ("impact", "striker", "force", "displacement", "plate", "grains")
-_SHAPES = ("half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table")
-_NEEDS: dict[str, tuple[str, ...]] = {
-    "half-sine": ("amplitude", "duration"),
-    "rectangle": ("amplitude", "duration"),
-    "harmonic": ("amplitude", "frequency"),
-    "burst": ("amplitude", "frequency", "cycles"),
-    "up-and-down": ("amplitude", "frequency", "duration"),
-    "sweep": ("amplitude", "frequency", "last_frequency", "duration"),
-    "noise": ("amplitude", "frequency", "last_frequency", "duration"),
-    "table": ("table",),
+_SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # keys that a shape needs, and those that it may have
+    "half-sine": (("amplitude", "duration"), ()),
+    "rectangle": (("amplitude", "duration"), ()),
+    "harmonic": (("amplitude", "frequency"), ("ramp",)),
+    "burst": (("amplitude", "frequency", "cycles"), ()),
+    "up-and-down": (("amplitude", "frequency", "duration"), ()),
+    "sweep": (("amplitude", "frequency", "last_frequency", "duration"), ("ramp",)),
+    "noise": (("amplitude", "frequency", "last_frequency", "duration"), ("ramp", "seed")),
+    "table": (("table",), ()),
 }
-_MAY_HAVE: dict[str, tuple[str, ...]] = {"harmonic": ("ramp",), "sweep": ("ramp",), "noise": ("ramp", "seed")}
-_OF_ONE_SHAPE = ("amplitude", "duration", "frequency", "last_frequency", "cycles", "ramp", "seed", "table")
-_OF_SHAPES = ("shape", *_OF_ONE_SHAPE, "file")
-_SEED = 1
-_SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
-_CREST = 5.0  # largest value of noise over its root mean square; more is rare
-_OF_KIND = {
+_OF_DISPLACEMENT = tuple(name for name in _SHAPES if name not in ("half-sine", "rectangle"))  # the others jump
+_OF_SHAPES = ("amplitude", "duration", "frequency", "last_frequency", "cycles", "ramp", "seed", "table")
+_OF_KIND = {  # keys of each kind of load
     "impact": ("kind", "spheres", "index", "velocity", "angle", "spin"),
     "striker": ("kind",),
-    "force": ("kind", "spheres", "index", *_OF_SHAPES),
-    "displacement": ("kind", "spheres", "index", *_OF_SHAPES),
+    "force": ("kind", "spheres", "index", "shape", *_OF_SHAPES, "file"),
+    "displacement": ("kind", "spheres", "index", "shape", *_OF_SHAPES, "file"),
     "plate": ("kind", "mass", "velocity"),
     "grains": ("kind",),
 }
-_OF_DISPLACEMENT = ("harmonic", "burst", "up-and-down", "sweep", "noise", "table")
+_SEED = 1
+_SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
+_CREST = 5.0  # largest value of noise over its root mean square; more is rare
+_TIME: dict[str, Any] = {"unit": "s", "default": None, "usual": TIME}
+_FREQUENCY: dict[str, Any] = {"unit": "Hz", "above": 0, "default": None, "usual": FREQUENCY}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Load:
     """``[load]``: the load on a packing."""
 
-    kind: Literal["impact", "striker", "force", "displacement", "plate", "grains"] = choice(
+    kind: str = choice(
         "velocity of the struck spheres, the strikers alone, a force, a prescribed displacement, a rigid plate on the "
         "free top, or the velocities of the grains of a file alone",
-        _KINDS,
+        tuple(_OF_KIND),
         default="impact",
     )
     mass: float | None = number("mass of the plate", unit="kg", above=0, default=None, usual=MASS)
@@ -103,13 +165,11 @@ class Load:
     spin: tuple[float, float, float] = vector(
         "angular velocity of the struck spheres at the start", unit="rad/s", usual=SPIN
     )
-    spheres: Literal[1, 3, 7] = choice("how many spheres are struck", (1, 3, 7), default=1)
+    spheres: int = choice("how many spheres are struck", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = custom(
         "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
     )
-    shape: Literal["half-sine", "rectangle", "harmonic", "burst", "up-and-down", "sweep", "noise", "table"] | None = (
-        choice("shape of the force or displacement in time", _SHAPES, default=None)
-    )
+    shape: str | None = choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
     amplitude: float | None = number(
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
         "of noise its root mean square",
@@ -119,34 +179,20 @@ class Load:
         default=None,
     )
     duration: float | None = number(
-        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise",
-        unit="s",
-        above=0,
-        default=None,
-        usual=TIME,
+        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise", above=0, **_TIME
     )
     frequency: float | None = number(
-        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise",
-        unit="Hz",
-        above=0,
-        default=None,
-        usual=FREQUENCY,
+        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise", **_FREQUENCY
     )
     last_frequency: float | None = number(
-        "frequency at the end of a sweep, which may fall, or highest of noise",
-        unit="Hz",
-        above=0,
-        default=None,
-        usual=FREQUENCY,
+        "frequency at the end of a sweep, which may fall, or highest of noise", **_FREQUENCY
     )
     cycles: float | None = number("number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None)
     ramp: float | None = number(
         "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in it; "
         "default 0 for a harmonic load, else a twentieth of the duration",
-        unit="s",
         at_least=0,
-        default=None,
-        usual=TIME,
+        **_TIME,
     )
     seed: int | None = count("seed of the phases of noise; default 1", default=None)
     table: tuple[tuple[float, float], ...] | None = custom(
@@ -218,19 +264,14 @@ class Load:
     @property
     def numbers(self) -> list[float]:
         """Numbers of the shape, as fix gran/load takes them; empty for a table."""
-        one: tuple[float | None, ...] = {
-            "half-sine": (self.amplitude, self.duration),
-            "rectangle": (self.amplitude, self.duration),
-            "harmonic": (self.amplitude, self.frequency, self.rise or None),
-            "burst": (self.amplitude, self.frequency, self.cycles),
-            "up-and-down": (self.amplitude, self.frequency, self.duration),
-            "sweep": (self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise),
-            "noise": (
-                self.amplitude, self.frequency, self.last_frequency, self.duration, self.rise,
-                _SEED if self.seed is None else self.seed,
-            ),
-        }.get(self.shape or "", ())  # fmt: skip
-        return [value for value in one if value is not None]
+        if self.shape is None or self.table:
+            return []
+        values = {name: getattr(self, name) for name in _OF_SHAPES}
+        values |= {"ramp": self.rise, "seed": _SEED if self.seed is None else self.seed}
+        if self.shape == "harmonic" and not self.rise:
+            values["ramp"] = None
+        needed, possible = _SHAPES[self.shape]
+        return [values[name] for name in (*needed, *possible) if values[name] is not None]
 
     def at(self, time: Array) -> Array:
         """Return the force, N, or the displacement, m, at some times, s: (n_times,)."""
@@ -282,7 +323,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
         return None
     for name in names:
         if name not in _OF_KIND[load.kind]:
-            belongs = " or ".join(f'"{kind}"' for kind in _KINDS if name in _OF_KIND[kind])
+            belongs = " or ".join(f'"{kind}"' for kind, keys in _OF_KIND.items() if name in keys)
             errors.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
     if load.index is not None and "spheres" in names:
         errors.add("load.index", "found beside load.spheres; give one of them")
@@ -308,18 +349,18 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
 
 
 def _check_shape(load: Load, errors: ErrorList) -> None:
-    options = _OF_DISPLACEMENT if load.kind == "displacement" else _SHAPES
+    options = _OF_DISPLACEMENT if load.kind == "displacement" else tuple(_SHAPES)
     if load.shape not in options:
         found = "missing" if load.shape is None else f'found "{load.shape}"'
         errors.add("load.shape", f"{found}; a {load.kind} needs one of " + ", ".join(f'"{one}"' for one in options))
         return
-    needed = _NEEDS[str(load.shape)]
+    needed, possible = _SHAPES[str(load.shape)]
     for name in needed:
         if getattr(load, name) is None:
             alternative = " (or load.file)" if name == "table" else ""
             errors.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
-    taken = (*needed, *_MAY_HAVE.get(str(load.shape), ()))
-    for name in _OF_ONE_SHAPE:
+    taken = (*needed, *possible)
+    for name in _OF_SHAPES:
         if name not in taken and getattr(load, name) is not None:
             errors.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(taken)}')
     if load.shape in ("sweep", "noise") and load.duration and load.frequency and load.last_frequency:

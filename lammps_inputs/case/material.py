@@ -1,23 +1,31 @@
-"""Materials: elastic constants, density and yield strength, by name or by value.
+"""Materials and shapes of grains.
 
-A ``[material]`` table gives the values, or names a ``preset`` whose values it may override one by one.
-Presets come with the package (``materials.toml``) or from the user's own ``file`` of the same form.
+A ``[material]`` table gives elastic constants, density and yield strength, or names a ``preset`` whose values it may
+override one by one. Presets come with the package (``materials.toml``) or from the user's own ``file`` of the same
+form. Shapes are spheres, and cylinders whose axis is fixed in space.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.hints import DENSITY, DIAMETER, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
+    choice,
+    custom,
+    did_you_mean,
+    finite,
     label,
     number,
     parse_label,
@@ -26,9 +34,8 @@ from granwave.lammps_inputs.case.schema import (
     show,
     text,
 )
-from granwave.lammps_inputs.case.si_values import DENSITY, YIELD_STRENGTH, YOUNGS_MODULUS
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 
 SELECTORS = ("preset", "file")
 MATERIALS = "materials"  # table of further materials of a case
@@ -114,8 +121,16 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
             errors.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
         return read_table(Material, own, key, errors)
-    known = _library(table.get("file"), errors, f"{key}.file")
-    base = None if known is None else _select(table["preset"], known, f"{key}.preset", errors, table.get("file"))
+    base, file = None, table.get("file")
+    try:
+        if file is not None and (not isinstance(file, str) or not file):
+            errors.add(f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials")
+        else:
+            known = presets() if file is None else load_materials(file)
+            base = _select(table["preset"], known, f"{key}.preset", errors, file)
+    except InputError as error:
+        for line in error.errors:
+            errors.add(f"{key}.file", line)
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, errors)
         return None
@@ -125,29 +140,14 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     return read_table(Material, {**values, **own}, key, errors)
 
 
-def _library(file: Any, errors: ErrorList, key: str) -> dict[str, Material] | None:
-    if file is None:
-        return presets()
-    if not isinstance(file, str) or not file:
-        errors.add(key, f"found {show(file)}, expected the path of a TOML file of materials")
-        return None
-    try:
-        return load_materials(file)
-    except InputError as error:
-        for line in error.errors:
-            errors.add(key, line)
-        return None
-
-
 def _select(
     name: Any, known: Mapping[str, Material], key: str, errors: ErrorList, file: str | None = None
 ) -> Material | None:
     if isinstance(name, str) and name in known:
         return known[name]
-    near = difflib.get_close_matches(str(name).lower(), known, n=1, cutoff=0.5)
-    hint = f"did you mean {near[0]}?" if near else ""
     there = f" in {file}" if file else ""
-    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}; {hint}".rstrip("; "))
+    hint = did_you_mean(name, known, cutoff=0.5)
+    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
     return None
 
 
@@ -183,3 +183,180 @@ def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
         known = dataclasses.asdict(materials[copy["material"]])
         copy["material"] = {name: one for name, one in known.items() if one is not None}
     return copy
+
+
+SHAPES = ("sphere", "cylinder")
+AXIS_FORM = '"x", "y", "z" or a direction [ax, ay, az]'
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_UNIT = 1e-12  # largest error of the length of a direction that counts as a unit vector already
+
+Vector: TypeAlias = tuple[float, float, float]
+
+
+@dataclasses.dataclass(frozen=True)
+class Cylinder:
+    """A cylinder.
+
+    Attributes
+    ----------
+    length
+        Length, m.
+    axis
+        Direction of its axis, a unit vector.
+    """
+
+    length: float
+    axis: Vector
+
+    @property
+    def vector(self) -> NDArray[np.float64]:
+        """Direction of the axis: (3,)."""
+        return np.array(self.axis)
+
+
+Shape: TypeAlias = Cylinder | None  # None: a sphere
+
+
+def direction(values: Sequence[float]) -> Vector:
+    """Return a unit vector; raise ValueError if there is no direction."""
+    length = math.hypot(*values)
+    if not (0 < length < math.inf):
+        raise ValueError(f"found the axis {list(values)}, which is no direction")
+    x, y, z = (one if abs(length - 1) <= _UNIT else one / length for one in values)
+    return x, y, z
+
+
+def parse_axis(value: Any) -> Vector:
+    """Read a direction of a case file; raise `ValidationError` if it is none."""
+    if isinstance(value, str) and value in _AXES:
+        return _AXES[value]
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise ValidationError(AXIS_FORM)
+    try:
+        return direction([finite(one, AXIS_FORM) for one in value])
+    except ValueError:
+        raise ValidationError(f"{AXIS_FORM}, not all 0") from None
+
+
+def shape_field() -> Any:
+    """Field of the key ``shape``."""
+    return choice("shape of the grains", SHAPES, default="sphere")
+
+
+def length_field() -> Any:
+    """Field of the key ``length``."""
+    return number("length of cylinders", unit="m", above=0, default=None, usual=DIAMETER)
+
+
+def axis_field() -> Any:
+    """Field of the key ``axis``."""
+    return custom("direction of the axis of cylinders", parse_axis, default=None)
+
+
+class HasShape(Protocol):
+    """Table with the keys of a shape."""
+
+    @property
+    def shape(self) -> str | None:
+        """``sphere``, ``cylinder``, or None for the usual one, a sphere."""
+
+    @property
+    def length(self) -> float | None:
+        """Length of cylinders, m."""
+
+    @property
+    def axis(self) -> Vector | None:
+        """Direction of their axis."""
+
+
+def shape_of(table: HasShape, axis: Vector = _AXES["y"]) -> Shape:
+    """Return the shape of a table that `check_shape` found right; ``axis`` is the usual direction."""
+    if table.shape != "cylinder" or table.length is None:
+        return None
+    return Cylinder(table.length, table.axis or axis)
+
+
+def check_shape(table: HasShape, key: str, errors: ErrorList) -> None:
+    """Check that cylinders have a length, and spheres neither length nor axis."""
+    if table.shape == "cylinder":
+        if table.length is None:
+            errors.add(f"{key}.length", 'missing; a cylinder (shape = "cylinder") has a length, m')
+        return
+    for name in ("length", "axis"):
+        if getattr(table, name) is not None:
+            errors.add(f"{key}.{name}", 'found without shape = "cylinder"; give that, or take it out')
+
+
+def mass_of(material: Material, radius: float, shape: Shape) -> float:
+    """Return the mass of a grain, kg; radius in m."""
+    return sphere_mass(material, radius) if shape is None else material.density * math.pi * radius**2 * shape.length
+
+
+def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
+    """Return the density at which a sphere of this diameter, m, has the mass of the grain, kg/m^3."""
+    return density if shape is None else density * 1.5 * shape.length / diameter
+
+
+def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> list[Shape]:
+    """Return the shapes of grains from the columns shape, length, and axis or axis_x, axis_y, axis_z of a table.
+
+    A grain is a cylinder if it has a length, unless its column shape says sphere.
+
+    Parameters
+    ----------
+    places
+        Place of each grain in the file, for messages.
+
+    Raises
+    ------
+    ValueError
+        A cylinder has no length or axis; the message names the place.
+    """
+    n = len(places)
+    words, lengths = values.get("shape", [""] * n), values.get("length", [0.0] * n)
+    axes = _axes_of(values, places)
+    found: list[Shape] = []
+    for place, word, length, axis in zip(places, words, lengths, axes.tolist(), strict=True):
+        if word not in ("", *SHAPES):
+            raise ValueError(f"{place}: found the shape {word!r}, expected sphere or cylinder")
+        if word == "sphere" or (not word and not length):
+            found.append(None)
+            continue
+        if not length > 0:
+            raise ValueError(f"{place}: found a cylinder with a length of {length:g} m, expected one above 0")
+        try:
+            found.append(Cylinder(float(length), direction(axis)))
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+    return found
+
+
+AXIS_COLUMNS = ("axis_x", "axis_y", "axis_z")
+
+
+def _axes_of(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> NDArray[np.float64]:
+    """Return the axes of a table, of any length: (n, 3)."""
+    n = len(places)
+    letters = values.get("axis")
+    if letters is None:
+        return np.array([values.get(name, [float(name == "axis_y")] * n) for name in AXIS_COLUMNS], dtype=np.float64).T
+    if both := [name for name in AXIS_COLUMNS if name in values]:
+        raise ValueError(f"found the columns axis and {both[0]}, expected one way to give axes")
+    for place, letter in zip(places, letters, strict=True):
+        if letter not in ("", *_AXES):
+            raise ValueError(
+                f"{place}: found the axis {letter!r}, expected x, y or z; axis_x, axis_y, axis_z take others"
+            )
+    return np.array([_AXES[letter or "y"] for letter in letters], dtype=np.float64).reshape(-1, 3)
+
+
+def shape_columns(shapes: Sequence[Shape]) -> dict[str, list[str]]:
+    """Return the columns of `read_shapes` as text; none if there are only spheres."""
+    if not any(shapes):
+        return {}
+    axes = [one.axis if one else (0.0, 0.0, 0.0) for one in shapes]
+    return {
+        "shape": ["cylinder" if one else "sphere" for one in shapes],
+        "length": [repr(one.length if one else 0.0) for one in shapes],
+        **{name: [repr(axis[k]) for axis in axes] for k, name in enumerate(AXIS_COLUMNS)},
+    }

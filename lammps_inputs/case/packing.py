@@ -1,4 +1,4 @@
-"""``[packing]``: a lattice of spheres, or grains at places of their own."""
+"""``[packing]``: a lattice of spheres, or grains at places of their own; sizes of lattices."""
 
 from __future__ import annotations
 
@@ -6,25 +6,13 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
-from granwave.lammps_inputs.case.schema import (
-    LARGEST_COUNT,
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    finite,
-    number,
-    parse_point,
-    read_table,
-    show,
-    whole,
-)
-from granwave.lammps_inputs.case.shape import (
+from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual, unusual
+from granwave.lammps_inputs.case.material import (
     Shape,
     Vector,
     axis_field,
@@ -33,7 +21,21 @@ from granwave.lammps_inputs.case.shape import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.si_values import DIAMETER, LENGTH, Usual, unusual
+from granwave.lammps_inputs.case.schema import (
+    LARGEST_COUNT,
+    ErrorList,
+    ValidationError,
+    choice,
+    custom,
+    finite,
+    number,
+    numbers,
+    parse_point,
+    read_table,
+    show,
+    whole,
+)
+from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
@@ -42,6 +44,11 @@ _ACROSS = 1e-9  # largest component of a direction along another that it is norm
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
 _NOT_OF_FILE = ("size", "top_row", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
 _OF_SHAPE = ("shape", "length", "axis")
+_BOTH_WAYS = numbers(
+    2,
+    "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll",
+    lambda x, y: abs(x) == abs(y) == 1,
+)
 
 
 def _parse_size(value: Any) -> tuple[int, ...]:
@@ -55,14 +62,6 @@ def _parse_size(value: Any) -> tuple[int, ...]:
     return size
 
 
-def _parse_seed(value: Any) -> int:
-    expected = f"a whole number from 0 to {LARGEST_ID}"
-    seed = whole(value, expected, at_least=0)
-    if seed > LARGEST_ID:
-        raise ValidationError(expected)
-    return seed
-
-
 def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
     expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
     if isinstance(value, list | tuple):
@@ -71,26 +70,6 @@ def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
     if not 0 <= share < 1:
         raise ValidationError(expected)
     return share
-
-
-def _parse_tilt(value: Any) -> tuple[int, int]:
-    expected = "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValidationError(expected)
-    x, y = (int(finite(one, expected)) for one in value)
-    if any(one not in (1, -1) for one in value):
-        raise ValidationError(expected)
-    return x, y
-
-
-def _parse_period(value: Any) -> tuple[float, float]:
-    expected = "[along x, along y] in m, both above 0"
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValidationError(expected)
-    x, y = (finite(one, expected) for one in value)
-    if min(x, y) <= 0:
-        raise ValidationError(expected)
-    return x, y
 
 
 def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
@@ -134,7 +113,7 @@ class PackingSection:
     size: tuple[int, ...] = custom(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
     )
-    top_row: Literal["long", "short", "equal"] = choice(
+    top_row: str = choice(
         "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
         "one, or all rows have n",
         ROWS,
@@ -152,7 +131,7 @@ class PackingSection:
     period: tuple[float, float] | None = custom(
         'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
         "has one",
-        _parse_period,
+        numbers(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
         unit="m",
         default=None,
         usual=LENGTH,
@@ -174,7 +153,7 @@ class PackingSection:
         default=0.0,
         usual=Usual(1e-12, 0.1, ("mm", "um")),
     )
-    scatter_distribution: Literal["uniform", "normal"] = choice(
+    scatter_distribution: str = choice(
         "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
         ("uniform", "normal"),
         default="uniform",
@@ -185,10 +164,14 @@ class PackingSection:
     tilt: tuple[int, int] | None = custom(
         "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
         "they lean on each other; left out: they stay at the sites of the lattice",
-        _parse_tilt,
+        lambda value: tuple(map(int, _BOTH_WAYS(value))),
         default=None,
     )
-    seed: int | None = custom("seed of all that is random in the packing", _parse_seed, default=None)
+    seed: int | None = custom(
+        "seed of all that is random in the packing",
+        lambda value: whole(value, f"a whole number from 0 to {LARGEST_ID}", at_least=0),
+        default=None,
+    )
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
@@ -249,7 +232,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         errors.add("packing.file", "found beside packing.grains; give one of them")
     if len(errors.lines) > before:
         return None
-    if "cell" not in table and "file" in table and (cell := _cell_of(table["file"])):
+    if "cell" not in table and "file" in table and (cell := read_cell(Path(table["file"]))):
         rest["cell"] = cell
     # The rest is read with stand-ins for what follows from the grains.
     section = read_table(PackingSection, {"diameter": 1e-3, **rest, "size": 1}, "packing", errors)
@@ -257,14 +240,6 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
-
-
-def check_cell(packing: PackingSection, errors: ErrorList) -> None:
-    """Refuse a cell of a lattice, which has its own."""
-    if packing.cell is not None and packing.kind != FILE:
-        errors.add(
-            "packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; found {show(packing.kind)} alone'
-        )
 
 
 def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSection | None:
@@ -309,9 +284,32 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     return None
 
 
-def _cell_of(name: str) -> list[list[float]]:
-    """Return the periods that a file of ASE gives; empty if it gives none."""
-    try:
-        return read_cell(Path(name))
-    except (OSError, ValueError):  # reported with the grains
-        return []
+_KEY = "packing.size"
+
+
+def check_size(packing: PackingSection, errors: ErrorList) -> bool:
+    """Check that a packing has a size of its kind; return True if it has, or if its grains come from a file."""
+    axes = kind_of(packing.kind).axes
+    if packing.grains is not None:
+        return True
+    if len(packing.size) != len(axes):
+        form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+        errors.add(_KEY, f"found {show(packing.size)}, expected {form} for {packing.kind}")
+        return False
+    if is_plane_crystal(packing.kind) and packing.top_row != "equal" and packing.size[0] <= 1:
+        errors.add(_KEY, f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row")
+        return False
+    return True
+
+
+def check_memory_of_sites(packing: PackingSection, n_sites: int, bytes_of_site: float, errors: ErrorList) -> bool:
+    """Check that the memory suffices for arrays over so many sites of a lattice; return True if it does."""
+    needed, available = n_sites * bytes_of_site, available_memory()
+    if needed <= available:
+        return True
+    errors.add(
+        _KEY,
+        f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB of "
+        f"memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
+    )
+    return False

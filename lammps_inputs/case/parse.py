@@ -1,18 +1,21 @@
-"""Tables of a case file to the fields of `Case`, with all faults."""
+"""Tables of a case file to the fields of `Case`, with all faults, and overrides from the command line or a scan."""
 
 from __future__ import annotations
 
+import copy
 import dataclasses
-from collections.abc import Callable, Collection, Mapping
+import re
+import tomllib
+from collections.abc import Callable, Collection, Iterable, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
 from granwave.lammps_inputs.case.bodies import Bar, read_body, read_list
-from granwave.lammps_inputs.case.boundary import Boundary, Tube
-from granwave.lammps_inputs.case.case import RECORD
-from granwave.lammps_inputs.case.contact_pairs import read_pairs
-from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression, Tube, read_bottom
+from granwave.lammps_inputs.case.case import BARS, GRAINS, KNOWN, LISTS, PRECOMPRESSION, RECORD, SECTIONS, WALL_KEYS
+from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
@@ -21,19 +24,127 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
-from granwave.lammps_inputs.case.packing import PackingSection, check_cell, read_packing
-from granwave.lammps_inputs.case.precompression import Precompression
+from granwave.lammps_inputs.case.packing import PackingSection, read_packing
+from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import ErrorList, read_name, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.supports import read_bottom
-from granwave.lammps_inputs.case.tables import BARS, GRAINS, KNOWN, LISTS, PRECOMPRESSION, SECTIONS, WALL_KEYS
-from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import with_absolute_paths
+from granwave.lammps_inputs.lattices import FILE
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
+_BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
+_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+
+
+def parse_override(override: str) -> tuple[str, Any]:
+    """Split ``KEY=VALUE`` into the dotted key and the value.
+
+    Raises
+    ------
+    InputError
+        There is no ``=``, the key is not a dotted path, or the value is neither TOML nor a bare word.
+    """
+    key, equals, written = (part.strip() for part in override.partition("="))
+    if not equals or not _KEY.fullmatch(key):
+        raise InputError(f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10")
+    try:
+        document = tomllib.loads(f"value = {written}")
+    except tomllib.TOMLDecodeError:
+        document = {}
+    if list(document) == ["value"]:
+        return key, document["value"]
+    if _BARE_WORD.fullmatch(written):
+        return key, written
+    hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
+    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}")
+
+
+def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
+    """Parse overrides into a mapping of dotted keys to values; all errors are raised at once.
+
+    Relative paths in them start from the working directory.
+    """
+    if isinstance(overrides, Mapping):
+        return dict(with_absolute_paths(overrides, Path()))
+    if isinstance(overrides, str):
+        overrides = [overrides]
+    parsed: dict[str, Any] = {}
+    errors: list[str] = []
+    for override in overrides:
+        try:
+            key, value = parse_override(override)
+        except InputError as error:
+            errors += error.errors
+        else:
+            parsed.pop(key, None)  # the last override of a key counts, and is applied last
+            parsed[key] = value
+    if errors:
+        raise InputError(errors)
+    return dict(with_absolute_paths(parsed, Path()))
+
+
+def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a copy of the case ``data`` with ``overrides`` (dotted key to value) applied.
+
+    Raises
+    ------
+    InputError
+        Part of a dotted key names a value that is not a table.
+    """
+    result = copy.deepcopy(dict(data))
+    errors: list[str] = []
+    for key, value in overrides.items():
+        *path, last = key.split(".")
+        table = result
+        for name, following in pairwise([*path, last]):
+            if following.isdigit() and name not in table:
+                errors.append(
+                    f"--set: {key}: found no [[{name}]] tables, expected {following} or more; give them whole"
+                )
+                break
+            inner = table.setdefault(name, {})
+            if name == "material" and isinstance(inner, str):
+                inner = table[name] = {"preset": inner}
+            if isinstance(inner, list) and following.isdigit():
+                inner = table[name] = _Numbered(inner)
+            if not isinstance(inner, dict):
+                errors.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
+                break
+            if isinstance(inner, _Numbered) and following not in inner:
+                errors.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
+                break
+            table = inner
+        else:
+            table[last] = copy.deepcopy(value)
+    if errors:
+        raise InputError(errors)
+    return _with_lists(result)
+
+
+class _Numbered(dict[str, Any]):
+    """An array of tables as a mapping from the number of an entry, from 1, as in dotted keys."""
+
+    def __init__(self, entries: list[Any]) -> None:
+        super().__init__({str(n): entry for n, entry in enumerate(entries, start=1)})
+
+
+def _with_lists(value: Any) -> Any:
+    if isinstance(value, _Numbered):
+        return [_with_lists(item) for item in value.values()]
+    if isinstance(value, dict):
+        return {name: _with_lists(item) for name, item in value.items()}
+    return value
+
+
 _REQUIRED = ("packing", "material")
 
-_OF_CONTINUUM = ("block", "punch", "sphere", "partner")
-_OF_SCAN = ("replicates", "ranks", "case", "set", "grid", "zip", "points")
+_OF_OTHERS = {  # tables of other files
+    **dict.fromkeys(("block", "punch", "sphere", "partner"), "belongs to a continuum case: granwave continuum runs it"),
+    **dict.fromkeys(
+        ("replicates", "ranks", "case", "set", "grid", "zip", "points"), "belongs in a scan file: granwave scan runs it"
+    ),
+}
 
 
 def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
@@ -49,7 +160,11 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     dict
         Fields of `Case` by name; None for those that are wrong.
     """
-    _refuse_others(data, errors)
+    for name in (one for one in _OF_OTHERS if one in data):
+        errors.add_unknown(name, _OF_OTHERS[name])
+    refuse_unknown(
+        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)}, KNOWN, "", errors
+    )
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
@@ -70,8 +185,9 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
         periodic = boundary is not None and boundary.sides == "periodic"
         packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
         parts[MATERIALS] = tuple(materials.values())
-    if packing is not None:
-        check_cell(packing, errors)
+    if packing is not None and packing.cell is not None and packing.kind != FILE:  # a lattice has its own
+        found = f"found {show(packing.kind)} alone"
+        errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
     if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
         parts["load"] = Load(kind="grains")
     return parts
@@ -142,17 +258,17 @@ def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> An
         return read_packing(table, errors)
     if section is not Boundary or not isinstance(table, Mapping):
         return read_table(section, table, name, errors)
-    before, plain = len(errors.lines), dict(table)
+    before = len(errors.lines)
     read: dict[str, Any] = {}
-    for key in WALL_KEYS:
-        if not isinstance(table.get(key), Mapping):
-            continue
-        plain[key] = "wall"
-        if key == "bottom":
-            read["bottom_material"], read["bottom_support"] = read_bottom(table[key], f"boundary.{key}", errors)
-        else:
-            read[f"{key}_material"], read[f"{key}_tube"] = _read_sides(table[key], f"boundary.{key}", errors)
-    boundary = read_table(Boundary, plain, name, errors)
+    readers: dict[str, tuple[Callable[..., Any], str]] = {
+        "bottom": (read_bottom, "support"),
+        "sides": (_read_sides, "tube"),
+    }
+    walls = {key: table[key] for key in WALL_KEYS if isinstance(table.get(key), Mapping)}
+    for key, wall in walls.items():
+        reader, what = readers[key]
+        read[f"{key}_material"], read[f"{key}_{what}"] = reader(wall, f"boundary.{key}", errors)
+    boundary = read_table(Boundary, {**table, **dict.fromkeys(walls, "wall")}, name, errors)
     if boundary is None or len(errors.lines) > before:
         return None
     return dataclasses.replace(boundary, **read)
@@ -179,10 +295,9 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     packing, strikers = data.get("packing"), data.get("striker")
     if isinstance(packing, Mapping) and isinstance(strikers, list | tuple) and packing.get("shape") == "cylinder":
         axis = packing.get("axis", "z" if packing.get("kind") == "square" else None)  # rows of a square are along y
+        implied = {} if axis is None else {"axis": axis}
         data["striker"] = [
-            {**one, "axis": axis}
-            if axis is not None and isinstance(one, Mapping) and one.get("shape") == "cylinder" and "axis" not in one
-            else one
+            implied | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
             for one in strikers
         ]
     boundary = data.get("boundary", {})
@@ -192,15 +307,3 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(figures, Mapping) and isinstance(run, Mapping) and figures.get("film", "none") != "none":
         data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data
-
-
-def _refuse_others(data: Mapping[str, Any], errors: ErrorList) -> None:
-    for name in _OF_CONTINUUM:
-        if name in data:
-            errors.add_unknown(name, "belongs to a continuum case: granwave continuum runs it")
-    for name in _OF_SCAN:
-        if name in data:
-            errors.add_unknown(name, "belongs in a scan file: granwave scan runs it")
-    others = (*_OF_CONTINUUM, *_OF_SCAN, RECORD)
-    rest = {name: value for name, value in data.items() if name not in others}
-    refuse_unknown(rest, KNOWN, "", errors)

@@ -1,22 +1,31 @@
-"""``[run]``: end time, timestep and snapshots."""
+"""``[run]``, ``[output]`` and ``[figures]``: times of a run, records besides its snapshots, and what is drawn of it."""
 
 from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
 
+from granwave.lammps_inputs.case.hints import INTERVAL, TIME
 from granwave.lammps_inputs.case.schema import (
     NO_LIMIT,
+    ErrorList,
     ValidationError,
+    choice,
     custom,
+    did_you_mean,
     finite,
     number,
+    numbers,
+    or_word,
+    parse_point,
     positive_or_auto,
+    read_table,
+    show,
     whole,
 )
-from granwave.lammps_inputs.case.si_values import INTERVAL, TIME
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -52,16 +61,14 @@ def parse_share(text: str, expected: str) -> float:
 class Run:
     """``[run]``: end time, timestep and snapshots."""
 
-    end_time: float | Literal["auto"] = positive_or_auto(
+    end_time: float | str = positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
         unit="s",
         usual=TIME,
         default=1e-3,
     )
-    timestep: float | Literal["auto"] = positive_or_auto(
-        "auto: follows the error of the energy balance; a number: all steps are that long",
-        unit="s",
-        usual=INTERVAL,
+    timestep: float | str = positive_or_auto(
+        "auto: follows the error of the energy balance; a number: all steps are that long", unit="s", usual=INTERVAL
     )
     energy_tolerance: float = number(
         "largest error of the energy balance, over the input, that an automatic timestep aims at",
@@ -69,12 +76,12 @@ class Run:
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
-    smallest_timestep: float | Literal["auto"] = positive_or_auto(
+    smallest_timestep: float | str = positive_or_auto(
         "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
     )
-    largest_timestep: float | Literal["auto"] = positive_or_auto(
+    largest_timestep: float | str = positive_or_auto(
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         unit="s",
         usual=INTERVAL,
@@ -101,3 +108,224 @@ class Run:
     def longest(self) -> float:
         """Latest time that the run can reach, s."""
         return AUTO_END_TIME if isinstance(self.end_time, str) else self.end_time
+
+
+_PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
+
+
+def _parse_parts(value: Any) -> bool | str:
+    if value == "auto" or isinstance(value, bool):
+        return value
+    raise ValidationError('true, false or "auto"')
+
+
+def _parse_probes(value: Any) -> tuple[Probe, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(one, Mapping) and len(one) == 1 for one in value):
+        raise ValidationError(_PROBE_FORM)
+    probes, expected = [], f"{_PROBE_FORM} with ids from 1 up"
+    for what, which in (item for one in value for item in one.items()):
+        if what == "sphere":
+            probes.append(Probe(sphere=whole(which, expected)))
+        elif what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
+            first, second = (whole(sphere, expected) for sphere in which)
+            probes.append(Probe(contact=(first, second)))
+        else:
+            raise ValidationError(_PROBE_FORM)
+    return tuple(probes)
+
+
+@dataclasses.dataclass(frozen=True)
+class Probe:
+    """Probe of one sphere or of the contact of two, recorded at its own rate."""
+
+    sphere: int | None = None
+    contact: tuple[int, int] | None = None
+
+    @property
+    def spheres(self) -> tuple[int, ...]:
+        """Ids of its sphere or spheres."""
+        return self.contact if self.contact is not None else (self.sphere or 0,)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Output:
+    """``[output]``: form of the snapshots, and records besides snapshots and energies."""
+
+    dump_format: str = choice(
+        "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
+        ("binary", "text"),
+        default="binary",
+    )
+    probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
+    probe_interval: float | str = positive_or_auto(
+        "time between records of probes and walls; auto: five timesteps", unit="s", usual=INTERVAL
+    )
+    history: int | Literal["auto"] = custom(
+        "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
+        "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
+        or_word("auto", lambda value: whole(value, 'a whole number from 0 up or "auto"', at_least=0, at_most=NO_LIMIT)),
+        default="auto",
+    )
+    contact_forces: bool = choice(
+        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer, and "
+        "run.contact_forces in Python",
+        (False, True),
+        default=False,
+    )
+    parts: bool | Literal["auto"] = custom(
+        "files of snapshots and contacts, one from each rank instead of one from all; auto: from 10 million spheres on",
+        _parse_parts,
+        default="auto",
+    )
+
+
+#: Names of the figures of a run, in the order of reports; `granwave.analysis.figures.run_figures` draws them.
+FIGURE_NAMES = (
+    "peak_force_principal", "peak_force_orthogonal", "peak_force_section", "peak_force_depth",
+    "dissipation_principal", "dissipation_orthogonal", "dissipation_section",
+    "dissipation_parts_principal", "dissipation_parts_orthogonal", "dissipation_parts_section",
+    "dents_principal", "dents_orthogonal", "dents_section",
+    "dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size",
+    "energies", "timestep", "bottom_force", "target", "impactor_velocity",
+    "packing_3d", "packing_3d_dissipation", "probes", "wave_front",
+    "force_map", "force_histories", "along_chain", "bead_velocities", "transmission", "amplitude_sweep", "bars",
+    "sensors", "line_speeds", "line_decay", "accelerations", "directions",
+)  # fmt: skip
+FORMATS = ("pdf", "svg")  # of figures, besides PNG
+FILM_FORMATS = ("mp4", "gif", "webp")
+COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
+FRAMES_OF_A_FILM = 60  # default of `run.frames` where a film is asked for: ten seconds at six pictures a second
+_LIMITS = numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+@dataclasses.dataclass(frozen=True)
+class CutPlane:
+    """A plane through a packing.
+
+    Attributes
+    ----------
+    normal
+        Its normal, of any length but 0.
+    through
+        A point of it, m; None: the centre of the struck sphere.
+    """
+
+    normal: tuple[float, float, float]
+    through: tuple[float, float, float] | None = None
+
+
+def _parse_only(value: Any) -> tuple[str, ...]:
+    expected = 'a list of names of figures, as ["energies", "packing_3d"]'
+    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
+        raise ValidationError(expected)
+    for name in value:
+        if name not in FIGURE_NAMES:
+            hint = did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
+            raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
+    return tuple(dict.fromkeys(value))
+
+
+def _parse_plane(value: Any) -> CutPlane:
+    expected = (
+        '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
+        "with a point in m"
+    )
+    if isinstance(value, str) and value in _AXES:
+        return CutPlane(_AXES[value])
+    if not isinstance(value, Mapping) or "normal" not in value or not set(value) <= {"normal", "through"}:
+        raise ValidationError(expected)
+    normal = parse_point(value["normal"], expected)
+    if not any(normal):
+        raise ValidationError("a normal that is not [0, 0, 0]")
+    return CutPlane(normal, parse_point(value["through"], expected) if "through" in value else None)
+
+
+def _parse_colour_map(value: Any) -> str:
+    expected = 'the name of a colour map of matplotlib, as "viridis"'
+    if not isinstance(value, str):
+        raise ValidationError(expected)
+    from matplotlib import colormaps  # takes longer to load than most commands need
+
+    if value not in colormaps:
+        raise ValidationError(expected + did_you_mean(value, colormaps, cutoff=0.5))
+    return value
+
+
+def _parse_formats(value: Any) -> tuple[str, ...]:
+    expected = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
+    names = value if isinstance(value, list | tuple) else [value]
+    if not all(isinstance(name, str) for name in names):
+        raise ValidationError(expected)
+    if unknown := [name for name in names if name not in (*FORMATS, "png")]:
+        raise ValidationError(expected + did_you_mean(unknown[0], FORMATS))
+    return tuple(name for name in FORMATS if name in names)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Figures:
+    """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
+
+    only: tuple[str, ...] = custom("names of the figures to draw; all that apply by default", _parse_only, default=())
+    plane: CutPlane | None = custom(  # noqa: RUF009
+        "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",
+        _parse_plane,
+        default=None,
+    )
+    colour_map: str | None = custom(
+        "colour map of sections, cut packings, maps, films and pages; by default viridis for forces and velocities, "
+        "inferno for dissipation, cividis for dents",
+        _parse_colour_map,
+        default=None,
+    )
+    force_limits: tuple[float, float] | None = custom(
+        "ends of the colour scale of forces, over the force at first yield, or over the largest force where nothing "
+        "yields; by default they fit the values",
+        _LIMITS,
+        default=None,
+    )
+    dissipation_limits: tuple[float, float] | None = custom(
+        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default", _LIMITS, default=None
+    )
+    width: float = number(
+        "width of a figure of one column; wider ones grow in proportion, texts stay as they are",
+        unit="m",
+        at_least=0.05,
+        at_most=0.5,
+        default=COLUMN,
+    )
+    formats: tuple[str, ...] = custom(
+        "files of each figure besides the PNG and the CSV of its data; each form adds to the time of drawing",
+        _parse_formats,
+        default=("pdf",),
+    )
+    film: str = choice(
+        f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "
+        "where it is not given",
+        ("none", *FILM_FORMATS),
+        default="none",
+    )
+    view: bool = choice(
+        "a page to turn and cut the packing in a browser, view.html, made with the figures", (True, False),
+        default=False,
+    )  # fmt: skip
+
+
+def read_figures(table: Any, source: str) -> Figures:
+    """Read a table ``[figures]`` alone.
+
+    Parameters
+    ----------
+    source
+        Name of its file in messages.
+
+    Raises
+    ------
+    InputError
+        A key is wrong; the message lists all faults.
+    """
+    errors = ErrorList(source)
+    found = read_table(Figures, table, "figures", errors)
+    errors.report(source)
+    assert found is not None  # it is None only with errors
+    return found

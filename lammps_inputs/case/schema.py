@@ -1,8 +1,9 @@
 """Schema of TOML tables: types and bounds of their keys, and reading a table into a typed section.
 
 A section is a frozen dataclass whose fields are made by the functions below. The metadata of each field holds its
-``description``, its ``unit``, and the ``parse`` function that converts a TOML value to the value of the field or raises
-`ValidationError`. `read_table` applies them and collects all faults instead of stopping at the first.
+``description``, its ``unit``, its ``options`` if it is one of some words, and the ``parse`` function that converts a
+TOML value to the value of the field or raises `ValidationError`. `read_table` applies them and collects all faults
+instead of stopping at the first.
 """
 
 from __future__ import annotations
@@ -11,12 +12,11 @@ import dataclasses
 import difflib
 import logging
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from granwave.lammps_inputs.case.hints import hint_for
-from granwave.lammps_inputs.case.si_values import Usual, impossible, unusual
+from granwave.lammps_inputs.case.hints import Usual, hint_for, impossible, unusual
 from granwave.lammps_inputs.errors import InputError
 
 Section = TypeVar("Section")
@@ -66,6 +66,18 @@ class ErrorList:
         source = "--set" if any(name in self.overridden for name in top_down) else self.source
         self.lines.append(" ".join(f"{source}: {_cut(key)}: {message}".split()))
 
+    def check(self, *rows: tuple[object, str, str]) -> None:
+        """Add the errors of rows whose first entry is true: condition, key and message."""
+        for wrong, key, message in rows:
+            if wrong:
+                self.add(key, message)
+
+    def check_first(self, *rows: tuple[object, str, str]) -> bool:
+        """Add the error of the first row whose first entry is true; return True if there is none."""
+        found = next((row for row in rows if row[0]), None)
+        self.check(*([found] if found else []))
+        return found is None
+
     def add_unknown(self, key: str, message: str) -> None:
         """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
@@ -110,7 +122,7 @@ def number(
             raise ValidationError(expected)
         return result
 
-    return _field(description, unit, default, parse, usual)
+    return _field(description, unit, default, parse, usual, (word,) if word else None)
 
 
 def positive_or_auto(description: str, *, unit: str, usual: Usual, default: float | str = "auto") -> Any:
@@ -124,11 +136,16 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
 
     def parse(value: Any) -> Any:
         if value not in options or type(value) is not type(options[0]):
-            near = difflib.get_close_matches(str(value).lower(), map(str, options), n=1)
-            raise ValidationError(expected + (f"; did you mean {near[0]}?" if near else ""))
+            raise ValidationError(expected + did_you_mean(value, map(str, options)))
         return value
 
-    return _field(description, None, default, parse)
+    return _field(description, None, default, parse, options=options)
+
+
+def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """Return a hint at the known word most like another one; empty if none is like it."""
+    near = difflib.get_close_matches(str(word).lower(), list(known), n=1, cutoff=cutoff)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def text(description: str, *, default: Any = REQUIRED) -> Any:
@@ -155,12 +172,7 @@ def parse_label(value: Any) -> str:
 
 
 def custom(
-    description: str,
-    parse: Parse,
-    *,
-    unit: str | None = None,
-    default: Any = REQUIRED,
-    usual: Usual | None = None,
+    description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED, usual: Usual | None = None
 ) -> Any:
     """Field of a value with its own ``parse`` function; numbers outside ``usual`` give a warning."""
     return _field(description, unit, default, parse, usual)
@@ -194,23 +206,40 @@ def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_mo
     return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
 
 
+def numbers(n: int, expected: str, fits: Callable[..., bool] = lambda *_: True, otherwise: str = "") -> Parse:
+    """Make the parser of a list of ``n`` numbers that ``fits`` accepts.
+
+    Parameters
+    ----------
+    otherwise
+        What was expected of numbers that do not fit; ``expected`` by default.
+    """
+
+    def parse(value: Any) -> tuple[float, ...]:
+        if not isinstance(value, list | tuple) or len(value) != n:
+            raise ValidationError(expected)
+        found = tuple(finite(one, expected) for one in value)
+        if not fits(*found):
+            raise ValidationError(otherwise or expected)
+        return found
+
+    return parse
+
+
 def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
     """Convert ``value`` to three numbers; raise `ValidationError` with what was ``expected``."""
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise ValidationError(expected)
-    x, y, z = (finite(one, expected) for one in value)
+    x, y, z = numbers(3, expected)(value)
     return x, y, z
+
+
+def or_word(word: str, parse: Parse) -> Parse:
+    """Make a parser that accepts a word beside what ``parse`` accepts."""
+    return lambda value: value if value == word else parse(value)
 
 
 def vector(description: str, *, unit: str, usual: Usual | None = None) -> Any:
     """Field of three numbers, zero by default; magnitudes outside ``usual`` give a warning."""
-    return custom(
-        description,
-        lambda value: parse_point(value, f"[x, y, z] in {unit}"),
-        unit=unit,
-        default=(0.0, 0.0, 0.0),
-        usual=usual,
-    )
+    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit}"), usual)
 
 
 def plain_name(value: Any) -> str:
@@ -259,7 +288,13 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
+def read_table(
+    section: type[Section],
+    table: Any,
+    prefix: str,
+    errors: ErrorList,
+    nested: Mapping[str, Callable[[Any, ErrorList, str], Any]] | None = None,
+) -> Section | None:
     """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
     Fields that are not made by the functions above keep their defaults.
@@ -268,14 +303,19 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
     ----------
     prefix
         Dotted name of the table, as in the file; empty for the top level.
+    nested
+        Readers of tables in it, by key; they add faults themselves, and return None with any.
     """
     if not isinstance(table, Mapping):
         errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
     before = len(errors.lines)
+    values = {
+        name: read(table[name], errors, f"{prefix}.{name}") for name, read in (nested or {}).items() if name in table
+    }
+    table = {name: value for name, value in table.items() if name not in values}
     fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
     refuse_unknown(table, list(fields), prefix, errors)
-    values: dict[str, Any] = {}
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]
@@ -323,6 +363,34 @@ def keys_of(sections: Mapping[str, type]) -> list[str]:
     ]
 
 
-def _field(description: str, unit: str | None, default: Any, parse: Parse, usual: Usual | None = None) -> Any:
-    metadata = {"description": description, "unit": unit, "parse": parse, "usual": usual}
+def _field(
+    description: str,
+    unit: str | None,
+    default: Any,
+    parse: Parse,
+    usual: Usual | None = None,
+    options: tuple[Any, ...] | None = None,
+) -> Any:
+    metadata = {"description": description, "unit": unit, "parse": parse, "usual": usual, "options": options}
     return dataclasses.field(default=default, metadata=metadata)
+
+
+_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
+_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
+
+
+def parse_index(value: Any) -> tuple[int, ...]:
+    """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
+    if isinstance(value, Mapping):
+        if set(value) - {"step"} != {"first", "last"}:
+            raise ValidationError(_INDEX_FORM)
+        first, last, step = (whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step"))
+        if last < first:
+            raise ValidationError(f"{_INDEX_FORM}, the last not before the first")
+        if (last - first) // step >= _MOST_IDS:
+            raise ValidationError(f"at most {_MOST_IDS} ids; take a box from low to high for more")
+        return tuple(range(first, last + 1, step))
+    ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
+    if not ids:
+        raise ValidationError(_INDEX_FORM)
+    return ids

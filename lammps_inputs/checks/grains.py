@@ -1,31 +1,29 @@
-"""Checks of grains at places of their own, of grains that are held, and of loads on chosen grains."""
+"""Checks of grains at places of their own, of held grains, of loads on chosen grains, and of lines."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from itertools import combinations
+from typing import Any
 
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Hold
-from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.shape import Shape
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.assembly import lattice_of
+from granwave.lammps_inputs.packing.assembly import Assembly, lattice_of
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
+from granwave.lammps_inputs.packing.motion import line_ids
 from granwave.lammps_inputs.packing.places import Places, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.grains import Grains
 
 _PLACED = (
     ": packing.grains",
@@ -78,34 +76,38 @@ def check_grains(parts: Mapping[str, Any], packing: PackingSection, errors: Erro
 
 def check_cylinders(case: Case, errors: ErrorList) -> None:
     """Check that nothing is asked of cylinders that only spheres have, and that they lie along or across walls."""
-    shapes = lattice_shapes(case)
+    packed = case.packing.grains
+    shapes = [case.packing.of_grain] if packed is None else list(dict.fromkeys(packed.shape))
     if not any(shapes):
         return
-    if case.boundary.sides_tube is not None:
-        errors.add("boundary.sides.tube", "found with cylinders; a tube holds spheres")
-    for name in ("bar", "incident_bar"):
-        if getattr(case, name) is not None:
-            errors.add(name, "found with cylinders; a bar touches spheres")
-    if case.packing.tilt is not None:
-        errors.add("packing.tilt", "found with cylinders; they do not roll on a tilted floor")
-    given = case.contact.initial_overlap
-    if given and not isinstance(given, str):
-        errors.add("contact.initial_overlap", "found with cylinders, expected the path of an earlier run's result.h5")
+    given, path = case.contact.initial_overlap, "the path of an earlier run's result.h5"
+    errors.check(
+        (case.boundary.sides_tube, "boundary.sides.tube", "found with cylinders; a tube holds spheres"),
+        (case.bar, "bar", "found with cylinders; a bar touches spheres"),
+        (case.incident_bar, "incident_bar", "found with cylinders; a bar touches spheres"),
+        (case.packing.tilt, "packing.tilt", "found with cylinders; they do not roll on a tilted floor"),
+        (given and not isinstance(given, str), "contact.initial_overlap", f"found with cylinders, expected {path}"),
+    )
     planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (case.boundary.bottom == "wall")
     for shape in shapes:
         for letter in planes if shape is not None else ():
             along = abs(shape.axis["xyz".index(letter)])  # type: ignore[union-attr]
             if _OBLIQUE < along < 1 - _OBLIQUE:
-                fault = (
-                    f"found cylinders along {show(list(shape.axis))}, "  # type: ignore[union-attr]
-                    f"oblique to the wall across {letter}; expected an axis along it or normal to it"
-                )
-                if (grains := case.packing.grains) is None:
+                fault = f"oblique to the wall across {letter}; expected an axis along it or normal to it"
+                fault = f"found cylinders along {show(list(shape.axis))}, {fault}"  # type: ignore[union-attr]
+                if packed is None:
                     errors.add("packing.axis", fault)
                 else:
-                    _add(errors, grains, _first_of(grains, shape), fault)
-    if case.packing.grains is not None:
-        _check_crossings(case.packing.grains, shapes, errors)
+                    _add(errors, packed, [packed.shape.index(shape) + 1], fault)
+    cylinders = [one for one in shapes if one is not None]
+    for one, other in combinations(cylinders, 2) if packed is not None else ():
+        if cylinder_pair(one, other).nearly_parallel:
+            fault = (
+                f"found cylinders along {show(list(one.axis))} and {show(list(other.axis))}, which are nearly parallel"
+            )
+            fault += "; expected parallel axes, or axes at 1 degree or more"
+            _add(errors, packed, [packed.shape.index(other) + 1], fault)  # type: ignore[union-attr, arg-type]
+            return
 
 
 def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], message: str) -> None:
@@ -114,30 +116,11 @@ def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], message: str) ->
     errors.add(key, f"{grains.file}: {message}" if key == "packing.file" else message)
 
 
-def _first_of(grains: Grains, shape: Shape) -> list[int]:
-    """Return the id of the first grain of a shape."""
-    return [grains.shape.index(shape) + 1]
-
-
-def lattice_shapes(case: Case) -> list[Shape]:
-    """Return the shapes of the grains of a case, each once."""
-    grains = case.packing.grains
-    return [case.packing.of_grain] if grains is None else list(dict.fromkeys(grains.shape))
-
-
-def _check_crossings(grains: Grains, shapes: list[Shape], errors: ErrorList) -> None:
-    cylinders = [one for one in shapes if one is not None]
-    for n, one in enumerate(cylinders):
-        for other in cylinders[n + 1 :]:
-            if cylinder_pair(one, other).nearly_parallel:
-                _add(
-                    errors,
-                    grains,
-                    _first_of(grains, other),
-                    f"found cylinders along {show(list(one.axis))} and {show(list(other.axis))}, which are nearly "
-                    "parallel; expected parallel axes, or axes at 1 degree or more",
-                )
-                return
+def _add_pair(errors: ErrorList, grains: Grains, pair: Sequence[int], message: str, n_pairs: int = 1) -> None:
+    """Add an error of two grains; ``{}`` in the message stands for the number of more such pairs."""
+    more = f" (and {n_pairs - 1} more pairs)" if n_pairs > 1 else ""
+    first, second = map(grains.called, pair)
+    _add(errors, grains, pair, f"found grains {first} and {second}{message.format(more)}")
 
 
 def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
@@ -146,16 +129,10 @@ def _check_ends(places: Places, errors: ErrorList) -> list[tuple[int, int]]:
         return []
     pairs = end_contacts(places.grains, TOUCHING * places.diameter)
     if pairs:
-        first, second = pairs[0]
-        more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-        _add(
-            errors,
-            places.grains,
-            (first, second),
-            f"found grains {places.grains.called(first)} and {places.grains.called(second)}, which touch at the end "
-            f"of a cylinder{more}; its side has a law, "
-            "its end none: move them apart, or make the cylinder longer",
+        text = (
+            ", which touch at the end of a cylinder{}; its side has a law, its end none: move them apart, or make the "
         )
+        _add_pair(errors, places.grains, pairs[0], f"{text}cylinder longer", len(pairs))
     return pairs
 
 
@@ -171,13 +148,13 @@ def check_chosen(
     n
         Number of spheres of the packing, without strikers.
     """
-    struck = set(load.index or ()) if load is not None else set()
-    for sphere in sorted(struck):
-        if sphere > n:
-            errors.add("load.index", f"found {sphere}, expected an id from 1 to {n}, the end of the packing")
-            break
-    if load is not None and load.kind == "grains" and packing.grains is None:
-        errors.add("load.kind", f'found "grains" with packing.kind = {show(packing.kind)}, expected it with "file"')
+    beyond = sorted(one for one in (load.index or () if load is not None else ()) if one > n)
+    errors.check(
+        *((True, "load.index", f"found {one}, expected an id from 1 to {n}, the end of the packing")
+          for one in beyond[:1]),
+        (load is not None and load.kind == "grains" and packing.grains is None, "load.kind",
+         f'found "grains" with packing.kind = {show(packing.kind)}, expected it with "file"'),
+    )  # fmt: skip
     for key, hold in holds.items():
         if (hold.index is None) == (hold.group is None):
             found = "both index and group" if hold.index else "neither index nor group"
@@ -197,30 +174,37 @@ def check_chosen(
             continue
         if not hold.axes and not hold.rotation:
             errors.add(key, "holds nothing; give directions, or rotation = true")
-        _check_motion(hold, held, packing.grains, key, errors)
+        if packing.grains is not None:
+            rows = np.array(held) - 1
+            moving = {letter: rows[packing.grains.velocity[rows, "xyz".index(letter)] != 0] for letter in hold.axes}
+            errors.check_first(
+                *((True, key, f"holds grain {grain[0] + 1} along {letter}, along which the file gives it a velocity")
+                  for letter, grain in moving.items() if len(grain)),
+            )  # fmt: skip
 
 
-def check_touched(case: Case, errors: ErrorList) -> None:
-    """Check that the side walls that act on some grains only find these, and that there are such walls."""
+def check_touched(case: Case, errors: ErrorList) -> bool:
+    """Check that the side walls that act on some grains only find these, and that there are such walls.
+
+    Return False if walls would act on no grain, so that they have no place.
+    """
     boundary, key = case.boundary, "boundary.sides_touch"
     if boundary.sides_touch is None or errors.lines:
-        return
+        return True
     if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
         errors.add(key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}')
-        return
+        return True
     grains = case.packing.grains
     groups = sorted(set(grains.group) - {""}) if grains is not None else []
     sites = sites_of(case, lattice_of(case))
-    used = [case.material] if sites is None else [sites.materials[kind] for kind in np.unique(sites.kind)]
+    used = [case.material] if sites is None else [sites.materials[k] for k in np.unique(sites.kind[sites.present])]
     materials = sorted({str(material.name) for material in used if material.name})
-    for what, names, known in (
-        ("material", boundary.sides_touch.material, materials),
-        ("group", boundary.sides_touch.group, groups),
-    ):
-        for name in names:
+    for what, known in (("material", materials), ("group", groups)):
+        for name in getattr(boundary.sides_touch, what):
             if name not in known:
                 there = f"one of {', '.join(map(show, known))}" if known else f"none: no grain has a {what}"
                 errors.add(f"{key}.{what}", f"found {show(name)}, expected {there}")
+    return bool(touched(case, sites, boundary.sides_touch).any())
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
@@ -245,51 +229,27 @@ def check_tube(case: Case, errors: ErrorList) -> None:
         )
 
 
-def _check_motion(hold: Hold, held: tuple[int, ...], grains: Grains | None, key: str, errors: ErrorList) -> None:
-    """Check that held grains of a file have no velocity in a direction in which they are held."""
-    if grains is None:
-        return
-    rows = np.array(held) - 1
-    for axis, letter in enumerate("xyz"):
-        moving = rows[grains.velocity[rows, axis] != 0]
-        if letter in hold.axes and len(moving):
-            errors.add(key, f"holds grain {moving[0] + 1} along {letter}, along which the file gives it a velocity")
-            return
-
-
 def _check_materials(parts: Mapping[str, Any], grains: Grains, errors: ErrorList) -> None:
     own: list[Material | None] = [parts.get("material"), *parts.get("materials", ())]
     known = {*presets(), *(one.name for one in own if one is not None)}
     for name in dict.fromkeys(grains.material):
         if name and name not in known:
             first = grains.material.index(name) + 1
-            _add(
-                errors,
-                grains,
-                [first],
-                f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
-                f"[materials.{name}]",
-            )
+            text = f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
+            _add(errors, grains, [first], f"{text}[materials.{name}]")
 
 
 def _check_period(packing: PackingSection, grains: Grains, errors: ErrorList) -> bool:
     """Check the periods along x and y of grains of a file."""
-    key, before = "packing.period", len(errors.lines)
-    if packing.period is None:
-        errors.add(
-            key,
-            'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
-            "cell is a box, periodic along x and y",
-        )
-        return False
-    least = _LEAST_PERIOD * float(grains.diameter.max())
-    for letter, period in zip("xy", packing.period, strict=True):
-        if period < least:
-            errors.add(
-                key,
-                f"found {period:g} m along {letter}, expected at least {least:g} m, {_LEAST_PERIOD:g} of the largest "
-                "diameters; repeat the grains",
-            )
+    before, least = len(errors.lines), _LEAST_PERIOD * float(grains.diameter.max())
+    errors.check(
+        (packing.period is None, "packing.period",
+         'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
+         "cell is a box, periodic along x and y"),
+        *((period < least, "packing.period",
+           f"found {period:g} m along {letter}, expected at least {least:g} m, {_LEAST_PERIOD:g} of the largest "
+           "diameters; repeat the grains") for letter, period in zip("xy", packing.period or (), strict=False)),
+    )  # fmt: skip
     return len(errors.lines) == before
 
 
@@ -313,28 +273,40 @@ def _check_overlaps(
         return
     grains, (first, second) = places.grains, pairs[0].tolist()
     if taken:
-        shared = 2 / (2 / places.grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
+        shared = 2 / (2 / grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
         worst = int(np.argmax(overlaps / shared))
-        if overlaps[worst] > LARGEST * shared[worst]:
-            first, second = pairs[worst].tolist()
-            _add(
-                errors,
-                grains,
-                (first, second),
-                f"found grains {grains.called(first)} and {grains.called(second)}, which overlap by "
-                f"{overlaps[worst]:.3g} m; as precompression "
-                f"expected at most {LARGEST * shared[worst]:.3g} m, {LARGEST} R*",
-            )
+        if overlaps[worst] > (most := LARGEST * shared[worst]):
+            text = f"as precompression expected at most {most:.3g} m, {LARGEST} R*"
+            _add_pair(errors, grains, pairs[worst].tolist(), f", which overlap by {overlaps[worst]:.3g} m; {text}")
         return
-    more = f" (and {len(pairs) - 1} more pairs)" if len(pairs) > 1 else ""
-    both = f"found grains {grains.called(first)} and {grains.called(second)}"
+    text = f", which overlap by {overlaps[0]:.3g} m{{}}; move them apart, or take that as a load: [precompression] "
+    text += 'kind = "overlaps"'
     if (grains.position[first - 1] == grains.position[second - 1]).all():
-        _add(errors, grains, (first, second), f"{both} at one place{more}; expected places of their own")
-    else:
-        _add(
-            errors,
-            grains,
-            (first, second),
-            f"{both}, which overlap by {overlaps[0]:.3g} m{more}; move them "
-            'apart, or take that as a load: [precompression] kind = "overlaps"',
-        )
+        text = " at one place{}; expected places of their own"
+    _add_pair(errors, grains, (first, second), text, len(pairs))
+
+
+def check_lines(assembly: Assembly, errors: ErrorList) -> None:
+    """Check names, ids and grains of the lines of a case."""
+    lines, last = assembly.case.line, assembly.last_sphere
+    for place, line in enumerate(lines, start=1):
+        key = f"line.{place}"
+        if line.name in [other.name for other in lines[: place - 1]]:
+            errors.add(f"{key}.name", f"found {show(line.name)} twice, expected a name of its own")
+        if line.index is not None and line.start is not None:
+            errors.add(f"{key}.index", "found beside start; give one of them")
+            continue
+        index = () if line.index is None or isinstance(line.index, str) else line.index
+        named = {"index": index, "start": () if line.start is None else (line.start,)}
+        strange = [(name, one) for name, ids in named.items() for one in ids if one > last]
+        vacant = [(name, one) for name, ids in named.items() for one in np.setdiff1d(ids, assembly.ids).tolist()]
+        fits = errors.check_first(
+            *((True, f"{key}.{name}", f"found {one}, expected ids from 1 to {last}") for name, one in strange),
+            *((True, f"{key}.{name}", f"found {one}, a vacant site; expected a grain that is there")
+              for name, one in vacant),
+            (len(set(index)) < len(index), f"{key}.index", f"found {show(list(index))}, expected each id once"),
+        )  # fmt: skip
+        if fits and (found := len(line_ids(assembly, line))) < 2:
+            text = f"found {found} grain{'' if found == 1 else 's'} along {show(list(line.direction))}"
+            hint = "give another direction or start, or the ids as index"
+            errors.add(key, f"{text}, expected two or more; {hint}")

@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
@@ -40,44 +39,37 @@ def check_precompression(
         errors.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
         return
     _check_size(stage, packing, errors)
-    if stage.takes_overlaps and packing.grains is None:
-        errors.add(
-            f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
-            f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
-            "[[grains]]): spheres of a lattice just touch",
-        )
+    chain, support = packing.kind == "chain", boundary.bottom_support
+    errors.check(
+        (stage.takes_overlaps and packing.grains is None,
+         f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
+         f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
+         "[[grains]]): spheres of a lattice just touch"),
+    )  # fmt: skip
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(stage, packing, boundary, errors)
             if (contact := parts.get("contact")) is not None and contact.line != "plane-strain":
                 _check_line_contacts(stage, packing, errors)
         return
-    if stage.kind == "uniform":
-        if packing.kind == "chain" or is_plane_crystal(packing.kind):
-            what = "a chain" if packing.kind == "chain" else packing.kind
-            errors.add(f"{_TABLE}.kind", f'found "uniform" for {what}, expected "uniaxial" with a force')
-        elif boundary.sides != "free" and boundary.bottom != "periodic" and packing.grains is None:
-            errors.add(
-                "boundary.sides",
-                f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
-                "the pressure is on the sides too",
-            )
-    elif boundary.bottom == "free" and packing.grains is None and not _both_ends(stage, packing):
-        errors.add("boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear')
-    if stage.kind == "uniaxial" and packing.kind == "square":
-        errors.add(f"{_TABLE}.kind", 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"')
-    support = boundary.bottom_support
-    if support is not None and not support.bears:
-        errors.add(
-            "boundary.bottom.bar.end",
-            f'found {show(support.bar.end if support.bar else "")} under a precompression, expected "fixed": '
-            "such a bar gives way to a load that lasts",
-        )
-
-
-def _both_ends(stage: Precompression, packing: PackingSection) -> bool:
-    """Return True if the load presses a chain from both ends, so that no bottom bears it."""
-    return packing.kind == "chain" and stage.kind == "uniaxial"
+    uniform, lattice = stage.kind == "uniform", packing.grains is None
+    flat = uniform and (chain or is_plane_crystal(packing.kind))
+    end = support.bar.end if support is not None and support.bar else ""
+    errors.check(
+        (flat, f"{_TABLE}.kind",
+         f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
+        (uniform and not flat and boundary.sides != "free" and boundary.bottom != "periodic" and lattice,
+         "boundary.sides",
+         f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
+         "the pressure is on the sides too"),
+        (not uniform and boundary.bottom == "free" and lattice and not (chain and stage.kind == "uniaxial"),
+         "boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear'),
+        (stage.kind == "uniaxial" and packing.kind == "square", f"{_TABLE}.kind",
+         'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
+        (support is not None and not support.bears, "boundary.bottom.bar.end",
+         f'found {show(end)} under a precompression, expected "fixed": '
+         "such a bar gives way to a load that lasts"),
+    )  # fmt: skip
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
@@ -97,9 +89,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     if stage.kind == "gravity":
         name, unit = "acceleration", "m/s^2"
     law, largest = sphere_contact(case), force_of_contact(assembly)
-    least = (
-        largest / assembly.lattice.shape[2] if stage.kind == "gravity" else largest
-    )  # of the contacts of the top layer
+    least = largest / (assembly.lattice.shape[2] if stage.kind == "gravity" else 1)  # on contacts of the top layer
     deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
     fault, force, limit = "", largest, deepest
     # contacts with initial dents stay elastic beyond first yield
@@ -149,22 +139,22 @@ def _spreads(assembly: Assembly) -> bool:
 def _check_moves(stage: Precompression, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
     """Check that there are walls to move, and that they do not move through the packing."""
     there = {"x": boundary.has_planes("x"), "y": boundary.has_planes("y"), "tube": boundary.sides_tube is not None}
+    most = LARGEST * packing.diameter / 2
     for name, distance in stage.moves.items():
-        if not there[name]:
-            errors.add(
-                f"{_TABLE}.{name}", f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"
-            )
-        elif name in stage.presses:
-            errors.add(f"{_TABLE}.{name}", f"found beside {name}_force; give one of them")
-        elif distance > LARGEST * packing.diameter / 2:
-            most = LARGEST * packing.diameter / 2
-            errors.add(f"{_TABLE}.{name}", f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii")
-    for name, force in stage.presses.items():
-        if not there[name]:
-            key = f"{_TABLE}.{name}_force"
-            errors.add(key, f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
-    if stage.kind == "walls" and not stage.moves and not stage.presses:
-        errors.add(_TABLE, 'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N')
+        errors.check_first(
+            (not there[name], f"{_TABLE}.{name}",
+             f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"),
+            (name in stage.presses, f"{_TABLE}.{name}", f"found beside {name}_force; give one of them"),
+            (distance > most, f"{_TABLE}.{name}",
+             f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii"),
+        )  # fmt: skip
+    errors.check(
+        *((not there[name], f"{_TABLE}.{name}_force",
+           f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
+          for name, force in stage.presses.items()),
+        (stage.kind == "walls" and not stage.moves and not stage.presses, _TABLE,
+         'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N'),
+    )  # fmt: skip
 
 
 def _check_line_contacts(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
@@ -181,11 +171,9 @@ def _check_line_contacts(stage: Precompression, packing: PackingSection, errors:
         shape, diameter = min(lying, key=lambda one: one[0].length ** 2 / one[1])
         most = 2 * shape.length**2 / diameter
         if stage.moves[name] >= most:
-            errors.add(
-                f"{_TABLE}.{name}",
-                f"found {stage.moves[name]:g} m, expected less than {most:.3g} m, 2 length^2/diameter: the law of the "
-                f"contact of a cylinder {shape.length:g} m long on a wall ends there",
-            )
+            found = f"found {stage.moves[name]:g} m, expected less than {most:.3g} m, 2 length^2/diameter"
+            law = f"the law of the contact of a cylinder {shape.length:g} m long on a wall ends there"
+            errors.add(f"{_TABLE}.{name}", f"{found}: {law}")
 
 
 def _wall_key(name: str) -> str:
@@ -228,11 +216,9 @@ def _check_presses(assembly: Assembly, errors: ErrorList) -> None:
             if assembly.case.contact.yields and 0 < law.yield_force < limit:
                 limit, what = law.yield_force, f"first yield is at {law.yield_force:.3g} N"
             if share > limit:
-                errors.add(
-                    f"{_TABLE}.{name}_force",
-                    f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}; give less "
-                    f"than {limit * len(grains):.3g} N, or a distance {name}",
-                )
+                found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
+                hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
+                errors.add(f"{_TABLE}.{name}_force", f"{found}; {hint}")
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
@@ -263,29 +249,23 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
 
 
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
-    given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
+    """Check that a load has the values of its kind, and no others."""
+    kind, of_kind = stage.kind, "precompression.kind = "
     moving = [*stage.moves, *(f"{name}_force" for name in stage.presses)]
-    for name in moving if stage.kind != "walls" else ():
-        errors.add(f"{_TABLE}.{name}", f'belongs to precompression.kind = "walls"; found {show(stage.kind)}')
-    if stage.moves_walls:
-        given = [name for name in given if name != "force"]
-    if stage.kind == "gravity" or stage.moves_walls:
-        instead = "acceleration" if stage.kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
-        for name in given:
-            errors.add(
-                f"{_TABLE}.{name}", f"does not belong to precompression.kind = {show(stage.kind)}; give {instead}"
-            )
-        if stage.kind == "gravity":
-            return
-    if stage.acceleration != Precompression.acceleration:
-        errors.add(f"{_TABLE}.acceleration", f'belongs to precompression.kind = "gravity"; found "{stage.kind}"')
-    if stage.moves_walls:
-        return
-    if stage.kind == "uniform" and stage.force is not None:
-        errors.add(f"{_TABLE}.force", 'found with precompression.kind = "uniform", expected a pressure')
-    elif len(given) != 1:
-        found = "neither pressure nor force" if not given else "both pressure and force"
-        errors.add(_TABLE, f"found {found}, expected one of them")
-    elif (packing.kind == "chain" or is_plane_crystal(packing.kind)) and stage.pressure is not None:
-        what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
-        errors.add(f"{_TABLE}.pressure", f"found for {what}, which has no face; expected a force")
+    given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
+    instead = "acceleration" if kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
+    foreign = [name for name in given if kind == "gravity" or (stage.moves_walls and name != "force")]
+    faceless = packing.kind == "chain" or is_plane_crystal(packing.kind)
+    what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
+    count = f"found {'both' if given else 'neither'} pressure {'and' if given else 'nor'} force, expected one of them"
+    by_force, dead = kind == "uniform" and stage.force is not None, kind in ("uniaxial", "uniform")
+    errors.check(
+        *((kind != "walls", f"{_TABLE}.{name}", f'belongs to {of_kind}"walls"; found {show(kind)}') for name in moving),
+        *((True, f"{_TABLE}.{name}", f"does not belong to {of_kind}{show(kind)}; give {instead}") for name in foreign),
+        (kind != "gravity" and stage.acceleration != Precompression.acceleration, f"{_TABLE}.acceleration",
+         f'belongs to {of_kind}"gravity"; found "{kind}"'),
+        (by_force, f"{_TABLE}.force", f'found with {of_kind}"uniform", expected a pressure'),
+        (dead and not by_force and len(given) != 1, _TABLE, count),
+        (dead and given == ["pressure"] and faceless, f"{_TABLE}.pressure",
+         f"found for {what}, which has no face; expected a force"),
+    )  # fmt: skip

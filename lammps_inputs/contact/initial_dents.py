@@ -10,23 +10,20 @@ from __future__ import annotations
 import dataclasses
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.dents import Dents
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Dents
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"
@@ -91,14 +88,8 @@ _UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # erro
 class _Earlier:
     """Spheres and contacts of an earlier run, from its result.h5.
 
-    Attributes
-    ----------
-    id, position, radius
-        Ids (n,), centres (n, 3), m, and radii (n,), m, of the spheres.
-    first, second, peak
-        Ids and largest overlaps, m, of contacts between spheres: (m,) each.
-    wall, wall_sphere, wall_peak
-        Names of walls, ids of spheres and largest overlaps, m, of contacts with walls: (k,) each.
+    Ids (n,), centres (n, 3), m, and radii (n,), m, of the spheres; ids and largest overlaps, m, of contacts between
+    spheres: (m,) each; names of walls, ids of spheres and largest overlaps, m, of contacts with walls: (k,) each.
     """
 
     id: NDArray[np.int64]
@@ -158,16 +149,14 @@ def dents_table(assembly: Assembly) -> str:
     case = assembly.case
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
     path = earlier_result(case)
-    if path is not None:
-        known = _read_result(assembly, path)
-        for near in contacts_at_start(assembly):
-            keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
-            rows += near.rows(np.array([known.get(key, 0.0) for key in keys]))
-        return "".join(rows)
+    known = None if path is None else _read_result(assembly, path)
     for near in contacts_at_start(assembly):
         peak = np.zeros(len(near.second))
-        for region in _regions(case):
+        for region in _regions(case) if known is None else ():
             peak = np.where(_inside(near, region), _size(near, region), peak)
+        if known is not None:
+            keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
+            peak = np.array([known.get(key, 0.0) for key in keys])
         rows += near.rows(peak)
     return "".join(rows)
 
@@ -191,14 +180,12 @@ def error_in_dents(assembly: Assembly) -> str:
         deepest = _deepest(case, law)
         limit = LARGEST * law.effective_radius
         if deepest > limit:
-            return (
-                f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m, "
-                "as far as the contact law holds"
-            )
+            found = f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
+            return f"{found}, as far as the contact law holds"
     boxes = [region for region in _regions(case) if region.low or region.high]
-    found = contacts_at_start(assembly) if boxes else []
+    there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
-        if not any(_inside(near, box).any() for near in found):
+        if not any(_inside(near, box).any() for near in there):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
@@ -221,8 +208,10 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
 
 def earlier_result(case: Case) -> Path | None:
     """Return the path of the result.h5 that the dents of a case come from; None if they are given by value."""
-    given = case.contact.initial_overlap
-    return _result_file(Path(given)) if isinstance(given, str) else None
+    if not isinstance(case.contact.initial_overlap, str):
+        return None
+    path = Path(case.contact.initial_overlap)
+    return path / _RESULT if path.is_dir() else path
 
 
 def check_earlier_result(assembly: Assembly) -> None:
@@ -328,12 +317,11 @@ def _near(
 
 def _materials(assembly: Assembly) -> NDArray[np.int64]:
     """Return the index of the material of each sphere, in the order of the LAMMPS types: (n_spheres,)."""
-    case = assembly.case
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
     own, sites = np.zeros(assembly.lattice.n_spheres, dtype=np.int64), assembly.sites
     if sites is not None:
         own = np.array([kinds.index(one) for one in sites.materials])[sites.kind[sites.present]]
-    strikers = [kinds.index(striker.material or case.material) for striker, _ in assembly.strikers]
+    strikers = [kinds.index(striker.material or assembly.material) for striker, _ in assembly.strikers]
     return np.append(own, np.array(strikers, dtype=np.int64))
 
 
@@ -344,17 +332,14 @@ def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], 
     try:
         earlier = _read_earlier(path)
     except FileNotFoundError:
-        raise InputError(
-            f"{source}: {path}: there is no such file; expected the result.h5 of a run, or its directory"
-        ) from None
+        hint = "expected the result.h5 of a run, or its directory"
+        raise InputError(f"{source}: {path}: there is no such file; {hint}") from None
     except _UNREADABLE as error:
         raise InputError(f"{source}: {path}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
     if fault := _other_packing(assembly, earlier):
         raise InputError(f"{source}: {path}: is of another packing: {fault}")
-    found: dict[tuple[int | str, int], float] = {
-        (i, j): peak
-        for i, j, peak in zip(earlier.first.tolist(), earlier.second.tolist(), earlier.peak.tolist(), strict=True)
-    }
+    pairs = zip(earlier.first.tolist(), earlier.second.tolist(), strict=True)
+    found: dict[tuple[int | str, int], float] = dict(zip(pairs, earlier.peak.tolist(), strict=True))
     faces = {bar.name: bar.face for bar in assembly.bars}
     fixes = {(wall.name, material): name for wall in walls(assembly) if not wall.held_layer
              for name, _, material in wall_fixes(assembly, wall)}  # fmt: skip
@@ -373,13 +358,8 @@ def _read_earlier(path: Path) -> _Earlier:
 
 
 @lru_cache(maxsize=1)
-def _read_once(path: Path, changed: int, size: int) -> _Earlier:
+def _read_once(path: Path, _changed: int, _size: int) -> _Earlier:
     return _Earlier.read(path)
-
-
-def _result_file(path: Path) -> Path:
-    """Return the path of a result.h5, given the file or the directory of the run."""
-    return path / _RESULT if path.is_dir() else path
 
 
 def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:

@@ -19,9 +19,17 @@ from typing import Any
 
 from granwave._contact_laws import ContactLaw, elliptic_radius
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LAW_CONSTANTS, LINE, NO_FORCE, Contact
-from granwave.lammps_inputs.case.material import SELECTORS, Material, read_material
-from granwave.lammps_inputs.case.schema import ErrorList, choice, number, read_table, refuse_unknown, show
-from granwave.lammps_inputs.case.shape import Cylinder, Shape, Vector, axis_field, length_field
+from granwave.lammps_inputs.case.material import (
+    SELECTORS,
+    Cylinder,
+    Material,
+    Shape,
+    Vector,
+    axis_field,
+    length_field,
+    read_material,
+)
+from granwave.lammps_inputs.case.schema import ErrorList, choice, did_you_mean, number, read_table, refuse_unknown, show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
@@ -50,19 +58,7 @@ class _Table:
 
 @dataclasses.dataclass(frozen=True)
 class Body:
-    """One of two bodies in contact.
-
-    Attributes
-    ----------
-    shape
-        ``sphere``, ``cylinder``, ``plane`` or ``tube``.
-    radius
-        Radius, m; infinite for a plane.
-    cylinder
-        Length and axis; None for other shapes.
-    material
-        None if rigid.
-    """
+    """One of two bodies in contact: radius in m, infinite for a plane; material None if rigid."""
 
     shape: str
     radius: float
@@ -113,28 +109,19 @@ def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str
 
 def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contact | None:
     if not isinstance(law, str) or law not in LAW_NAMES:
-        read_table(_LawName, {"law": law}, "", errors)
+        expected = "one of " + ", ".join(map(show, LAW_NAMES))
+        errors.add("law", f"found {show(law)}, expected {expected}{did_you_mean(law, LAW_NAMES)}")
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
     known = [one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))]
     before = len(errors.lines)
     if known:
         refuse_unknown(options, known, "", errors)
-    for name in () if known else options:
-        errors.add(name, f"found with law {law}, which has no options")
-    contact = read_table(
-        Contact, {"law": law, **{name: options[name] for name in known if name in options}}, "", errors
-    )
-    if entry.is_power:
-        for name in ("constant", "exponent"):
-            if name not in options:
-                errors.add(name, "missing; law power is F = constant overlap^exponent, N/m^exponent")
+    errors.check(*((not known, name, f"found with law {law}, which has no options") for name in options))
+    contact = read_table(Contact, {"law": law} | {name: options[name] for name in known if name in options}, "", errors)
+    missing = "missing; law power is F = constant overlap^exponent, N/m^exponent"
+    errors.check(*((entry.is_power and name not in options, name, missing) for name in ("constant", "exponent")))
     return contact if len(errors.lines) == before else None
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class _LawName:
-    law: str = choice("contact law", LAW_NAMES)
 
 
 def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool) -> tuple[Body, Body] | None:
@@ -186,21 +173,16 @@ def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_
 
 def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
     """Check that a body has the sizes of its shape, and no others."""
-    takes = _KEYS[read.shape]
-    if _SIZE in takes:
-        if read.diameter is None and read.radius is None:
-            errors.add(f"{key}.diameter", f"missing; a {read.shape} has a diameter or a radius (m)")
-        if read.diameter is not None and read.radius is not None:
-            errors.add(f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them")
-    elif read.diameter is not None or read.radius is not None:
-        errors.add(
-            f"{key}.{'radius' if read.diameter is None else 'diameter'}", f"found with a {read.shape}, expected none"
-        )
-    for name in ("length", "axis"):
-        if name not in takes and getattr(read, name) is not None:
-            errors.add(f"{key}.{name}", f"found with a {read.shape}, expected only with a cylinder")
-    if "length" in takes and read.length is None:
-        errors.add(f"{key}.length", "missing; a cylinder has a length (m)")
+    takes, shape, sizes = _KEYS[read.shape], read.shape, (read.diameter is not None) + (read.radius is not None)
+    sized, given = _SIZE in takes, "radius" if read.diameter is None else "diameter"
+    errors.check(
+        (sized and not sizes, f"{key}.diameter", f"missing; a {shape} has a diameter or a radius (m)"),
+        (sized and sizes == 2, f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them"),
+        (not sized and sizes, f"{key}.{given}", f"found with a {shape}, expected none"),
+        *((name not in takes and getattr(read, name) is not None, f"{key}.{name}",
+           f"found with a {shape}, expected only with a cylinder") for name in ("length", "axis")),
+        ("length" in takes and read.length is None, f"{key}.length", "missing; a cylinder has a length (m)"),
+    )  # fmt: skip
 
 
 def _read_material(table: Any, key: str, errors: ErrorList) -> Material | None:
@@ -217,10 +199,8 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
         return
     pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None
     if pair is not None and pair.nearly_parallel and other.shape == "cylinder":
-        raise InputError(
-            "contact: bodies: found cylinders whose axes are less than 1 degree from parallel, expected parallel ones, "
-            "or a larger angle"
-        )
+        found = "found cylinders whose axes are less than 1 degree from parallel"
+        raise InputError(f"contact: bodies: {found}, expected parallel ones, or a larger angle")
     along_line = one.cylinder is not None and (other.shape == "plane" or (pair is not None and pair.parallel))
     if law == LINE and not along_line:
         raise InputError(

@@ -1,4 +1,6 @@
-"""Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
+"""Dead loads of ``[precompression]``, and spheres that absorb waves, ``[[absorb]]``.
+
+Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
 
 uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
            pressure, pressure times area of a cell; the opposite force on the last sphere of a chain without a bottom
@@ -22,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.contact.law import law_between
@@ -82,9 +85,13 @@ def force_of_contact(assembly: Assembly) -> float:
     stage, lattice = case.precompression, assembly.lattice
     assert stage is not None
     if stage.moves_walls:
-        deepest = max([*stage.moves.values(), _largest_overlap(assembly) if stage.takes_overlaps else 0.0], default=0.0)
+        overlaps = lattice.overlapping()[1] if stage.takes_overlaps and isinstance(lattice, Places) else np.zeros(0)
+        deepest = max(stage.moves.values(), default=0.0)
+        deepest = max(deepest, float(overlaps.max(initial=0.0)))
         hertz = float(sphere_hertz(case).loading_force(np.array([deepest]))[0])
-        pressed = (force / _n_touching(assembly, name) for name, force in stage.presses.items())
+        there = walls(assembly) if stage.presses else ()
+        first = {name: next(wall for wall in there if wall.name.startswith(name)) for name in stage.presses}
+        pressed = (force / len(grains_at_wall(assembly, first[name])) for name, force in stage.presses.items())
         return max([hertz, force_on_top(assembly), *pressed])
     if stage.kind == "uniform":
         rule = lattice.rule
@@ -100,16 +107,6 @@ def force_of_contact(assembly: Assembly) -> float:
         held = case.boundary.bottom == "fixed"
         top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
     return top if isinstance(lattice, Places) else top / lattice.rule.carried
-
-
-def _largest_overlap(assembly: Assembly) -> float:
-    """Return the largest overlap of grains at the start, m."""
-    overlaps = assembly.lattice.overlapping()[1] if isinstance(assembly.lattice, Places) else np.zeros(0)
-    return float(overlaps.max(initial=0.0))
-
-
-def _n_touching(assembly: Assembly, name: str) -> int:
-    return len(grains_at_wall(assembly, next(wall for wall in walls(assembly) if wall.name.startswith(name))))
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
@@ -179,3 +176,41 @@ def _open_to(outside: NDArray[np.float64], vacant: NDArray[np.float64]) -> NDArr
         found |= reached
         border = vacant[reached]
     return vacant[found]
+
+
+def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:
+    """Return the ids of the spheres that an entry damps, in rising order."""
+    lattice = assembly.lattice
+    if entry.index is not None:
+        return tuple(sorted(set(entry.index)))
+    there = assembly.ids[assembly.ids <= lattice.n_spheres]
+    layer = np.array([lattice.layer_of(int(one)) for one in there])
+    return tuple(there[layer >= lattice.n_layers - (entry.layers or 0)].tolist())
+
+
+def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:
+    """Return the places along the axis where the rate is zero and where it is whole, m; None where it does not rise.
+
+    The rate is zero one diameter before the first of the spheres, so that all of them are damped.
+    """
+    if entry.rate is None or entry.towards == "none":
+        return None
+    axis, sign = "xyz".index(entry.towards[1]), 1.0 if entry.towards[0] == "+" else -1.0
+    places = sign * np.array([assembly.centre_of(one)[axis] for one in absorbing_ids(assembly, entry)])
+    return sign * (float(places.min()) - assembly.case.packing.diameter), sign * float(places.max())
+
+
+def impedance_of(assembly: Assembly, entry: Absorb) -> float:
+    """Return the impedance of each sphere, N s/m.
+
+    That of long waves along z under the static load is sqrt(k m), with the stiffness k between a sphere and the next
+    layer: the sum over its contacts there of k_n cos^2 + k_t sin^2, where k_t = 2 (1 - nu)/(2 - nu) k_n with friction
+    and 0 without.
+    """
+    if entry.impedance != MATCHED:
+        return float(entry.impedance or 0.0)
+    case = assembly.case
+    cosines = assembly.lattice.rule.supports[:, 2]
+    across = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio) if case.has_friction else 0.0
+    stiffness = static_stiffness(assembly) * float(np.sum(cosines**2 + across * (1 - cosines**2)))
+    return math.sqrt(stiffness * case.sphere_mass)

@@ -1,4 +1,6 @@
-"""Time that a wave packet of one frequency takes along a row under a static load.
+"""Row along which the transmission of a load that oscillates is measured, and the time that waves take along it.
+
+Time that a wave packet of one frequency takes along a row under a static load.
 
 Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the next by
 
@@ -19,9 +21,9 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
-from granwave.lammps_inputs.contact.static_load import force_on_top, static_stiffness
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_on_top, static_stiffness
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.sites import Sites
+from granwave.lammps_inputs.packing.motion import held_ids, line_ids, struck_of
 
 Array = NDArray[np.float64]
 
@@ -96,27 +98,23 @@ def row_of(assembly: Assembly) -> Row | None:
             return None
         along = static_stiffness(assembly) * float(np.sum(cosines**2))
         return Row(np.array([case.sphere_mass]), np.array([along]))
-    force, n = force_on_top(assembly), lattice.n_spheres
-    if assembly.sites is None:
+    force, n, sites = force_on_top(assembly), lattice.n_spheres, assembly.sites
+    if sites is None:
         return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
-    if not assembly.sites.present.all():
+    if not sites.present.all():
         return None
-    period = assembly.sites.period_of_chain()
+    period = sites.period_of_chain()
     beads = np.arange(1, n + 1) if period is None else np.arange(1, period + 1)
     mass = np.array([assembly.mass_of(one) for one in beads.tolist()])
     known: dict[tuple[tuple[float, int], ...], float] = {}
     behind = np.empty(len(beads))
     for row, one in enumerate(beads.tolist()):
         pair = (one, one + 1) if one < n else (one - 1, one)
-        key = tuple(_kind(assembly.sites, bead) for bead in pair)
+        key = tuple((float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])) for bead in pair)
         if key not in known:
             known[key] = _stiffness(pair_contact(assembly, *pair), force)
         behind[row] = known[key]
     return Row(mass, behind, repeats=period is not None)
-
-
-def _kind(sites: Sites, bead: int) -> tuple[float, int]:
-    return float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])
 
 
 def _stiffness(law: ContactLaw, force: float) -> float:
@@ -131,3 +129,51 @@ def _stiffness(law: ContactLaw, force: float) -> float:
         most *= 2
     overlap = np.array([brentq(miss, 0.0, most, xtol=1e-18, rtol=1e-12)])
     return float(law.unloading_stiffness(overlap)[0])
+
+
+@dataclasses.dataclass(frozen=True)
+class MeasuredRow:
+    """Grains in their order.
+
+    Attributes
+    ----------
+    group
+        Group of ``result.h5`` that has their motion.
+    ids
+        Their ids.
+    first, last
+        Places in ``ids`` of the loaded grain, or of the first where none is loaded, and of the last one that moves
+        and does not absorb.
+    """
+
+    group: str
+    ids: tuple[int, ...]
+    first: int
+    last: int
+
+    @property
+    def ends(self) -> tuple[int, int]:
+        """Ids of the first and the last grain."""
+        return self.ids[self.first], self.ids[self.last]
+
+
+def measured_row(assembly: Assembly) -> MeasuredRow | None:
+    """Return the grains of a chain, or of the first line that is not of all grains; None without any."""
+    case = assembly.case
+    if case.packing.kind == "chain":
+        group, ids = "chain", tuple(range(1, assembly.lattice.n_spheres + 1))
+    else:
+        line = next((one for one in case.line if one.index != "all"), None)
+        if line is None:
+            return None
+        group, ids = f"lines/{line.name}", line_ids(assembly, line)
+    if not ids:
+        return None
+    struck = set(struck_of(assembly))
+    first = next((place for place, one in enumerate(ids) if one in struck), 0)
+    still = {one for entry in case.absorb for one in absorbing_ids(assembly, entry)}
+    still |= {one for hold in case.holds.values() if "z" in hold.axes for one in held_ids(case, hold)}
+    if case.boundary.bottom == "fixed":
+        still |= set(assembly.lattice.last_layer.tolist())
+    rest = [place for place, one in enumerate(ids) if one not in still and place != first]
+    return MeasuredRow(group, ids, first, rest[-1] if rest else len(ids) - 1)

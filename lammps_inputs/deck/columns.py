@@ -116,34 +116,18 @@ LINES = (
     *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", TURNING) for axis in "xyz"),
 )
 
-_HISTORY_OF_CONTACT = [
-    ("time_first", "s"),
-    ("time_peak", "s"),
-    ("time_yield", "s"),
-]
+_HISTORY_OF_CONTACT = [("time_first", "s"), ("time_peak", "s"), ("time_yield", "s")]
 
 #: dumps/contacts.dump: compute gran/hysteretic/local.
 CONTACTS = of_compute(
     "c_contacts",
     [
-        ("i", "1"),
-        ("j", "1"),
-        ("overlap", "m"),
-        ("force", "N"),
-        ("peak_overlap", "m"),
-        ("peak_force", "N"),
-        ("elastic", "J"),
-        ("dissipated", "J"),
-        *_HISTORY_OF_CONTACT,
-        ("live", "1"),
-        ("tangential_force", "N", FRICTION),
-        ("elastic_tangential", "J", FRICTION),
-        ("friction", "J", FRICTION),
-        ("initial", "m", DENTS),
-        ("viscous", "J", LOSS),
-        *((f"t{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
+        ("i", "1"), ("j", "1"), ("overlap", "m"), ("force", "N"), ("peak_overlap", "m"), ("peak_force", "N"),
+        ("elastic", "J"), ("dissipated", "J"), *_HISTORY_OF_CONTACT, ("live", "1"), ("tangential_force", "N", FRICTION),
+        ("elastic_tangential", "J", FRICTION), ("friction", "J", FRICTION), ("initial", "m", DENTS),
+        ("viscous", "J", LOSS), *((f"t{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
     ],
-)
+)  # fmt: skip
 
 #: dumps/forces.dump: history of the contact forces of a chain; dumps/initial_forces.dump: after the static stage.
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
@@ -155,18 +139,11 @@ FORCES_AT_FRAMES = tuple(column for column in CONTACTS if column.name in ("i", "
 WALL_CONTACTS = of_compute(
     "f_{}",
     [
-        ("overlap", "m"),
-        ("force", "N"),
-        ("peak_overlap", "m"),
-        ("peak_force", "N"),
-        ("dissipated", "J"),
-        *_HISTORY_OF_CONTACT,
-        ("tangential_force", "N", FRICTION),
-        ("friction", "J", FRICTION),
-        ("initial", "m", DENTS),
+        ("overlap", "m"), ("force", "N"), ("peak_overlap", "m"), ("peak_force", "N"), ("dissipated", "J"),
+        *_HISTORY_OF_CONTACT, ("tangential_force", "N", FRICTION), ("friction", "J", FRICTION), ("initial", "m", DENTS),
         ("viscous", "J", LOSS),
     ],
-)
+)  # fmt: skip
 
 #: dumps/initial_forces_NAME.dump, after the id: force on a wall after the static stage.
 WALL_FORCES = tuple(column for column in WALL_CONTACTS if column.name == "force")

@@ -1,16 +1,27 @@
-"""Elements of the input script: numbers, lists, long commands, dumps, time series, coefficients of contact laws."""
+"""Elements of the input script, and contacts in it: laws of all pairs of types, walls, and initial dents."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
-from granwave.lammps_inputs.run_directory import DUMPS
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.contact import Contact
-    from granwave.lammps_inputs.case.material import Material
-    from granwave.lammps_inputs.contact.loss import Viscous
+from granwave.lammps_inputs.case.boundary import NodeConstants
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import held_ids
+from granwave.lammps_inputs.packing.walls import (
+    Wall,
+    footprint_radius,
+    materials_of_last_layer,
+    touched_by,
+    touched_groups,
+    wall_fixes,
+    wall_friction,
+    walls,
+)
+from granwave.lammps_inputs.run_directory import DENTS_FILE, DUMPS
 
 _WIDTH = 110
 
@@ -106,3 +117,187 @@ def law_coefficients(
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
     return joined(words)
+
+
+_ELASTIC = Contact(law="hertz")
+
+
+def contacts(assembly: Assembly) -> list[str]:
+    """Return the pair style with the laws of all pairs of types."""
+    case = assembly.case
+    gap = case.boundary.forget_gap * case.packing.diameter
+    return [
+        *(["# Cylinders: type, length and axis of each kind."] if assembly.has_cylinders else []),
+        *cylinder_commands(assembly),
+        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m, and stays on record.",
+        f"pair_style      gran/hysteretic {num(gap)} forgotten list",
+        *pair_coefficients(assembly),
+    ]
+
+
+def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
+    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of the case."""
+    case = assembly.case
+    lines = []
+    kinds = list(enumerate(assembly.species, start=1))
+    for i, first in kinds:
+        for j, second in kinds[i - 1 :]:
+            contact, partner, loss = _ELASTIC, None if i == j else second.material, None
+            if first.role == "sphere":  # nodes of bars do not touch each other
+                own, flat = case.contact_between(first.material, second.material), second.role != "sphere"
+                contact = _elastic(own) if elastic else own
+                bodies, shapes = (first.material, second.material), (first.shape, second.shape)
+                loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
+            # the face of a bar has none
+            friction = contact.friction if second.role == "sphere" and not elastic else 0.0
+            words = law_coefficients(contact, first.material, partner, friction, loss)
+            lines.append(f"pair_coeff      {i} {j} {words}")
+    return lines
+
+
+def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
+    """Return the command for the cylinders of the packing; none if it has only spheres.
+
+    Parameters
+    ----------
+    again
+        True after the walls, whose torques it projects on the axes of the cylinders: the first one is taken back.
+    """
+    words = [
+        f"{number} {num(one.shape.length)} {joined(map(num, one.shape.axis))}"
+        for number, one in enumerate(assembly.species, start=1)
+        if one.shape is not None
+    ]
+    if not words:
+        return []
+    back = ["unfix           cylinders"] if again else []
+    line = " line plane-strain" if assembly.plane_strain else ""
+    return [*back, f"fix             cylinders all gran/cylinder {joined(words)}{line}"]
+
+
+def dents() -> list[str]:
+    """Return the command that reads the initial dents."""
+    return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
+
+
+def _elastic(contact: Contact) -> Contact:
+    """Return Hertz's law, or the one given if it is a power of the overlap, which is elastic."""
+    return contact if contact.entry.is_power else _ELASTIC
+
+
+def plane_names(assembly: Assembly) -> list[str]:
+    """Return the names of the wall fixes, and of the fix that holds the last layer."""
+    names = []
+    for wall in walls(assembly):
+        names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
+    names += [name for name, hold in assembly.case.holds.items() if hold.axes]
+    return names
+
+
+def wall_commands(
+    assembly: Assembly, *, elastic: bool = False, prefix: str = "", only: Sequence[Wall] | None = None
+) -> list[str]:
+    """Return the commands for walls, and for a last layer held in place.
+
+    Parameters
+    ----------
+    elastic
+        True for fixed planes with Hertz's law without friction, regardless of the case.
+    prefix
+        Prefix of the names of the fixes.
+    only
+        Walls that are there already and change their places; their groups, and what is held, stay.
+    """
+    case = assembly.case
+    lines = _groups(assembly) if only is None else []
+    for wall in walls(assembly) if only is None else only:
+        if wall.held_layer:
+            lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
+            lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
+            continue
+        place = coordinate(case, wall)
+        low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
+        style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
+        for name, group, material in wall_fixes(assembly, wall):
+            contact = case.contact_between(material, wall.material)
+            words = [law_coefficients(_elastic(contact), material, wall.material)]
+            line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
+            if not elastic:
+                friction = wall_friction(case, wall, material)
+                loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
+                words = [law_coefficients(contact, material, wall.material, friction, loss)]
+                words += _support_arguments(assembly, wall, material)
+            words += line
+            lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
+    if only is not None:
+        return lines
+    if lines:
+        lines.insert(0, "# Walls: planes that touch the outermost spheres, or the last layer held in place.")
+    return lines + _hold_commands(case, prefix)
+
+
+def coordinate(case: Case, wall: Wall) -> str:
+    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a formula."""
+    name = "tube" if wall.tube else "xyz"[wall.axis]
+    if case.precompression is None or name not in case.precompression.presses:
+        return num(wall.coordinate)
+    return f"$({num(wall.coordinate)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+
+
+def moved_wall(name: str) -> str:
+    """Return the variable of the distance by which walls move in to a force; ``name``: x, y or tube."""
+    return f"wall_{name}"
+
+
+def _hold_commands(case: Case, prefix: str) -> list[str]:
+    """Return the commands that hold grains; they come after all other forces on these."""
+    lines = []
+    for name, hold in case.holds.items():
+        lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
+        if hold.axes:
+            zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
+            lines.append(f"fix             {prefix}{name} {name} setforce {zeros}")
+    return ["# Grains that do not move.", *lines] if lines else []
+
+
+def _groups(assembly: Assembly) -> list[str]:
+    """Return the commands for groups of spheres by material, if walls need them."""
+    lines = []
+    planes = [wall for wall in walls(assembly) if not wall.held_layer]
+    selections = (touched_by(assembly, wall) for wall in planes)
+    chosen = next((one for one in selections if one is not None), None)
+    if chosen is not None:
+        lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
+        planes = [wall for wall in planes if touched_by(assembly, wall) is None]
+    fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall_fixes(assembly, wall) if group != "all"]
+    groups = [group for group, _ in fixes]
+    types = [
+        joined(str(n) for n, one in enumerate(assembly.species, 1) if one.role == "sphere" and one.material == of)
+        for _, of in fixes
+    ]
+    first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
+    outside = [f"group           strikers id {first}:{last}"] if groups and last >= first else []
+    for number, (group, kinds) in enumerate(zip(groups, types, strict=True), start=1):
+        if outside:
+            lines.append(f"group           type{number} type {kinds}")
+            lines.append(f"group           {group} subtract type{number} strikers")
+        else:
+            lines.append(f"group           {group} type {kinds}")
+    return outside + lines
+
+
+def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
+    """Support arguments of the wall fix for spheres of a material; empty for planes that do not move."""
+    if wall.plate is not None:
+        mass, velocity = wall.plate
+        held = assembly.case.precompression is not None  # until the run begins, see `motion`
+        return ["support", "free", num(mass), "0.0" if held else num(velocity)]
+    if wall.support is None or material != materials_of_last_layer(assembly)[0]:
+        return []
+    constants = wall.support.constants(wall.material, footprint_radius(assembly))
+    if wall.support.damper:
+        return ["support", "damper", num(wall.support.damper.damping)]
+    if isinstance(constants, NodeConstants):
+        return ["support", *(num(value) for value in (constants.mass, constants.stiffness, constants.damping))]
+    end = constants.end if isinstance(constants.end, str) else num(constants.end)
+    return ["support", "bar", str(constants.elements), num(constants.mass), num(constants.stiffness), end]

@@ -1,40 +1,150 @@
-"""Deck of a case: a directory in which ``lmp -in in.granwave`` runs."""
+"""Deck of a case, a directory in which ``lmp -in in.granwave`` runs, and its data file of spheres and nodes."""
 
 from __future__ import annotations
 
 import contextlib
 import dataclasses
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material, Shape, density_as_sphere
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
-from granwave.lammps_inputs.deck.data_file import write_data
-from granwave.lammps_inputs.deck.output_files import output_files
+from granwave.lammps_inputs.deck.commands import joined, num
+from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
-from granwave.lammps_inputs.deck_changes import note_deck
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import DISK_IS_FULL, naming, replacing
+from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
+from granwave.lammps_inputs.packing.bodies import PlacedBar
+from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
+from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    DATA_FILE,
-    DEAD_LOAD_FILE,
-    DENTS_FILE,
-    DUMPS,
-    LOAD_FILE,
-    LOG_FILE,
-    RUN,
-    SCRIPT_FILE,
-)
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.run_state import note_deck
+
+_STILL = (0.0, 0.0, 0.0)
+_BATCH = 100_000  # spheres formatted at once
+_PERIODIC_LOW = -0.1  # lower faces of a periodic box, diameters; no plane of centres coincides with a face
+_PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
+_BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
+
+
+def write_data(assembly: Assembly, path: Path) -> None:
+    """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
+
+    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column.
+    """
+    with path.open("w", encoding="ascii", newline="\n") as file:
+        file.write(_header(assembly))
+        for rows in _sphere_rows(assembly):
+            file.write("".join(rows))
+        for bar in assembly.bars:
+            file.write("".join(_node_rows(assembly, bar)))
+        if moving := own_velocities(assembly):
+            file.write("\nVelocities # id, velocity, angular velocity\n\n")
+            file.writelines(
+                f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n" for number in assembly.ids
+            )
+        if assembly.bars:
+            file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
+
+
+def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
+    n = assembly.lattice.n_spheres
+    for first in range(1, n + 1, _BATCH):
+        last = min(first + _BATCH - 1, n)
+        yield _like_rows(assembly, first, last) if assembly.sites is None else _own_rows(assembly, first, last)
+    yield [
+        _row(assembly, assembly.material_of(number), f"{assembly.diameter_of(number):.17g}", assembly.shape_of(number))
+        % (number, *centre)
+        for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)
+    ]
+
+
+def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
+    """Return the rows of the sites with these ids, for equal spheres."""
+    row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}", assembly.case.packing.of_grain)
+    columns = assembly.lattice_positions(first, last).T.tolist()
+    return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
+
+
+def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
+    """Return the rows of the sites with these ids, for spheres of different materials and diameters."""
+    sites = assembly.sites
+    assert sites is not None
+    here = np.flatnonzero(sites.present[first - 1 : last]) + first - 1
+    place = assembly.lattice_positions(first, last)[here - first + 1].T.tolist()
+    diameter = sites.diameter[here].tolist()
+    columns = [*place, diameter] if assembly.bars else [diameter, *place]
+    if assembly.has_cylinders:
+        return [
+            _row(assembly, material, f"{size:.17g}", shape) % (number, *centre)
+            for number, size, centre, (material, shape) in zip(
+                (here + 1).tolist(),
+                diameter,
+                assembly.lattice_positions(first, last)[here - first + 1].tolist(),
+                [sites.bodies[body] for body in sites.body[here].tolist()],
+                strict=True,
+            )
+        ]
+    rows = [_row(assembly, material) for material in sites.materials]
+    lines = zip((here + 1).tolist(), *columns, strict=True)
+    return [rows[kind] % line for kind, line in zip(sites.kind[here].tolist(), lines, strict=True)]
+
+
+def _row(assembly: Assembly, material: Material, diameter: str = "%.17g", shape: Shape = None) -> str:
+    """Return the format of a grain's row, to be filled with id, x, y and z; in a hybrid style diameter follows z.
+
+    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
+    """
+    density = material.density if shape is None else density_as_sphere(material.density, float(diameter), shape)
+    kind, constants = assembly.type_of(material, shape), f"{diameter} {density:.17g}"
+    if assembly.bars:
+        return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"
+    return f"%d {kind} {constants} %.17g %.17g %.17g\n"
+
+
+def _node_rows(assembly: Assembly, bar: PlacedBar) -> list[str]:
+    node, face = (1 + assembly.species.index(Species(bar.material, role, bar.name)) for role in ("node", "face"))
+    return [
+        f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
+        for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True)
+    ]
+
+
+def _bonds(assembly: Assembly) -> list[str]:
+    rows: list[str] = []
+    for kind, bar in enumerate(assembly.bars, start=1):
+        rows += [f"{len(rows) + n} {kind} {a} {a + 1}\n" for n, a in enumerate(range(bar.first, bar.last), start=1)]
+    return rows
+
+
+def _header(assembly: Assembly) -> str:
+    lattice = assembly.lattice
+    low, high = assembly.bounds()
+    low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
+    if lattice.periodic:
+        lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
+        low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
+        high[:2] = low[:2] + np.array(lattice.lengths)
+    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for a, b, x in zip(low, high, "xyz", strict=True))
+    bars = assembly.bars
+    n_bonds = sum(bar.section.elements for bar in bars)
+    bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
+    return (
+        f"granwave: {lattice.kind} packing, SI units, struck layer at z = 0\n\n"
+        f"{assembly.n_particles} atoms\n{len(assembly.species)} atom types\n{bonds}\n{box}\n"
+        f"{_BAR_TITLE if bars else _PLAIN_TITLE}\n\n"
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,17 +174,17 @@ class Deck:
     @property
     def script(self) -> Path:
         """Path of the LAMMPS input script."""
-        return self.directory / SCRIPT_FILE
+        return self.directory / run_directory.SCRIPT_FILE
 
     @property
     def data(self) -> Path:
         """Path of the LAMMPS data file."""
-        return self.directory / DATA_FILE
+        return self.directory / run_directory.DATA_FILE
 
     @property
     def dumps(self) -> Path:
         """Directory of the output of LAMMPS."""
-        return self.directory / DUMPS
+        return self.directory / run_directory.DUMPS
 
 
 def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
@@ -98,21 +208,25 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
     case = assembly.case
     directory = Path(directory)
     tables = _tables(assembly)
-    written = (SCRIPT_FILE, CASE_FILE, DATA_FILE, *tables)
+    written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
     deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly), written)
     text = case.to_toml(resolved=resolved(deck))
     try:
         directory.mkdir(parents=True, exist_ok=True)
         before = read_marker(directory) if results_in(directory) else None
-        claim(directory, deck_files(assembly, deck.schedule), kind=RUN, case=text)
+        claim(directory, deck_files(assembly, deck.schedule), kind=run_directory.RUN, case=text)
         deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
     try:
-        _write(assembly, directory, {SCRIPT_FILE: input_script(assembly, deck.schedule), CASE_FILE: text, **tables})
-        note_deck(directory, [SCRIPT_FILE, DATA_FILE, *tables])
+        _write(
+            assembly,
+            directory,
+            {run_directory.SCRIPT_FILE: input_script(assembly, deck.schedule), run_directory.CASE_FILE: text, **tables},
+        )
+        note_deck(directory, [run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
         if before is None:
             clear(directory)
@@ -125,11 +239,11 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
 def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
     """Write the data file and texts, given by file name; the first one is moved into place last."""
     with contextlib.ExitStack() as stack:  # contexts are left in reverse order
-        names = dict.fromkeys((next(iter(texts)), DATA_FILE, *texts))
+        names = dict.fromkeys((next(iter(texts)), run_directory.DATA_FILE, *texts))
         scratch = {name: stack.enter_context(replacing(directory / name)) for name in names}
         for name, path in scratch.items():
             with naming(directory / name):
-                if name == DATA_FILE:
+                if name == run_directory.DATA_FILE:
                     write_data(assembly, path)
                 else:
                     path.write_text(texts[name], encoding="utf-8")
@@ -138,11 +252,18 @@ def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files of a deck, and of those that LAMMPS will write."""
     case = assembly.case
-    tables = [DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
-    tables += [DENTS_FILE] if case.contact.initial_overlap else []
-    tables += [LOAD_FILE] if case.load.table else []
-    dumps = [f"{DUMPS}/{name}" for name in output_files(assembly, schedule)]
-    return [CASE_FILE, DATA_FILE, SCRIPT_FILE, *tables, LOG_FILE, *dumps]
+    tables = [run_directory.DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
+    tables += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
+    tables += [run_directory.LOAD_FILE] if case.load.table else []
+    dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
+    return [
+        run_directory.CASE_FILE,
+        run_directory.DATA_FILE,
+        run_directory.SCRIPT_FILE,
+        *tables,
+        run_directory.LOG_FILE,
+        *dumps,
+    ]
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:
@@ -150,20 +271,14 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     case = assembly.case
     tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
-        tables[DENTS_FILE] = dents_table(assembly)
+        tables[run_directory.DENTS_FILE] = dents_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
-        tables[LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
+        tables[run_directory.LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"
     return tables
 
 
-_NEW = {
-    "history_every": 0,
-    "first_step": 1,
-    "longest_step": 1,
-    "energy_tolerance": 0.0,
-    "line_every": 0,
-}  # since version 0.1
+_NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_tolerance": 0.0, "line_every": 0}  # since 0.1
 
 
 def read_deck(directory: str | Path) -> Deck:
@@ -175,7 +290,7 @@ def read_deck(directory: str | Path) -> Deck:
         The case.toml is missing, was written by hand, or was changed.
     """
     directory = Path(directory)
-    path = directory / CASE_FILE
+    path = directory / run_directory.CASE_FILE
     case, table = load_case(path), read_toml(path).get("resolved", {})
     try:
         table = _NEW | table

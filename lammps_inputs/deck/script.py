@@ -10,14 +10,9 @@ import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.commands import num
-from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, dents, wall_commands
-from granwave.lammps_inputs.deck.energy_ledger import ledger, thermo
-from granwave.lammps_inputs.deck.final_contacts import dumps_at_end
-from granwave.lammps_inputs.deck.histories import history, lines
-from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
-from granwave.lammps_inputs.deck.probes import probes
-from granwave.lammps_inputs.deck.snapshots import frames
+from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, dents, num, wall_commands
+from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
+from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, lines, probes, wall_forces
 from granwave.lammps_inputs.deck.static_stage import (
     dead_load_commands,
     first_half,
@@ -25,10 +20,9 @@ from granwave.lammps_inputs.deck.static_stage import (
     reference_state,
     second_half,
 )
-from granwave.lammps_inputs.deck.wall_forces import wall_forces
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.grain_words import in_grains
-from granwave.lammps_inputs.planning.energy_input import fastest
+from granwave.lammps_inputs.packing.cylinders import in_grains
+from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
 

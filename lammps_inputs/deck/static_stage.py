@@ -10,33 +10,30 @@ rotation: inertia relief cancels the forces that accelerate it as a whole during
 
 A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE, a record;
 STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all contacts (`initial_forces`).
+
+A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of the centre and the
+angular acceleration I^-1 T from total force and torque. On a plane only translation along x and y and rotation about z
+are free. The centre does not move and the inertia changes little, so `relief_state` evaluates both once.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
-from granwave.lammps_inputs.deck.commands import joined, num
-from granwave.lammps_inputs.deck.contacts import moved_wall, pair_coefficients, plane_names, wall_commands
-from granwave.lammps_inputs.deck.energy_ledger import POTENTIAL
-from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
-from granwave.lammps_inputs.deck.initial_forces import contacts_of_stage, initial_forces
-from granwave.lammps_inputs.deck.probes import displacements
-from granwave.lammps_inputs.deck.wall_forces import outward_force
+from granwave.lammps_inputs.deck.commands import joined, moved_wall, num, pair_coefficients, plane_names, wall_commands
+from granwave.lammps_inputs.deck.motion import POTENTIAL
+from granwave.lammps_inputs.deck.output import contacts_of_stage, displacements, initial_forces, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import Wall, moving_fix, support_timestep, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import Wall, moving_fix, plane_fixes, support_timestep, walls
 from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 _STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
 
@@ -116,12 +113,12 @@ def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
-    longest_move = _LONGEST_MOVE * 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
+    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
         *pair_coefficients(assembly, elastic=True),
-        *(f"variable        {moved_wall(name)} equal {num(d)}" for name, d in _first_moves(assembly).items()),
+        *(f"variable        {moved_wall(name)} equal {num(overlap)}" for name in _pressed_walls(assembly)),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
@@ -136,7 +133,7 @@ def first_half(assembly: Assembly) -> list[str]:
         "thermo          1000",
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
-        f"min_modify      norm inf dmax {num(longest_move)}",
+        f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
         _minimize(assembly, first=True),
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
@@ -150,8 +147,14 @@ def first_half(assembly: Assembly) -> list[str]:
 def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
+    step = support_timestep(assembly, static_stiffness(assembly))
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    record = _record(assembly)
+    record, support = _record(assembly), moving_fix(assembly)
+    stored = [
+        "c_static",
+        *(f"f_{name}[4]" for name in plane_fixes(assembly)),
+        *([f"f_{support}[12]"] if support else []),
+    ]
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
@@ -170,11 +173,12 @@ def second_half(assembly: Assembly) -> list[str]:
         "unfix           static_halt",
         "velocity        all set 0.0 0.0 0.0 units box",
         "reset_timestep  0 time 0.0",
-        *_step_of_support(assembly),
+        # FIRE may leave a step that is too long for the support of the bottom
+        *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
         *contacts_of_stage(assembly),
         "run             0 post no",
         *initial_forces(assembly),
-        f"variable        static_stored equal {'+'.join(_stored(assembly))}",
+        f"variable        static_stored equal {'+'.join(stored)}",
         f"variable        static_load equal {num(force_of_contact(assembly))}",
         f'print           """{values}""" file {DUMPS}/{STATIC_STAGE_FILE} screen no',
         f"variable        static_all equal v_static_stored+{POTENTIAL}",
@@ -229,14 +233,6 @@ def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
             for name in stage.presses}  # fmt: skip
 
 
-def _first_moves(assembly: Assembly) -> dict[str, float]:
-    """Return the distances by which walls that move in to a force do so at first: the overlap of a contact, m."""
-    stage = assembly.case.precompression
-    assert stage is not None
-    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    return dict.fromkeys(stage.presses, overlap)
-
-
 def _pressing(assembly: Assembly) -> list[str]:
     """Return the commands that move walls in, round by round, until they bear their forces.
 
@@ -282,12 +278,6 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
-def _step_of_support(assembly: Assembly) -> list[str]:
-    """Return the command for a timestep short enough for the bottom's support; FIRE may leave a longer one."""
-    step = support_timestep(assembly, static_stiffness(assembly))
-    return [f"timestep        {num(step)}"] if math.isfinite(step) else []
-
-
 def _waiting(assembly: Assembly) -> list[str]:
     """Return the commands that hold strikers in place until the run begins."""
     first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
@@ -297,23 +287,12 @@ def _waiting(assembly: Assembly) -> list[str]:
     )
 
 
-def _stored(assembly: Assembly) -> list[str]:
-    """Return the terms of the energy stored in contacts, walls and the support of the bottom."""
-    planes = [name for wall in walls(assembly) if not wall.held_layer for name, _, _ in wall_fixes(assembly, wall)]
-    support = moving_fix(assembly)
-    return ["c_static", *(f"f_{name}[4]" for name in planes), *([f"f_{support}[12]"] if support else [])]
-
-
-def _rounding(assembly: Assembly) -> float:
-    """Estimate the net force due to rounding of coordinates, N."""
-    span = float(np.abs(assembly.bounds()).max())
-    return float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)
-
-
 def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
     """Return the net force on a sphere at convergence, N: a small fraction of contact forces, plus rounding."""
     case = assembly.case
-    rounding, mean = _rounding(assembly), force_of_contact(assembly)
+    span = float(np.abs(assembly.bounds()).max())
+    rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
+    mean = force_of_contact(assembly)
     if not has_gaps(case) or first:
         part = _FIRST_HALF if has_gaps(case) else _TOLERANCE
         return num(float(f"{part * mean + rounding:.3g}"))
@@ -323,3 +302,59 @@ def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
 
 def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     return f"minimize        0.0 {_least_net_force(assembly, first=first)} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+
+
+_TERMS = {
+    "x": ("b*c-f*f", "e*f-d*c", "d*f-b*e"),
+    "y": ("e*f-d*c", "a*c-e*e", "d*e-a*f"),
+    "z": ("d*f-b*e", "d*e-a*f", "a*b-d*d"),
+}  # rows of the adjugate of the inertia tensor, a = xx, b = yy, c = zz, d = xy, e = xz, f = yz
+_DETERMINANT = "a*(b*c-f*f)-d*(d*c-e*f)+e*(d*f-b*e)"
+_TENSOR = {"a": "xx", "b": "yy", "c": "zz", "d": "xy", "e": "xz", "f": "yz"}
+
+
+def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
+    """Return the commands for the fix ``name`` and its variables, which have this name as a prefix.
+
+    Parameters
+    ----------
+    on_plane
+        True if the group rests on a plane normal to z.
+    """
+    lines = relief_state(name, group, on_plane=on_plane)
+    at = {axis: f"({axis}-v_{name}_c{axis})" for axis in "xyz"}
+    if on_plane:
+        lines.append(f"variable        {name}_az equal torque({group},z)*v_{name}_zz")
+        turned = {"x": f"-v_{name}_az*{at['y']}", "y": f"+v_{name}_az*{at['x']}"}
+    else:
+        for axis in "xyz":
+            torque = "+".join(f"v_{name}_{axis}{about}*torque({group},{about})" for about in "xyz")
+            lines.append(f"variable        {name}_a{axis} equal {torque}")
+        turned = {
+            one: f"+v_{name}_a{other}*{at[third]}-v_{name}_a{third}*{at[other]}"
+            for one, other, third in ("xyz", "yzx", "zxy")
+        }
+    for axis, turning in turned.items():
+        lines.append(f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})")
+    lines.append(f"variable        {name}_0 atom 0.0")
+    words = " ".join(f"v_{name}_{axis}" if axis in turned else "0.0" for axis in "xyz")
+    return [*lines, f"fix             {name} {group} addforce {words} energy v_{name}_0"]
+
+
+def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
+    """Return the commands that store the present mass, centre and inverse inertia; they may be repeated."""
+    lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
+    lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
+    if on_plane:
+        return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
+    values = {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
+
+    def written(formula: str) -> str:
+        return "".join(values.get(letter, letter) for letter in formula)
+
+    lines += [
+        f"variable        {name}_{axis}{about} equal $(({written(term)})/({written(_DETERMINANT)}):%.17g)"
+        for axis, row in _TERMS.items()
+        for about, term in zip("xyz", row, strict=True)
+    ]
+    return lines

@@ -18,15 +18,13 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.shape import Shape, mass_of
+from granwave.lammps_inputs.case.material import Material, Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.bars import BAR, INCIDENT_BAR, PlacedBar, place_bar
+from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
+from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.disorder import striker_shift
-from granwave.lammps_inputs.packing.grain_words import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
-from granwave.lammps_inputs.packing.strikers import place_strikers
 
 _KEPT = 4  # assemblies
 
@@ -116,12 +114,12 @@ class Assembly:
     @property
     def n_contacts(self) -> int:
         """Number of pairs of spheres that touch at the start."""
-        return (self.lattice if self.sites is None else self.sites).n_contacts + self._n_touches
+        return (self.lattice if self.sites is None else self.sites).n_contacts + len(self.striker_contacts)
 
     @property
     def n_neighbours(self) -> int:
         """Number of pairs of spheres that touch or are at neighbouring sites."""
-        return (self.lattice.n_contacts if self.sites is None else self.sites.n_neighbours) + self._n_touches
+        return (self.lattice.n_contacts if self.sites is None else self.sites.n_neighbours) + len(self.striker_contacts)
 
     @cached_property
     def diameters(self) -> dict[int, float]:
@@ -142,13 +140,13 @@ class Assembly:
     def diameter_of(self, sphere: int) -> float:
         """Return the diameter of the sphere with this id, m."""
         if sphere > self.lattice.n_spheres:
-            return self.strikers[sphere - self.lattice.n_spheres - 1][0].diameter or self.lattice.diameter
+            return self._striker(sphere)[0].diameter or self.lattice.diameter
         return self.lattice.diameter if self.sites is None else float(self.sites.diameter[sphere - 1])
 
     def material_of(self, sphere: int) -> Material:
         """Return the material of the sphere with this id."""
         if sphere > self.lattice.n_spheres:
-            return self.strikers[sphere - self.lattice.n_spheres - 1][0].material or self.material
+            return self._striker(sphere)[0].material or self.material
         return self.material if self.sites is None else self.sites.materials[self.sites.kind[sphere - 1]]
 
     def mass_of(self, sphere: int) -> float:
@@ -158,7 +156,7 @@ class Assembly:
     def shape_of(self, sphere: int) -> Shape:
         """Return the shape of the grain or striker with this id."""
         if sphere > self.lattice.n_spheres:
-            return self.strikers[sphere - self.lattice.n_spheres - 1][0].body
+            return self._striker(sphere)[0].body
         return self.case.packing.of_grain if self.sites is None else self.sites.shape_of(sphere - 1)
 
     @cached_property
@@ -237,7 +235,8 @@ class Assembly:
     def bounds(self) -> NDArray[np.float64]:
         """Return the bounds of all spheres and nodes along x, y, z: (2, 3), m."""
         low, high = self.lattice_bounds()
-        radius = self.largest_diameter / 2
+        largest = 0.0 if self.sites is None else float(self.sites.diameter[self.sites.present].max())
+        radius = max(self.lattice.diameter, largest) / 2
         corners = [low - radius, high + radius]
         for number, (_, centre) in zip(self._striker_ids, self.strikers, strict=True):
             corners += [centre - self.diameter_of(number) / 2, centre + self.diameter_of(number) / 2]
@@ -251,13 +250,6 @@ class Assembly:
         if self.sites is not None and self.sites.stacked is not None:
             bounds[1, 2] = self.sites.stacked[-1]
         return bounds
-
-    @property
-    def largest_diameter(self) -> float:
-        """Largest diameter of the spheres of the lattice, at least the nominal one, m."""
-        if self.sites is None:
-            return self.lattice.diameter
-        return max(self.lattice.diameter, float(self.sites.diameter[self.sites.present].max()))
 
     def faces(self) -> NDArray[np.float64]:
         """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m."""
@@ -320,12 +312,11 @@ class Assembly:
     def centre_of(self, sphere: int) -> NDArray[np.float64]:
         """Return the centre of the sphere with this id: (3,), m."""
         if sphere > self.lattice.n_spheres:
-            return self.strikers[sphere - self.lattice.n_spheres - 1][1]
+            return self._striker(sphere)[1]
         return np.asarray(self.lattice_positions(sphere, sphere)[0])
 
-    @property
-    def _n_touches(self) -> int:
-        return len(self.striker_contacts)
+    def _striker(self, sphere: int) -> tuple[Striker, NDArray[np.float64]]:
+        return self.strikers[sphere - self.lattice.n_spheres - 1]
 
     @property
     def _striker_ids(self) -> range:
@@ -378,9 +369,9 @@ def _assemble(case: Case) -> Assembly:
     first = assembly.last_sphere + 1
     for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
         if section is not None:
-            face, touches = (
-                (-assembly.top_radius, 1) if name == INCIDENT_BAR else (assembly.bottom(), assembly.lattice.n_spheres)
-            )
+            face, touches = (-assembly.top_radius, 1)
+            if name == BAR:
+                face, touches = assembly.bottom(), lattice.n_spheres
             bars.append(place_bar(name, section, section.material or case.material, first, face, touches))
             first = bars[-1].last + 1
     ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]

@@ -6,6 +6,7 @@ line. The ends of a cylinder do not touch anything.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import CylinderPair
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.shape import Cylinder, Shape
+from granwave.lammps_inputs.case.material import Cylinder, Shape
 
 _NO_AXIS = (0.0, 0.0, 0.0)
 _PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel, as in the plugin
@@ -84,14 +85,9 @@ def separations(
     for one in np.unique(code).tolist():
         rows = np.flatnonzero(code == one)
         between = nearest_image(position[first[rows]] - position[second[rows]], period)
-        distance[rows], beyond[rows] = _separation(between, each[one // len(each)], each[one % len(each)])
+        apart, beyond[rows] = nearest_vectors(between, each[one // len(each)], each[one % len(each)])
+        distance[rows] = np.linalg.norm(apart, axis=1)
     return distance, beyond
-
-
-def _separation(between: NDArray[np.float64], first: Shape, second: Shape) -> tuple[NDArray[np.float64], ...]:
-    """Return distances and places beyond the ends for vectors between centres, from the second to the first."""
-    apart, beyond = nearest_vectors(between, first, second)
-    return np.linalg.norm(apart, axis=1), beyond
 
 
 def nearest_vectors(
@@ -181,3 +177,24 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
         if meets:
             found.append((one, other))
     return found
+
+
+SPHERES, CYLINDERS, GRAINS = "spheres", "cylinders", "grains"
+_WORD = re.compile(r"\b([Ss])phere(s?)\b")
+
+
+def grains_called(n_grains: int, n_cylinders: int) -> str:
+    """Return ``spheres``, ``cylinders`` or ``grains``."""
+    if not n_cylinders:
+        return SPHERES
+    return CYLINDERS if n_cylinders >= n_grains else GRAINS
+
+
+def in_grains(text: str, called: str) -> str:
+    """Put what grains are called, in the plural, into a text that calls them spheres."""
+
+    def other(found: re.Match[str]) -> str:
+        word = called.removesuffix("s") + found[2]
+        return word.capitalize() if found[1] == "S" else word
+
+    return text if called == SPHERES else _WORD.sub(other, text)

@@ -1,14 +1,13 @@
-"""Spheres that are struck, that move from the start, and that are held."""
+"""Grains that are struck, that move from the start, that are held, and that are recorded in time."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from granwave.lammps_inputs.case.bodies import Hold
+from granwave.lammps_inputs.case.bodies import Hold, Line
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import Places, struck_spheres
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
@@ -23,10 +22,8 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
         return centre + tuple(one for one in assembly.lattice.top_layer.tolist() if one not in centre)
     if case.load.kind == "grains":
         return tuple(own_velocities(assembly))
-    moving = [
-        number for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1) if striker.moves
-    ]
-    return tuple(moving)
+    first = assembly.lattice.n_spheres + 1
+    return tuple(number for number, striker in enumerate(case.striker, start=first) if striker.moves)
 
 
 def struck_site(assembly: Assembly) -> int | None:
@@ -65,3 +62,78 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
     if hold.index is not None:
         return tuple(sorted(set(hold.index)))
     return case.packing.grains.of_group(hold.group or "") if case.packing.grains is not None else ()
+
+
+_BESIDE = 0.25  # diameters; grains of a line are no further from it
+_HELD = 3.0  # diameters above a floor that does not move: grains there cannot reach the speed of the wave
+
+
+def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
+    """Return the ids of the grains of a line in their order: those given, or those along a direction."""
+    ids = assembly.ids
+    own = ids <= assembly.lattice.n_spheres
+    if isinstance(line.index, str):
+        return tuple(ids[own].tolist())
+    if line.index is not None:
+        return line.index
+    ids, positions = ids[own], assembly.positions()[own]
+    start = line.start or struck_site(assembly) or int(ids[0])
+    row = int(np.searchsorted(ids, start))
+    if row == len(ids) or ids[row] != start:
+        return ()
+    way = np.array(line.direction) / np.linalg.norm(line.direction)
+    offset = positions - positions[row]
+    along = offset @ way
+    beside = np.linalg.norm(offset - along[:, None] * way, axis=1)
+    diameter = assembly.case.packing.diameter
+    on = np.flatnonzero((beside <= _BESIDE * diameter) & (along >= -1e-6 * diameter))
+    return tuple(ids[on[np.argsort(along[on], kind="stable")]].tolist())
+
+
+def all_line_ids(assembly: Assembly) -> tuple[int, ...]:
+    """Return the ids of the grains of all lines, each once, in rising order."""
+    return tuple(sorted({one for line in assembly.case.line for one in line_ids(assembly, line)}))
+
+
+def left_out(assembly: Assembly, line: Line) -> int:
+    """Return how many grains at the end of a line the fit of its decay leaves out: those that the floor holds."""
+    if not isinstance(line.leave_out, str):
+        return line.leave_out
+    boundary = assembly.case.boundary
+    if boundary.bottom == "free" or boundary.bottom_support is not None:
+        return 0
+    depth = [assembly.bottom() - float(assembly.centre_of(one)[2]) for one in line_ids(assembly, line)]
+    near = [one < _HELD * assembly.case.packing.diameter for one in depth]
+    return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
+
+
+_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+_LINE_HISTORY = 2000  # instants
+_PARTS_FROM = 10_000_000  # spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
+_IN_A_PERIOD, _MOST_HISTORY_VALUES = 10, 1e7  # instants in the shortest period of a load; instants times particles
+_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
+
+
+def chain_history(assembly: Assembly) -> int:
+    """Return the number of instants at which velocities and forces of a chain are recorded; 0: none."""
+    case, output, packing = assembly.case, assembly.case.output, assembly.case.packing
+    if output.history != "auto":
+        return output.history
+    if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
+        return 0
+    instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
+    if case.load.driven and case.load.oscillates:
+        instants = max(instants, _IN_A_PERIOD * case.load.frequencies[1] * case.run.longest)
+    return int(min(instants, _MOST_HISTORY_VALUES / assembly.n_particles))
+
+
+def line_history(assembly: Assembly) -> int:
+    """Return the number of instants at which the grains of the lines of a case are recorded."""
+    history = assembly.case.output.history
+    return history if not isinstance(history, str) and history else _LINE_HISTORY
+
+
+def written_in_parts(assembly: Assembly) -> bool:
+    """Return True if each rank writes its own snapshots and contacts."""
+    parts = assembly.case.output.parts
+    return assembly.n_spheres >= _PARTS_FROM if parts == "auto" else bool(parts)

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import ase
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import separations
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -63,11 +60,7 @@ class Packing:
 
     def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the rows of the spheres with these ids, of the same shape."""
-        return np.searchsorted(self.ids, ids) if self._vacant else ids - 1
-
-    @property
-    def _vacant(self) -> bool:
-        return self.n_spheres < self.assembly.last_sphere
+        return np.searchsorted(self.ids, ids) if self.n_spheres < self.assembly.last_sphere else ids - 1
 
     @cached_property
     def contacts(self) -> NDArray[np.int64]:
@@ -107,7 +100,9 @@ class Packing:
             return result
         expected = self.lattice.rule.coordination
         found = int(result.max())
-        if found > expected or (found < expected and self._has_inside()):
+        sides = [n for n, axis in zip(self.lattice.size, self.lattice.rule.axes, strict=True)
+                 if axis == "z" or not self.lattice.periodic]  # fmt: skip
+        if found > expected or (found < expected and all(n >= 5 for n in sides)):
             raise RuntimeError(f"{self.lattice.kind}: found {found} contacts inside, expected {expected}")
         return result
 
@@ -126,11 +121,6 @@ class Packing:
                 apart, _ = separations(self.positions, self.assembly.grain_shapes(), first, second)
                 result[part] = apart - (radii[first] + radii[second])
         return result
-
-    def _has_inside(self) -> bool:
-        sides = [n for n, axis in zip(self.lattice.size, self.lattice.rule.axes, strict=True)
-                 if axis == "z" or not self.lattice.periodic]  # fmt: skip
-        return all(n >= 5 for n in sides)
 
 
 def build_packing(case: Case | Assembly) -> Packing:

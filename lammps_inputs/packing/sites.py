@@ -3,7 +3,7 @@
 Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger ones need space. The
 beads of a chain are stacked in contact by their nominal diameters, those of `[[replace]]` included; diameters below
 nominal by the tolerance leave gaps there, too. The tolerance counts from the nominal diameter of each sphere. On a
-tilted floor the spheres of a square packing lean on each other instead (`granwave.lammps_inputs.packing.tilted`).
+tilted floor the spheres of a square packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -11,25 +11,19 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
-from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.shape import Shape
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.material import Material, Shape
+from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.run import Output
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
-from granwave.lammps_inputs.packing.disorder import diameter_losses, random_share, random_vacancies
-from granwave.lammps_inputs.packing.places import Layout, Places
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
-from granwave.lammps_inputs.packing.tilted import lean
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.load import Load
-    from granwave.lammps_inputs.case.output import Output
-    from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, random_vacancies
+from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -190,7 +184,9 @@ class Sites:
         slack = TOUCHING * self.lattice.diameter
         reach = (self.diameter[large] + self.diameter[present].max()) / 2 + slack
         found: list[NDArray[np.float64]] = []
-        for shift in self._images():
+        x, y = self.lattice.lengths
+        steps = (0, -1, 1) if self.lattice.periodic else (0,)
+        for shift in (np.array([i * x, j * y, 0.0]) for i in steps for j in steps):
             around = tree.query_ball_point(centres[large] + shift, reach)
             one = np.repeat(large, [len(others) for others in around])
             other = present[np.concatenate([np.asarray(others, dtype=np.int64) for others in around])]
@@ -209,12 +205,6 @@ class Sites:
         if self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
-
-    def _images(self) -> list[NDArray[np.float64]]:
-        if not self.lattice.periodic:
-            return [np.zeros(3)]
-        x, y = self.lattice.lengths
-        return [np.array([i * x, j * y, 0.0]) for i in (0, -1, 1) for j in (0, -1, 1)]
 
     def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""

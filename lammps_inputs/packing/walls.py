@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import elliptic_radius
-from granwave.lammps_inputs.case.boundary import Touched
+from granwave.lammps_inputs.case.boundary import Support, Touched
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
 from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.sites import Sites
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.supports import Support
-    from granwave.lammps_inputs.packing.sites import Sites
-
 
 SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
 PLATE = "plate"  # name of the wall that is a plate on the free top, and of its fix
@@ -99,17 +94,14 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
             Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
         )
     for axis, letter in enumerate("xy"):
-        if case.boundary.has_planes(letter) and (letter == "x" or across_y(case)):
+        # a crystal in the x-z plane has walls across y only where boundary.y says so
+        across = letter == "x" or case.boundary.y is not None or not is_plane_crystal(case.packing.kind)
+        if case.boundary.has_planes(letter) and across:
             (low, high), inwards = _faces(assembly, axis), moves.get(letter, 0.0)
             inwards -= max(case.boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     return tuple(found)
-
-
-def across_y(case: Case) -> bool:
-    """Return True if sides across y can be walls: for a crystal in the x-z plane only where `boundary.y` says so."""
-    return not is_plane_crystal(case.packing.kind) or case.boundary.y is not None
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -192,6 +184,11 @@ def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]
     if wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
         return [(wall.name, group, material) for _, group, material in fixes if material in materials_on_top(assembly)]
     return fixes
+
+
+def plane_fixes(assembly: Assembly) -> list[str]:
+    """Return the names of the fixes of all planes and of a tube; a last layer held in place has none."""
+    return [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
 
 
 def touched_groups(assembly: Assembly, chosen: NDArray[np.bool_]) -> list[tuple[str, Material, NDArray[np.int64]]]:

@@ -1,4 +1,4 @@
-"""Collisions that bound the overlaps of a run, for the timestep and the largest overlap of a plan.
+"""Energy that a load puts into a packing, and the collisions that bound the overlaps of a run.
 
 The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass m_eff at the normal
 velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loading:
@@ -23,24 +23,119 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.contact import NO_FORCE
+from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
-from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, flat_contact, pair_contact, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import velocities_of
-from granwave.lammps_inputs.planning.energy_input import energy_of_plate, expected_energy
-from granwave.lammps_inputs.planning.kinds_of_pairs import kinds_of_grains, kinds_of_last_layer, kinds_of_pairs
-from granwave.lammps_inputs.roots import brentq
+from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
+from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.sites import Sites
 
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-    from granwave.lammps_inputs.case.material import Material
+
+def expected_energy(assembly: Assembly) -> float:
+    """Return the energy input of the load, J; for a force an upper bound."""
+    case = assembly.case
+    energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
+    energy += energy_of_plate(case.load)
+    return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
+
+
+def fastest(assembly: Assembly) -> float:
+    """Return an upper bound on the speed of any sphere, m/s."""
+    case = assembly.case
+    given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
+    if case.load.kind == "force":
+        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min())))
+    elif case.load.kind == "displacement":
+        given = max(given, case.load.fastest)
+    elif case.load.plate is not None:
+        given = max(given, 2 * case.load.velocity)  # of a sphere that a heavy plate hits
+    return given
+
+
+def _energy_of_force(assembly: Assembly) -> float:
+    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the wave in the bar."""
+    case = assembly.case
+    load = case.load
+    for bar in assembly.bars:
+        if bar.name == INCIDENT_BAR:
+            impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
+            return load.largest * load.impulse / impedance
+    masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
+    return load.impulse**2 / (2 * sum(masses))
+
+
+def energy_of_plate(load: Load) -> float:
+    """Return the energy of a plate, J; 0 for other loads."""
+    mass, velocity = load.plate or (0.0, 0.0)
+    return mass * velocity**2 / 2
+
+
+_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+
+
+def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Classify spheres by material and diameter, or by ranges of diameters if there are too many.
+
+    Returns
+    -------
+    of
+        Kind by site: (n_sites,); -1 for vacant ones.
+    example
+        Id of a sphere of each kind.
+    """
+    diameters, size = np.unique(sites.diameter, return_inverse=True)
+    if len(diameters) * len(sites.bodies) > _MOST_KINDS:
+        size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
+    code = np.where(sites.present, sites.body * (size.max() + 1) + size, -1)
+    order = np.lexsort((sites.diameter, code))  # the smallest of each kind first
+    codes, first = np.unique(code[order], return_index=True)
+    example = order[first][codes >= 0] + 1
+    return np.searchsorted(codes[codes >= 0], code) - (code < 0), example
+
+
+def kinds_of_last_layer(assembly: Assembly) -> list[int]:
+    """Return a sphere of each kind in the last layer."""
+    sites = assembly.sites
+    if sites is None:
+        return [assembly.lattice.n_spheres]
+    of, example = kinds_of_grains(sites)
+    there = np.unique(of[assembly.lattice.last_layer - 1])
+    return example[there[there >= 0]].tolist()
+
+
+def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
+    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
+    sites = assembly.sites
+    pairs: list[tuple[int, int]] = []
+    if sites is None:
+        pairs += [(1, 1)] if assembly.lattice.n_spheres > 1 else []
+    else:
+        of, example = kinds_of_grains(sites)
+        n = len(example)
+        codes = {int(code) for near, _ in sites.neighbours() for code in np.unique(of[near - 1] @ np.array([n, 1]))}
+        if isinstance(assembly.lattice, Places):  # any two grains may meet
+            codes = {first * n + second for first in range(n) for second in range(first, n)}
+        pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
+        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
+        pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
+    for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
+        pairs += [(number, touched) for touched in striker.touches]
+    alike = {
+        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
+        for pair in pairs
+    }
+    return list(alike.values())
+
 
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
 _OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
@@ -79,6 +174,8 @@ class Encounter:
     @cached_property
     def overlap(self) -> float:
         """Overlap at which the work of loading equals the energy, m."""
+        from scipy.optimize import brentq  # takes longer to load than most commands need
+
         limit = _LARGEST_OVERLAP * self.law.effective_radius
         if _work(self.law, limit) <= self.energy:
             return limit
@@ -199,7 +296,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in kinds_of_last_layer(assembly)]
     if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
-        kinds = [1] if assembly.sites is None else kinds_of_grains(assembly.sites).example.tolist()
+        kinds = [1] if assembly.sites is None else kinds_of_grains(assembly.sites)[1].tolist()
         flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
@@ -222,7 +319,7 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     if load.plate is not None:
         # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
         share = energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
-        return min(energy, max(_OF_PLATE * share, _largest_mass(assembly) * (2 * load.velocity) ** 2 / 2))
+        return min(energy, max(_OF_PLATE * share, float(assembly.sphere_masses().max()) * (2 * load.velocity) ** 2 / 2))
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
@@ -231,6 +328,8 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
 
 def _work_to_force(law: ContactLaw, force: float) -> float:
     """Return the work of loading up to a force, J."""
+    from scipy.optimize import brentq
+
     low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
     if float(law.loading_force(np.array([high]))[0]) <= force:
         return _work(law, high)
@@ -240,7 +339,3 @@ def _work_to_force(law: ContactLaw, force: float) -> float:
 
 def _work(law: ContactLaw, overlap: float) -> float:
     return float(law.loading_work(np.array([overlap]))[0])
-
-
-def _largest_mass(assembly: Assembly) -> float:
-    return float(assembly.sphere_masses().max()) if not assembly.plain else assembly.case.sphere_mass

@@ -8,23 +8,30 @@ import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import check_earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
-from granwave.lammps_inputs.memory import refuse_too_large
+from granwave.lammps_inputs.files import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.planning.load_frequency import check_load_frequency
+from granwave.lammps_inputs.planning.cost import (
+    ExpectedZone,
+    Space,
+    WallTime,
+    expected_space,
+    expected_wall_time,
+    expected_zone,
+)
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.planning.space import Space, expected_space
-from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, expected_peak_overlap, timestep_limits
-from granwave.lammps_inputs.planning.wall_time import WallTime, expected_wall_time
-from granwave.lammps_inputs.planning.zone_estimate import ExpectedZone, expected_zone
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.planning.timestep import (
+    Limit,
+    auto_timestep,
+    check_load_frequency,
+    expected_peak_overlap,
+    timestep_limits,
+)
 
 _LOG = logging.getLogger("granwave")
 
@@ -175,23 +182,14 @@ def _refuse_endless(case: Case) -> None:
 def _note_times(case: Case, schedule: Schedule) -> None:
     """Log warnings about a timestep that is far too long, and a probe interval shorter than the timestep."""
     given, interval = case.run.timestep, case.output.probe_interval
-    best = math.inf
-    with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
-        best = auto_timestep(case) if not isinstance(given, str) else math.inf
-    if not isinstance(given, str) and given > _FAR_TOO_LONG * best:
-        _LOG.warning(
-            '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close',
-            case.name,
-            given,
-            best,
-        )
+    if not isinstance(given, str):
+        with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
+            if given > _FAR_TOO_LONG * (best := auto_timestep(case)):
+                text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
+                _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
-        _LOG.warning(
-            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s",
-            case.name,
-            interval,
-            schedule.first_timestep,
-        )
+        text = "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s"
+        _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
 
 def check_run(
@@ -213,14 +211,12 @@ def check_run(
     InputError
         The run cannot be made; the message lists all faults.
     """
-    checks: list[Callable[[], None]] = []
-    if files:
-        checks.append(lambda: check_earlier_result(assemble(case)))
-    if memory:
-        checks.append(lambda: check_memory(expected))
-    if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))
-    raise_all(checks)
+    checks: list[tuple[bool, Callable[[], None]]] = [
+        (files, lambda: check_earlier_result(assemble(case))),
+        (memory, lambda: check_memory(expected)),
+        (directory is not None, lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve)),  # type: ignore[arg-type]
+    ]
+    raise_all(check for wanted, check in checks if wanted)
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:

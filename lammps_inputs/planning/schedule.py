@@ -11,19 +11,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granwave.lammps_inputs.case.figures import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES, FRAMES_OF_A_FILM
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.records import chain_history, line_history
+from granwave.lammps_inputs.packing.motion import chain_history, line_history
 from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, largest_timestep, timestep_limits
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
 BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
@@ -126,16 +122,22 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps)
     _check_counts(case, max(1, round(span / steps.first)), even=even > 0)
     frame_every, frame_steps = _frames(case, steps)
+    interval, instants = case.output.probe_interval, chain_history(assembly)
     return Schedule(
         timestep=steps.count,
         n_steps=steps.unit * steps.n_units,
         block_steps=steps.unit * steps.in_block if blocks else 0,
         ledger_every=steps.unit * steps.in_ledger,
         wall_every=steps.unit * _divisor(steps.in_block, max(1, _WALL_STEPS // steps.per_first)),
-        probe_every=_probe_every(case, steps),
+        probe_every=steps.unit
+        * (
+            _divisor(steps.in_block, max(1, _AUTO_PROBE_STEPS // steps.per_first))
+            if isinstance(interval, str)
+            else steps.units(interval)
+        ),
         frame_every=frame_every,
         frame_steps=frame_steps,
-        history_every=_history_every(assembly, steps, span),
+        history_every=steps.unit * steps.units(span / instants) if instants else 0,
         line_every=steps.unit * steps.units(span / line_history(assembly)) if case.line else 0,
         first_step=steps.unit // steps.per_first,
         longest_step=steps.unit,
@@ -215,7 +217,14 @@ def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
         check_steps(case.name, duration, shortest, timestep_limits(assembly, run.energy_tolerance)[0])
     per_first = round(longest / first)
     bound = min(duration / rows, _WALL_STEPS * first, *_intervals(assembly, first))
-    while per_first > 1 and not (per_first * first <= bound and _fits(case, per_first * first, first)):
+    interval = case.output.probe_interval if case.probes else "auto"
+
+    def fits(length: float) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
+        if isinstance(interval, str):
+            return True
+        return abs(max(1, round(interval / length)) * length - interval) <= 0.5 * first
+
+    while per_first > 1 and not (per_first * first <= bound and fits(per_first * first)):
         per_first //= 2
     unit = per_first * round(first / shortest)
     in_ledger = max(1, math.floor(duration / rows / (per_first * first) * (1 + 1e-9)))
@@ -260,14 +269,6 @@ def _intervals(assembly: Assembly, first: float) -> list[float]:
     return found
 
 
-def _fits(case: Case, length: float, first: float) -> bool:
-    """True if the interval that is given for probes is a multiple of a length, to half a first timestep."""
-    interval = case.output.probe_interval
-    if isinstance(interval, str) or not case.probes:
-        return True
-    return abs(max(1, round(interval / length)) * length - interval) <= 0.5 * first
-
-
 def check_steps(name: str, duration: float, timestep: float, limit: Limit | None = None) -> None:
     """Raise InputError if a run has more steps than `MOST_STEPS`.
 
@@ -292,17 +293,6 @@ def check_steps(name: str, duration: float, timestep: float, limit: Limit | None
 def _divisor(n_steps: int, most: int) -> int:
     """Return the largest divisor of ``n_steps`` up to ``most``."""
     return max(every for every in range(1, most + 1) if n_steps % every == 0)
-
-
-def _history_every(assembly: Assembly, steps: _Steps, span: float) -> int:
-    return steps.unit * steps.units(span / chain_history(assembly)) if chain_history(assembly) else 0
-
-
-def _probe_every(case: Case, steps: _Steps) -> int:
-    interval = case.output.probe_interval
-    if isinstance(interval, str):
-        return steps.unit * _divisor(steps.in_block, max(1, _AUTO_PROBE_STEPS // steps.per_first))
-    return steps.unit * steps.units(interval)
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:

@@ -16,23 +16,24 @@ constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium;
 element.
 
 dt is rounded down to two significant digits. At given velocity it is proportional to the diameter, like all times.
+
+No wave runs above the cut-off; grains then move by a share that falls with the square of the frequency, and the
+timestep follows the load. Far above, a run takes long, and shows rounding.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
-from typing import TYPE_CHECKING
 
+from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
-from granwave.lammps_inputs.case.supports import BAR_COURANT_NUMBER, PLATE_OSCILLATION
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.planning.encounters import encounters, some_encounters
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
@@ -62,7 +63,9 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    return _round_down(timestep_limits(assemble(case), tolerance)[0].step)
+    step = timestep_limits(assemble(case), tolerance)[0].step
+    scale = 1 - math.floor(math.log10(step))
+    return float(f"{math.floor(step * 10.0**scale * (1 + 1e-12))}e{-scale}")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -146,6 +149,34 @@ def _limits_of_load(assembly: Assembly) -> list[Limit]:
     return []
 
 
-def _round_down(value: float, digits: int = 2) -> float:
-    scale = digits - 1 - math.floor(math.log10(value))
-    return float(f"{math.floor(value * 10.0**scale * (1 + 1e-12))}e{-scale}")
+_LOG = logging.getLogger("granwave")
+_OF_CUTOFF = 2.0  # cut-off of a row over 1/(2 pi shortest time): 2/sqrt(1.2) for Hertz's law by its mean stiffness
+_FAR, _TOO_FAR = 5.0, 100.0  # times the cut-off: a warning, and an error
+
+
+def check_load_frequency(assembly: Assembly) -> None:
+    """Warn about a load that oscillates far above the cut-off, and refuse it where that is beyond all sense.
+
+    Raises
+    ------
+    InputError
+        The frequency is more than a hundred times what the contacts under the static load pass on.
+    """
+    case, load = assembly.case, assembly.case.load
+    if not load.driven or not load.oscillates or assembly.bars or case.precompression is None:
+        return
+    try:
+        cutoff = _OF_CUTOFF / (2 * math.pi * shortest_time(assembly))
+    except (ArithmeticError, ValueError):  # no contact takes up energy
+        return
+    highest = load.frequencies[1]
+    if highest <= _FAR * cutoff:
+        return
+    key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
+    found = (
+        f"{case.name}: load.{key}: found {highest:g} Hz, {highest / cutoff:.3g} times the highest frequency that the "
+        f"stiffest contact passes on, about {cutoff:.3g} Hz"
+    )
+    if highest > _TOO_FAR * cutoff:
+        raise InputError(f"{found}; expected at most {_TOO_FAR:g} times as much")
+    _LOG.warning("%s: hardly anything moves, the steps follow the load, and the energy balance may suffer", found)

@@ -4,10 +4,8 @@
 #include "../laws/collision.h"
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
-#include "../laws/elliptic_contact.h"
 #include "../laws/law_arguments.h"
-#include "../laws/line_batch.h"
-#include "../laws/line_contact.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/load_shape.h"
 
 #include <pybind11/numpy.h>
@@ -23,21 +21,21 @@
 #include <vector>
 
 namespace py = pybind11;
-using granwave::ContactLaw;
-using granwave::LawEntry;
-using granwave::LawHistory;
-using granwave::Material;
-using granwave::ScaledLaw;
-using granwave::Variant;
+using namespace granwave;
 
 namespace {
 
 using Two = std::pair<double, double>;
 
-py::dict by_name(const granwave::LawConstants &constants)
+std::pair<Material, Material> elastic_bodies(Two modulus, Two poisson)
+{
+  return {{modulus.first, poisson.first, INFINITE}, {modulus.second, poisson.second, INFINITE}};
+}
+
+py::dict by_name(const LawConstants &constants)
 {
   py::dict found;
-  for (const auto &[name, member] : granwave::LAW_CONSTANTS) found[name] = constants.*member;
+  for (const auto &[name, member] : LAW_CONSTANTS) found[name] = constants.*member;
   return found;
 }
 
@@ -45,11 +43,11 @@ py::dict by_name(const granwave::LawConstants &constants)
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
-  if (entry.takes(granwave::VARIANT)) names.append("variant");
-  if (entry.takes(granwave::YIELD_FACTOR)) names.append("yield_factor");
-  if (entry.takes(granwave::BETA)) names.append("beta");
-  if (entry.takes(granwave::CONSTANTS)) names.append("constants");
-  if (entry.takes(granwave::POWER)) {
+  if (entry.takes(VARIANT)) names.append("variant");
+  if (entry.takes(YIELD_FACTOR)) names.append("yield_factor");
+  if (entry.takes(BETA)) names.append("beta");
+  if (entry.takes(CONSTANTS)) names.append("constants");
+  if (entry.takes(POWER)) {
     names.append("constant");
     names.append("exponent");
   }
@@ -58,8 +56,8 @@ py::tuple option_names(const LawEntry &entry)
 
 const LawEntry &known_law(const std::string &name)
 {
-  const LawEntry *const entry = granwave::find_law(name);
-  if (!entry) throw py::value_error("law must be one of " + granwave::law_names(", ") + ", found '" + name + "'");
+  const LawEntry *const entry = find_law(name);
+  if (!entry) throw py::value_error("law must be one of " + law_names(", ") + ", found '" + name + "'");
   return *entry;
 }
 
@@ -68,7 +66,7 @@ class Contact {
  public:
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
-          double exponent, std::optional<double> effective_radius, const std::optional<granwave::LineContact> &line)
+          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line)
   {
     const LawEntry &entry = known_law(name);
     if (variant != "continuous" && variant != "published")
@@ -79,24 +77,24 @@ class Contact {
       if (!(value > -1.0 && value <= 0.5)) throw py::value_error("Poisson's ratio must lie in (-1, 0.5]");
     if (!(yield_factor > 0.0)) throw py::value_error("yield_factor must be positive");
     if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
-    if (entry.takes(granwave::POWER) && !(constant > 0.0 && exponent >= 1.0))
+    if (entry.takes(POWER) && !(constant > 0.0 && exponent >= 1.0))
       throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
-    granwave::LawOptions options{
+    LawOptions options{
         variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}};
     for (const auto &[key, value] : own) {
-      const auto member = granwave::law_constant(key);
+      const auto member = law_constant(key);
       if (!member) throw py::value_error("constants: '" + key + "' is none of LAW_CONSTANTS");
       if (!std::isfinite(value)) throw py::value_error("constants must be finite numbers, found " + key);
       options.constants.*member = value;
     }
-    if (!own.empty() && (!entry.takes(granwave::CONSTANTS) || options.variant != Variant::continuous))
+    if (!own.empty() && (!entry.takes(CONSTANTS) || options.variant != Variant::continuous))
       throw py::value_error("constants belong to law elastoplastic, variant continuous");
     const Material first{modulus.first, poisson.first, yield.first}, second{modulus.second, poisson.second, yield.second};
     law = ContactLaw(entry, first, second, options);
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
     if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
-    scaled = ScaledLaw::any(law, effective);
+    scaled = ScaledLaw(law, effective);
     if (line) {
       elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
       scaled = ScaledLaw(law, effective, *elastic);
@@ -121,18 +119,18 @@ class Contact {
   {
     return scaled.tangent_stiffness(overlap, history(std::max(peak, overlap)));
   }
-  granwave::ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
+  ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
   {
     if (time && dashpot) throw py::value_error("take one of loss_time and loss_dashpot");
     if (!(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0)) throw py::value_error("a loss must not be negative");
-    if (time) return {granwave::LossKind::TIME, *time};
-    return dashpot ? granwave::ViscousLoss{granwave::LossKind::DASHPOT, *dashpot} : granwave::ViscousLoss{};
+    if (time) return {LossKind::TIME, *time};
+    return dashpot ? ViscousLoss{LossKind::DASHPOT, *dashpot} : ViscousLoss{};
   }
   py::dict collide(double mass, double speed, const std::optional<double> &time, const std::optional<double> &dashpot,
                    int steps) const
   {
     if (!(mass > 0.0 && speed > 0.0 && steps > 0)) throw py::value_error("mass, speed and steps must be positive");
-    const granwave::Collision found = granwave::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
+    const Collision found = granwave::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
     py::dict values;
     values["restitution"] = found.restitution;
     values["duration"] = found.duration;
@@ -151,7 +149,7 @@ class Contact {
   }
 
   ContactLaw law;
-  std::optional<granwave::ElasticContact> elastic;    // along a line
+  std::optional<ElasticContact> elastic;    // along a line
   ScaledLaw scaled;
 
  private:
@@ -159,18 +157,10 @@ class Contact {
   LawHistory history(double peak) const { return {peak, extra.data()}; }
 };
 
-template <auto Method> auto one()
+/* A constant of the contact, from its member of this method. */
+template <auto Member, auto Method> auto of()
 {
-  return [](const Contact &self, const py::array_t<double> &x) -> py::object {
-    return py::vectorize([&self](double v) { return (self.*Method)(v); })(x);
-  };
-}
-
-template <auto Method> auto two()
-{
-  return [](const Contact &self, const py::array_t<double> &overlap, const py::array_t<double> &peak) -> py::object {
-    return py::vectorize([&self](double a, double b) { return (self.*Method)(a, b); })(overlap, peak);
-  };
+  return [](const Contact &contact) { return ((contact.*Member).*Method)(); };
 }
 
 }    // namespace
@@ -181,27 +171,25 @@ PYBIND11_MODULE(_contact_laws, module)
       "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
   module.attr("LAW_CONSTANTS") = by_name({});
-  module.def("power", py::vectorize(granwave::power), py::arg("x"), py::arg("y"),
-             "x^y as the laws compute it, for positive x.");
-  module.def("elliptic_radius", py::vectorize(granwave::elliptic_radius), py::arg("first"), py::arg("second"),
+  module.def("power", py::vectorize(power), py::arg("x"), py::arg("y"), "x^y as the laws compute it, for positive x.");
+  module.def("elliptic_radius", py::vectorize(elliptic_radius), py::arg("first"), py::arg("second"),
              "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
   module.def(
       "load_at",
       [](const std::string &shape, const std::vector<double> &numbers, const py::array_t<double> &time) -> py::object {
-        const auto load = granwave::LoadShape::named(shape, numbers);
+        const auto load = LoadShape::named(shape, numbers);
         return py::vectorize([&load](double t) { return load.value(t); })(time);
       },
       py::arg("shape"), py::arg("numbers"), py::arg("time"),
       "Force or displacement at times (s), from the name and the numbers that fix gran/load takes.");
-  module.def("logarithm", py::vectorize(granwave::logarithm), py::arg("x"), "ln(x) as the laws compute it, for positive x.");
-  py::class_<granwave::LineContact>(module, "LineContact",
-                                    "Contact along a line: a cylinder on a plane, or two parallel cylinders.\n\n"
-                                    "Pairs are (first, second) body, rigid where the modulus is inf. SI units.")
+  module.def("logarithm", py::vectorize(logarithm), py::arg("x"), "ln(x) as the laws compute it, for positive x.");
+  py::class_<LineContact>(module, "LineContact",
+                          "Contact along a line: a cylinder on a plane, or two parallel cylinders.\n\n"
+                          "Pairs are (first, second) body, rigid where the modulus is inf. SI units.")
       .def(py::init([](Two modulus, Two poisson, double diameter, double length) {
              if (!(diameter > 0.0 && length > 0.0)) throw py::value_error("diameter and length must be positive");
-             const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
-             return granwave::LineContact(body(modulus.first, poisson.first), body(modulus.second, poisson.second), diameter,
-                                          length);
+             const auto [first, second] = elastic_bodies(modulus, poisson);
+             return LineContact(first, second, diameter, length);
            }),
            py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("diameter"), py::arg("length"))
       .def_static(
@@ -211,37 +199,21 @@ PYBIND11_MODULE(_contact_laws, module)
               throw py::value_error("radii and length must be positive");
             if (!std::isfinite(radius.first) && !std::isfinite(radius.second))
               throw py::value_error("one of two bodies must be a cylinder, found two planes");
-            const auto body = [](double e, double nu) { return Material{e, nu, granwave::INFINITE}; };
-            return granwave::LineContact::plane_strain(body(modulus.first, poisson.first),
-                                                       body(modulus.second, poisson.second), radius.first, radius.second,
-                                                       length);
+            const auto [first, second] = elastic_bodies(modulus, poisson);
+            return LineContact::plane_strain(first, second, radius.first, radius.second, length);
           },
           py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("radius"), py::arg("length"),
           "Contact in plane strain after Johnson; a plane has the radius inf.")
-      .def_property_readonly("largest_overlap", &granwave::LineContact::largest_overlap, "end of the law, m")
-      .def(
-          "force",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.force(a); })(overlap);
-          },
-          py::arg("overlap"), "Force at an overlap, N.")
-      .def(
-          "stiffness",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.stiffness(a); })(overlap);
-          },
-          py::arg("overlap"), "Slope of the force over the overlap, N/m.")
-      .def(
-          "energy",
-          [](const granwave::LineContact &self, const py::array_t<double> &overlap) -> py::object {
-            return py::vectorize([&self](double a) { return self.energy(a); })(overlap);
-          },
-          py::arg("overlap"), "Stored energy, J.")
+      .def_property_readonly("largest_overlap", &LineContact::largest_overlap, "end of the law, m")
+      .def("force", py::vectorize(&LineContact::force), py::arg("overlap"), "Force at an overlap, N.")
+      .def("stiffness", py::vectorize(&LineContact::stiffness), py::arg("overlap"),
+           "Slope of the force over the overlap, N/m.")
+      .def("energy", py::vectorize(&LineContact::energy), py::arg("overlap"), "Stored energy, J.")
       .def(
           "in_batches",
-          [](const granwave::LineContact &self, const std::vector<double> &overlap) {
+          [](const LineContact &self, const std::vector<double> &overlap) {
             std::vector<double> force, stiffness;
-            granwave::LineBatch batch;
+            LineBatch batch;
             const auto compute = [&] {
               batch.compute();
               force.insert(force.end(), batch.force, batch.force + batch.size);
@@ -256,23 +228,23 @@ PYBIND11_MODULE(_contact_laws, module)
             return std::pair(force, stiffness);
           },
           py::arg("overlap"), "Forces, N, and stiffnesses, N/m, as the styles of LAMMPS compute them.");
-  module.def("exponential", py::vectorize(granwave::exponential), py::arg("x"), "exp(x) as the laws compute it.");
+  module.def("exponential", py::vectorize(exponential), py::arg("x"), "exp(x) as the laws compute it.");
   using Axis = std::array<double, 3>;
-  py::class_<granwave::CylinderPair>(module, "CylinderPair",
-                                     "Two bodies, one of them a cylinder at least; a sphere has the length 0. SI units.")
+  py::class_<CylinderPair>(module, "CylinderPair",
+                           "Two bodies, one of them a cylinder at least; a sphere has the length 0. SI units.")
       .def(py::init([](Two length, const Axis &first, const Axis &second) {
-             granwave::Cylinder one{length.first, {}}, other{length.second, {}};
+             Cylinder one{length.first, {}}, other{length.second, {}};
              std::copy(first.begin(), first.end(), one.axis);
              std::copy(second.begin(), second.end(), other.axis);
              if (one.is_sphere() && other.is_sphere()) throw py::value_error("one of two bodies must be a cylinder");
-             return granwave::CylinderPair(one, other);
+             return CylinderPair(one, other);
            }),
            py::kw_only(), py::arg("length"), py::arg("first_axis"), py::arg("second_axis"))
-      .def_property_readonly("parallel", &granwave::CylinderPair::parallel, "True if they touch along a line")
-      .def_property_readonly("nearly_parallel", &granwave::CylinderPair::nearly_parallel,
+      .def_property_readonly("parallel", &CylinderPair::parallel, "True if they touch along a line")
+      .def_property_readonly("nearly_parallel", &CylinderPair::nearly_parallel,
                              "True if they cross at so small an angle that no law holds")
-      .def_property_readonly("length", &granwave::CylinderPair::length, "length of that line, m")
-      .def("effective_radius", &granwave::CylinderPair::effective_radius, py::arg("first"), py::arg("second"),
+      .def_property_readonly("length", &CylinderPair::length, "length of that line, m")
+      .def("effective_radius", &CylinderPair::effective_radius, py::arg("first"), py::arg("second"),
            "Radius of the sphere that is as stiff on a plane, from both radii, m.");
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
@@ -285,7 +257,7 @@ PYBIND11_MODULE(_contact_laws, module)
                              "True for a power of the overlap, or no force at all, whatever the radii")
       .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
   py::dict laws;
-  for (const LawEntry &entry : granwave::law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
+  for (const LawEntry &entry : law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
   module.attr("LAWS") = laws;
   py::class_<Contact>(
       module, "ContactLaw",
@@ -295,7 +267,7 @@ PYBIND11_MODULE(_contact_laws, module)
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<granwave::LineContact> &>(),
+                    const std::optional<LineContact> &>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
@@ -306,51 +278,44 @@ PYBIND11_MODULE(_contact_laws, module)
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
       .def_property_readonly(
           "constants", [](const Contact &b) { return by_name(b.law.constants()); }, "of the elasto-plastic law, by name")
+      .def_property_readonly("effective_radius", of<&Contact::scaled, &ScaledLaw::effective_radius>(), "R*, m")
+      .def_property_readonly("effective_modulus", of<&Contact::law, &ContactLaw::modulus>(), "E*, Pa")
+      .def_property_readonly("shear_modulus", of<&Contact::law, &ContactLaw::shear_modulus>(),
+                             "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
+      .def_property_readonly("yield_strength", of<&Contact::law, &ContactLaw::yield_strength>(), "of the softer body, Pa")
+      .def_property_readonly("yield_overlap", of<&Contact::scaled, &ScaledLaw::yield_overlap>(), "alpha_y, m")
       .def_property_readonly(
-          "effective_radius", [](const Contact &b) { return b.scaled.effective_radius(); }, "R*, m")
-      .def_property_readonly(
-          "effective_modulus", [](const Contact &b) { return b.law.modulus(); }, "E*, Pa")
-      .def_property_readonly(
-          "shear_modulus", [](const Contact &b) { return b.law.shear_modulus(); },
-          "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
-      .def_property_readonly(
-          "yield_strength", [](const Contact &b) { return b.law.yield_strength(); }, "of the softer body, Pa")
-      .def_property_readonly(
-          "yield_overlap", [](const Contact &b) { return b.scaled.yield_overlap(); }, "alpha_y, m")
-      .def_property_readonly(
-          "elastic_limit", [](const Contact &b) { return b.scaled.elastic_limit(); },
+          "elastic_limit", of<&Contact::scaled, &ScaledLaw::elastic_limit>(),
           "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
-      .def_property_readonly(
-          "valid_overlap", [](const Contact &b) { return b.scaled.valid_overlap(); },
-          "overlap beyond which the law no longer describes the contact, m")
-      .def_property_readonly(
-          "yield_force", [](const Contact &b) { return b.scaled.yield_force(); }, "F_y, N")
-      .def_property_readonly(
-          "share_of_first", [](const Contact &b) { return b.law.share_of_first(); },
-          "share of the dissipated energy that belongs to the first body")
-      .def("force", two<&Contact::force>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def_property_readonly("valid_overlap", of<&Contact::scaled, &ScaledLaw::valid_overlap>(),
+                             "overlap beyond which the law no longer describes the contact, m")
+      .def_property_readonly("yield_force", of<&Contact::scaled, &ScaledLaw::yield_force>(), "F_y, N")
+      .def_property_readonly("share_of_first", of<&Contact::law, &ContactLaw::share_of_first>(),
+                             "share of the dissipated energy that belongs to the first body")
+      .def("force", py::vectorize(&Contact::force), py::arg("overlap"), py::arg("peak_overlap"),
            "Force at an overlap when the largest so far was peak_overlap, N.")
-      .def("loading_force", one<&Contact::loading_force>(), py::arg("overlap"), "Force of first loading, N.")
-      .def("loading_work", one<&Contact::loading_work>(), py::arg("overlap"), "Work of first loading from zero, J.")
-      .def("elastic_energy", two<&Contact::elastic_energy>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("loading_force", py::vectorize(&Contact::loading_force), py::arg("overlap"), "Force of first loading, N.")
+      .def("loading_work", py::vectorize(&Contact::loading_work), py::arg("overlap"), "Work of first loading from zero, J.")
+      .def("elastic_energy", py::vectorize(&Contact::elastic_energy), py::arg("overlap"), py::arg("peak_overlap"),
            "Energy that unloading would give back, J.")
-      .def("dissipated_energy", one<&Contact::dissipated_energy>(), py::arg("peak_overlap"),
+      .def("dissipated_energy", py::vectorize(&Contact::dissipated_energy), py::arg("peak_overlap"),
            "Energy lost once peak_overlap was reached, J.")
-      .def("residual_overlap", one<&Contact::residual_overlap>(), py::arg("peak_overlap"),
+      .def("residual_overlap", py::vectorize(&Contact::residual_overlap), py::arg("peak_overlap"),
            "Overlap of the unloaded dent, m.")
-      .def("unloading_exponent", one<&Contact::unloading_exponent>(), py::arg("peak_overlap"), "n of the unloading branch.")
-      .def("unloading_stiffness", one<&Contact::unloading_stiffness>(), py::arg("peak_overlap"),
+      .def("unloading_exponent", py::vectorize(&Contact::unloading_exponent), py::arg("peak_overlap"),
+           "n of the unloading branch.")
+      .def("unloading_stiffness", py::vectorize(&Contact::unloading_stiffness), py::arg("peak_overlap"),
            "Slope dF/d(overlap) where unloading starts, N/m.")
-      .def("tangent_stiffness", two<&Contact::tangent_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("tangent_stiffness", py::vectorize(&Contact::tangent_stiffness), py::arg("overlap"), py::arg("peak_overlap"),
            "Slope dF/d(overlap) at an overlap, of loading at the peak and of unloading below it, N/m.")
       .def("collide", &Contact::collide, py::arg("effective_mass"), py::arg("speed"), py::kw_only(),
            py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
-      .def("contact_radius", one<&Contact::peak_contact_radius>(), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::peak_contact_radius), py::arg("peak_overlap"),
            "Radius of the contact circle at a peak, m.")
-      .def("contact_radius", two<&Contact::contact_radius>(), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::contact_radius), py::arg("overlap"), py::arg("peak_overlap"),
            "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
-      .def("tangential_stiffness", two<&Contact::tangential_stiffness>(), py::arg("overlap"), py::arg("peak_overlap"),
-           "k_t = 8 G* a of that circle, N/m.");
+      .def("tangential_stiffness", py::vectorize(&Contact::tangential_stiffness), py::arg("overlap"),
+           py::arg("peak_overlap"), "k_t = 8 G* a of that circle, N/m.");
 }

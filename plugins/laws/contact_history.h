@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 namespace granwave {
@@ -32,7 +33,7 @@ inline void earliest(double &time, double other)
 }
 
 struct ContactRecord {
-  static constexpr int SIZE = 8;    // number of doubles in messages and restart files
+  static constexpr int SIZE = 7;    // number of doubles in messages and restart files, where it stands as it is
 
   std::int64_t partner;    // ID of the other sphere
   double partner_radius;
@@ -40,6 +41,7 @@ struct ContactRecord {
   std::int32_t live;
   Dent dent;
 };
+static_assert(sizeof(ContactRecord) == ContactRecord::SIZE * sizeof(double));
 
 /* Sums over the forgotten contacts of a sphere; all members are doubles, for communication. */
 struct ForgottenContacts {
@@ -180,26 +182,7 @@ class ContactHistory {
     count_[i]++;
   }
 
-  /* Start a new pool in which sphere i < n has space for extra[i] records after its present ones. */
-  void reserve(int n, const std::vector<int> &extra)
-  {
-    const std::size_t size = layout_.size();
-    std::size_t total = 0;
-    for (int i = 0; i < n; i++) total += count_[i] + extra[i];
-    std::vector<ContactRecord> fresh(total);
-    std::vector<double> fresh_blocks(total * size);
-    std::size_t at = 0;
-    for (int i = 0; i < n; i++) {
-      std::copy_n(pool_.data() + first_[i], count_[i], fresh.data() + at);
-      std::copy_n(blocks_.data() + first_[i] * size, count_[i] * size, fresh_blocks.data() + at * size);
-      first_[i] = at;
-      at += count_[i] + extra[i];
-    }
-    pool_.swap(fresh);
-    blocks_.swap(fresh_blocks);
-  }
-
-  /* Fill the space made by reserve(). Returns the block, which the caller fills. */
+  /* Fill the space made by keep_forgotten(). Returns the block, which the caller fills. */
   double *place(int i, const ContactRecord &record)
   {
     const std::size_t at = first_[i] + count_[i]++;
@@ -207,24 +190,35 @@ class ContactHistory {
     return blocks_.data() + at * layout_.size();
   }
 
-  /* Keep only the records of spheres i < n that are not live, and release the memory of the live ones. */
-  void keep_forgotten(int n)
+  /* Keep only the records of spheres i < n that are not live, with space for extra[i] others after them. */
+  void keep_forgotten(int n, const std::vector<int> &extra)
   {
     const std::size_t size = layout_.size();
     std::vector<ContactRecord> kept;
     std::vector<double> kept_blocks;
+    kept.reserve(std::accumulate(extra.begin(), extra.begin() + n, std::count_if(pool_.begin(), pool_.end(), is_forgotten)));
+    kept_blocks.reserve(kept.capacity() * size);
     for (int i = 0; i < n; i++) {
       const std::size_t at = kept.size();
       for (std::size_t k = first_[i]; k < first_[i] + count_[i]; k++) {
-        if (pool_[k].live) continue;
+        if (!is_forgotten(pool_[k])) continue;
         kept.push_back(pool_[k]);
         kept_blocks.insert(kept_blocks.end(), blocks_.data() + k * size, blocks_.data() + (k + 1) * size);
       }
       first_[i] = at;
       count_[i] = static_cast<int>(kept.size() - at);
+      kept.resize(kept.size() + extra[i]);
+      kept_blocks.resize(kept.size() * size);
     }
     pool_.swap(kept);
     blocks_.swap(kept_blocks);
+  }
+
+  /* Call a function for each record m of the spheres i < n. */
+  template <class Visit> void each_record(int n, const Visit &visit)
+  {
+    for (int i = 0; i < n && !pool_.empty(); i++)
+      for (int m = 0; m < count_[i]; m++) visit(i, m, pool_[first_[i] + m]);
   }
 
   std::size_t size() const { return pool_.size(); }
@@ -245,6 +239,8 @@ class ContactHistory {
   std::vector<ForgottenContacts> forgotten_;    // by sphere; empty as long as there are none
   std::vector<ContactRecord> pool_;
   std::vector<double> blocks_;    // layout_.size() doubles per record
+
+  static bool is_forgotten(const ContactRecord &record) { return !record.live; }
 };
 
 }    // namespace granwave

@@ -105,8 +105,8 @@ class ScaledLaw {
  public:
   ScaledLaw() = default;
   ScaledLaw(const ContactLaw &law, double effective_radius) :
-      law_(&law), effective_radius_(effective_radius), hertz_(4.0 / 3.0 * law.modulus() * std::sqrt(effective_radius)),
-      overlap_(law.overlap_per_radius() * effective_radius),
+      law_(&law), elastic_(law.elastic()), effective_radius_(effective_radius),
+      hertz_(4.0 / 3.0 * law.modulus() * std::sqrt(effective_radius)), overlap_(law.overlap_per_radius() * effective_radius),
       force_(law.force_per_area() * effective_radius * effective_radius)
   {
     const double limit = law.entry().elastic_limit;
@@ -114,16 +114,8 @@ class ScaledLaw {
   }
   ScaledLaw(const ContactLaw &law, double effective_radius, const ElasticContact &elastic) : ScaledLaw(law, effective_radius)
   {
-    elastic_ = law.elastic() ? law.elastic() : &elastic;
+    if (!elastic_) elastic_ = &elastic;
     overlap_ = force_ = elastic_limit_ = INFINITE;
-  }
-
-  /* Law of a contact that may also be a power of the overlap. */
-  static ScaledLaw any(const ContactLaw &law, double effective_radius)
-  {
-    ScaledLaw scaled(law, effective_radius);
-    scaled.elastic_ = law.elastic();
-    return scaled;
   }
 
   const ContactLaw &law() const { return *law_; }

@@ -1,20 +1,84 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Cylinders with an axis that is fixed in space: where they touch spheres and each other, and with which curvatures. No LAMMPS
-   types.
+/* Cylinders with an axis that is fixed in space: where they touch spheres and each other, and with which curvatures; a tube around
+   z, and spheres in it. No LAMMPS types.
 
    A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a line.
    The overlap is the sum of the radii minus the distance: of the center from the axis, or of the two axes. The ends of a
-   cylinder do not touch anything: there is no contact beyond them. */
+   cylinder do not touch anything: there is no contact beyond them.
+
+   The area of a Hertzian contact of bodies with unlike curvatures is an ellipse.
+   With the relative principal curvatures c1 <= c2 (sums of 1/R of both bodies in the two principal planes), m = e^2 of the
+   ellipse is the root of
+
+       [E(m)/(1 - m) - K(m)] / [K(m) - E(m)] = c2/c1           K, E: complete elliptic integrals of the parameter m
+
+   and the contact is as stiff as that of a sphere of radius
+
+       R = (pi/2)^2 (K(m) - E(m)) / (m (c1/2) K(m)^3)          F = 4/3 E* sqrt(R) alpha^1.5
+
+   on a plane (K. L. Johnson, Contact Mechanics, 1985, section 4.2). Equal curvatures give R = 1/c. */
 
 #ifndef GRANWAVE_CYLINDERS_H
 #define GRANWAVE_CYLINDERS_H
 
-#include "elliptic_contact.h"
+#include "material.h"
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace granwave {
+
+namespace elliptic {
+
+/* Complete elliptic integrals by the arithmetic-geometric mean, in forms without cancellation. */
+struct Integrals {
+  double first;         // K
+  double difference;    // (K - E)/m
+  double weighted;      // (E - (1 - m) K)/m
+
+  /* `complement` is sqrt(1 - m), above 0 and at most 1. The sum is that of 2^(n-1) c_n^2/m with c_n = (a - b)/2, from n = 1. */
+  explicit Integrals(double complement)
+  {
+    double a = 0.5 * (1.0 + complement), b = std::sqrt(complement), c = 0.5 * (1.0 - complement);
+    double term = 0.25 * (1.0 - complement) / (1.0 + complement), sum = term;
+    while (c > 1e-17 * a) {
+      const double mean = 0.5 * (a + b), next = 0.25 * c * c / mean;
+      b = std::sqrt(a * b);
+      a = mean;
+      term *= 2.0 * next / (4.0 * mean);    // c_n^2 = c_(n-1)^2 c_n/(4 a_n)
+      c = next;
+      sum += term;
+    }
+    first = 0.5 * PI / a;
+    difference = first * (0.5 + sum);
+    weighted = first * (0.5 - sum);
+  }
+};
+
+/* Ratio of the curvatures of an ellipse; it falls from infinity to 1 as the complement rises to 1. */
+inline double curvature_ratio(double complement)
+{
+  const Integrals of(complement);
+  return of.weighted / (complement * complement * of.difference);
+}
+
+}    // namespace elliptic
+
+/* Radius of the sphere that is as stiff on a plane, from two positive relative curvatures. */
+inline double elliptic_radius(double one, double other)
+{
+  const double least = std::fmin(one, other), ratio = std::fmax(one, other) / least;
+  if (ratio == 1.0) return 1.0 / least;
+  double low = 0.0, high = 1.0;    // of the complement
+  for (int n = 0; n < 200; n++) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (elliptic::curvature_ratio(middle) > ratio ? low : high) = middle;
+  }
+  const elliptic::Integrals of(0.5 * (low + high));
+  return 0.25 * PI * PI * of.difference / (0.5 * least * of.first * of.first * of.first);
+}
 
 /* Shape of a body: a cylinder, or a sphere if the length is 0. */
 struct Cylinder {
@@ -100,6 +164,61 @@ class CylinderPair {
   bool crossed_ = false;
 
   static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+};
+
+/* Rigid or elastic tube around the z axis: overlap, direction, and stiffness of the elliptic contacts of spheres in it. */
+class Tube {
+ public:
+  explicit Tube(double radius) : radius_(radius) {}
+
+  double circumference() const { return 2.0 * PI * radius_; }
+  bool holds(double radius) const { return radius < radius_; }
+  double radius() const { return radius_; }
+
+  double overlap(const double *x, double radius) const { return from_axis(x) + radius - radius_; }
+
+  /* Unit normal at a sphere, into the tube; zero on the axis, which no sphere that touches the tube reaches. */
+  void inward(const double *x, double normal[3]) const
+  {
+    const double distance = from_axis(x);
+    normal[0] = distance > 0.0 ? -x[0] / distance : 0.0;
+    normal[1] = distance > 0.0 ? -x[1] / distance : 0.0;
+    normal[2] = 0.0;
+  }
+
+  /* Location of a sphere along the tube: arc and z. */
+  void place(const double *x, double found[2]) const
+  {
+    found[0] = radius_ * std::atan2(x[1], x[0]);
+    found[1] = x[2];
+  }
+
+  /* Components outward, around and along the tube of a force at a sphere. */
+  void cylindrical(const double *x, const double force[3], double found[3]) const
+  {
+    double normal[3];
+    inward(x, normal);
+    found[0] = -(force[0] * normal[0] + force[1] * normal[1]);
+    found[1] = force[0] * normal[1] - force[1] * normal[0];
+    found[2] = force[2];
+  }
+
+  /* Radius of the sphere that is as stiff on a plane as one of this radius in the tube; of one that does not fit its own. */
+  double effective_radius(double radius)
+  {
+    if (radius == last_radius_) return last_;
+    if (!(radius > 0.0 && holds(radius))) return radius;
+    const auto known = found_.find(radius);
+    last_ = known != found_.end() ? known->second : elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / radius_);
+    return found_[last_radius_ = radius] = last_;
+  }
+
+ private:
+  double radius_;
+  std::unordered_map<double, double> found_;    // by radius of the spheres
+  double last_radius_ = 0.0, last_ = 0.0;       // of the sphere asked for last: neighbours are mostly alike
+
+  static double from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
 };
 
 }    // namespace granwave

@@ -59,6 +59,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
                             "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
+  args.words = words;
   args.law = find_law(words[0]);
   if (!args.law) refuse("unknown contact law '" + words[0] + "'; " + usage);
 

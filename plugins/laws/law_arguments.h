@@ -29,6 +29,7 @@ struct LawArguments {
   double friction = 0.0;    // Coulomb's coefficient
   TangentialModel tangential = TangentialModel::MINDLIN_RESCALE;
   ViscousLoss loss;
+  std::vector<std::string> words;    // that these arguments were read from
 
   bool same_options(const LawArguments &other) const
   {

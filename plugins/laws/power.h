@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Powers and exponentials without branches and tables, so that loops with them can be vectorized. No LAMMPS types.
+/* Powers, exponentials and natural logarithms without branches and tables, so that loops with them can be vectorized. No LAMMPS
+   types.
 
    The results are the same to the last bit on all processors and with any C library, and less than one unit in the last place
-   from the exact ones. The methods and coefficients are those of fdlibm (e_pow.c, e_exp.c), whose notice is:
+   from the exact ones. The methods and coefficients are those of fdlibm (e_pow.c, e_exp.c, e_log.c), whose notice is:
 
        Copyright (C) 1993, 2004 by Sun Microsystems, Inc. All rights reserved.
        Permission to use, copy, modify, and distribute this software is freely granted, provided that this notice is
@@ -107,6 +108,22 @@ inline double power(double x, double y)
   const double e_lo = (product_lo - (part - part_hi)) * 6.93147180559945286227e-01 + part * -1.90465429995776804525e-09;
   const double z = e_hi + e_lo, rest = e_lo - (z - e_hi), c = remainder_of_exponential(z);
   return (1.0 - (((z * c) / (c - 2.0) - (rest + z * rest)) - z)) * power_of_two(whole);
+}
+
+/* ln(x) of a positive normal number. */
+inline double logarithm(double x)
+{
+  const std::uint64_t bits = power_parts::bits_of(x);
+  const double mantissa = power_parts::double_of((bits & 0x000fffffffffffff) | 0x3ff0000000000000);    // from 1 to 2
+  const double exponent = power_parts::double_of(bits >> 52 | 0x4330000000000000) - (0x1p52 + 1023.0);
+  const bool high = mantissa > 1.4142135623730951;
+  const double m = high ? 0.5 * mantissa : mantissa, k = high ? exponent + 1.0 : exponent;
+  const double f = m - 1.0, s = f / (2.0 + f), z = s * s, w = z * z;
+  const double even = w * (3.999999999940941908e-01 + w * (2.222219843214978396e-01 + w * 1.531383769920937332e-01));
+  const double odd = z * (6.666666666666735130e-01 +
+                          w * (2.857142874366239149e-01 + w * (1.818357216161805012e-01 + w * 1.479819860511658591e-01)));
+  const double half = 0.5 * f * f;
+  return k * 6.93147180369123816490e-01 - ((half - (s * (half + (even + odd)) + k * 1.90821492927058770002e-10)) - f);
 }
 
 }    // namespace granwave

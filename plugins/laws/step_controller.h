@@ -18,43 +18,32 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace granwave {
 
 class StepController {
  public:
-  /* State, which a restart file holds. */
-  struct State {
-    std::int64_t ticks = 1;       // of the present step
-    std::int64_t wanted = 1;      // of a step that need not end early for an output
-    std::int64_t steps = 0;       // taken
-    std::int64_t since = 0;       // steps since it was last changed
-    double start = 0.0;           // s when the present step was taken up
-    double left = 0.0;            // error that earlier changes of the step left
-    double swing = 0.0;           // largest |s| of late
-    double swing_before = 0.0;    // that when the wanted step was last changed
-  };
-
-  StepController(std::int64_t first, std::int64_t longest) : longest(longest) { state_.ticks = state_.wanted = first; }
+  StepController(std::int64_t first, std::int64_t longest) : longest(longest) { ticks_ = wanted_ = first; }
 
   /* Take note of s after a step, and choose the ticks of the next one. It begins at tick `now` and ends at `due` or before;
      `allowed` is the largest error of the energy, `bound` the most ticks for other reasons. */
   std::int64_t choose(double s, double allowed, double bound, std::int64_t now, std::int64_t due)
   {
     bound_ = bound;
-    const bool growing = std::fabs(s) > state_.swing;
-    state_.steps++;
-    state_.since++;
-    const double memory = MEMORY + MEMORY_SHARE * static_cast<double>(state_.steps);
-    state_.swing = std::max(std::fabs(s), state_.swing * (1.0 - LN_2 / memory));
-    while (state_.wanted > 1 && static_cast<double>(state_.wanted) > bound_) want(state_.wanted / 2);
+    const bool growing = std::fabs(s) > swing_;
+    steps_++;
+    since_++;
+    const double memory = MEMORY + MEMORY_SHARE * static_cast<double>(steps_);
+    swing_ = std::max(std::fabs(s), swing_ * (1.0 - LN_2 / memory));
+    while (wanted_ > 1 && static_cast<double>(wanted_) > bound_) want(wanted_ / 2);
     if (std::isfinite(s) && allowed > 0.0) {
-      while (state_.wanted > 1 && too_long(s, allowed, growing)) want(state_.wanted / 2);
-      if (state_.since >= DWELL) lengthen(s, allowed, now);
+      while (wanted_ > 1 && too_long(s, allowed, growing)) want(wanted_ / 2);
+      if (since_ >= DWELL) lengthen(s, allowed, now);
     } else {
       want(1);
     }
-    std::int64_t next = state_.wanted;
+    std::int64_t next = wanted_;
     while (next > 1 && (now % next != 0 || now + next > due)) next /= 2;
     take(next, s);
     return next;
@@ -63,20 +52,37 @@ class StepController {
   /* Make a step of so many ticks the next one. */
   void take(std::int64_t ticks, double s)
   {
-    if (ticks == state_.ticks) return;
-    state_.left = error(s);
-    state_.start = s;
-    state_.ticks = ticks;
+    if (ticks == ticks_) return;
+    left_ = error(s);
+    start_ = s;
+    ticks_ = ticks;
   }
 
   /* Correct the error of the energy balance by a measured one. */
-  void correct(double s, double measured) { state_.left += measured - error(s); }
+  void correct(double s, double measured) { left_ += measured - error(s); }
 
   /* Error of the energy balance now. */
-  double error(double s) const { return state_.left + square(state_.ticks) * (state_.start - s); }
+  double error(double s) const { return left_ + square(ticks_) * (start_ - s); }
 
-  const State &state() const { return state_; }
-  void restore(const State &given) { state_ = given; }
+  /* State in a restart file. */
+  std::vector<double> state() const
+  {
+    return {double(ticks_), double(wanted_), double(steps_), double(since_), start_, left_, swing_, swing_before_};
+  }
+
+  /* Take up a state from a restart file. Returns the ticks of the present step. */
+  std::int64_t restore(const double *state)
+  {
+    ticks_ = static_cast<std::int64_t>(state[0]);
+    wanted_ = static_cast<std::int64_t>(state[1]);
+    steps_ = static_cast<std::int64_t>(state[2]);
+    since_ = static_cast<std::int64_t>(state[3]);
+    start_ = state[4];
+    left_ = state[5];
+    swing_ = state[6];
+    swing_before_ = state[7];
+    return ticks_;
+  }
 
  private:
   static constexpr double LN_2 = 0.6931471805599453;
@@ -93,39 +99,45 @@ class StepController {
 
   void want(std::int64_t ticks)
   {
-    state_.wanted = ticks;
-    state_.since = 0;
-    state_.swing_before = state_.swing;
+    wanted_ = ticks;
+    since_ = 0;
+    swing_before_ = swing_;
   }
 
   /* Error about which that to come would swing with this step. */
   double centre(std::int64_t ticks, double s) const
   {
-    return ticks == state_.ticks ? state_.left + square(ticks) * state_.start : error(s) + square(ticks) * s;
+    return ticks == ticks_ ? left_ + square(ticks) * start_ : error(s) + square(ticks) * s;
   }
 
   bool too_long(double s, double allowed, bool growing) const
   {
-    const double rest = (growing ? USED_WHILE_GROWING : USED) * (allowed - std::fabs(centre(state_.wanted, s)));
-    return square(state_.wanted) * state_.swing > std::max(rest, LEAST_USED * allowed);
+    const double rest = (growing ? USED_WHILE_GROWING : USED) * (allowed - std::fabs(centre(wanted_, s)));
+    return square(wanted_) * swing_ > std::max(rest, LEAST_USED * allowed);
   }
 
   void lengthen(double s, double allowed, std::int64_t now)
   {
-    const std::int64_t longer = 2 * state_.wanted;
-    if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 &&
-        state_.swing <= state_.swing_before) {
+    const std::int64_t longer = 2 * wanted_;
+    if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 && swing_ <= swing_before_) {
       // changes that add up are kept small: one waits for a moment at which it takes back what the others left
-      const double made = std::fabs(centre(state_.ticks, s)), then = std::fabs(centre(longer, s));
+      const double made = std::fabs(centre(ticks_, s)), then = std::fabs(centre(longer, s));
       const double most = std::max(USED_WHEN_LONGER * (allowed - then), LEAST_USED * allowed);
-      if (then <= std::max(made, LEFT * allowed) && square(longer) * state_.swing <= most) return want(longer);
+      if (then <= std::max(made, LEFT * allowed) && square(longer) * swing_ <= most) return want(longer);
     }
-    if (state_.since % DWELL == 0) state_.swing_before = state_.swing;
+    if (since_ % DWELL == 0) swing_before_ = swing_;
   }
 
   std::int64_t longest;
   double bound_ = 0.0;
-  State state_;
+  std::int64_t ticks_ = 1;       // of the present step
+  std::int64_t wanted_ = 1;      // of a step that need not end early for an output
+  std::int64_t steps_ = 0;       // taken
+  std::int64_t since_ = 0;       // steps since it was last changed
+  double start_ = 0.0;           // s when the present step was taken up
+  double left_ = 0.0;            // error that earlier changes of the step left
+  double swing_ = 0.0;           // largest |s| of late
+  double swing_before_ = 0.0;    // that when the wanted step was last changed
 };
 
 }    // namespace granwave

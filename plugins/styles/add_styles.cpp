@@ -2,10 +2,8 @@
 /* Registration of the styles with LAMMPS, after granwaveplugin.cpp has checked that library and styles match. */
 
 #include "compute_gran_hysteretic.h"
-#include "compute_gran_hysteretic_sums.h"
-#include "fix_gran_absorb.h"
 #include "fix_gran_cylinder.h"
-#include "fix_gran_holder.h"
+#include "fix_gran_damping.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
 #include "fix_gran_timestep.h"

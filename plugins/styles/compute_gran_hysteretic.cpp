@@ -4,17 +4,27 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "memory.h"
+#include "modify.h"
 #include "pair_gran_hysteretic.h"
 #include "update.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 using Report = PairGranHysteretic::Report;
 
 ComputeGranHysteretic::ComputeGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Compute(lmp, narg, arg) {}
+
+ComputeGranHysteretic::~ComputeGranHysteretic()
+{
+  memory->destroy(array_atom);
+  delete[] vector;
+}
 
 void ComputeGranHysteretic::init()
 {
@@ -22,7 +32,29 @@ void ComputeGranHysteretic::init()
   if (!pair) error->all(FLERR, "Compute {} requires pair style {}", style, PairGranHysteretic::STYLE);
 }
 
+void ComputeGranHysteretic::refuse_arguments(int narg)
+{
+  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+}
+
 /* ---------------------------------------------------------------------- per sphere */
+
+void ComputeGranHysteretic::start_atoms()
+{
+  invoked_peratom = update->ntimestep;
+  if (atom->nmax > nmax) {
+    memory->destroy(array_atom);
+    nmax = atom->nmax;
+    memory->create(array_atom, nmax, size_peratom_cols, "compute_gran_hysteretic:array_atom");
+  }
+  for (int i = 0; i < atom->nlocal; i++) std::fill_n(array_atom[i], size_peratom_cols, 0.0);
+}
+
+void ComputeGranHysteretic::finish_atoms()
+{
+  for (int i = 0; i < atom->nlocal; i++)
+    if (!(atom->mask[i] & groupbit)) std::fill_n(array_atom[i], size_peratom_cols, 0.0);
+}
 
 namespace {
 enum {
@@ -46,26 +78,16 @@ enum {
 ComputeGranHystereticAtom::ComputeGranHystereticAtom(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  refuse_arguments(narg);
   peratom_flag = 1;
   size_peratom_cols = N_ATOM;
 }
 
-ComputeGranHystereticAtom::~ComputeGranHystereticAtom() { memory->destroy(array_atom); }
-
 void ComputeGranHystereticAtom::compute_peratom()
 {
-  invoked_peratom = update->ntimestep;
+  start_atoms();
   const int nlocal = atom->nlocal;
-  if (atom->nmax > nmax) {
-    memory->destroy(array_atom);
-    nmax = atom->nmax;
-    memory->create(array_atom, nmax, static_cast<int>(N_ATOM), "gran/hysteretic/atom:array_atom");
-  }
-  for (int i = 0; i < nlocal; i++) {
-    std::fill_n(array_atom[i], static_cast<int>(N_ATOM), 0.0);
-    std::fill_n(array_atom[i] + FIRST, static_cast<int>(ELASTIC - FIRST), -1.0);
-  }
+  for (int i = 0; i < nlocal; i++) std::fill_n(array_atom[i] + FIRST, static_cast<int>(ELASTIC - FIRST), -1.0);
   const auto add = [&](int i, double share, const Report &report) {
     double *row = array_atom[i];
     row[FORCE] = std::max(row[FORCE], report.force);
@@ -81,8 +103,8 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[VISCOUS] += 0.5 * report.viscous_loss;
     if (report.yielded) row[YIELDED] += 1.0;
     if (report.force > 0.0) row[COORDINATION] += 1.0;
-    granwave::earliest(row[FIRST], report.dent.time_first);
-    granwave::earliest(row[YIELD], report.dent.time_yield);
+    earliest(row[FIRST], report.dent.time_first);
+    earliest(row[YIELD], report.dent.time_yield);
   };
   pair->for_each_dent([&](const Report &report) {
     add(report.i, report.share_i, report);
@@ -90,7 +112,7 @@ void ComputeGranHystereticAtom::compute_peratom()
   });
   for (int i = 0; i < nlocal; i++) {
     double *row = array_atom[i];
-    const granwave::ForgottenContacts forgotten = pair->forgotten(i);
+    const ForgottenContacts forgotten = pair->forgotten(i);
     if (forgotten.peak_force > row[PEAK_FORCE]) {
       row[PEAK_FORCE] = forgotten.peak_force;
       row[PEAK] = forgotten.time_peak;
@@ -100,13 +122,37 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[FRICTIONAL] += 0.5 * forgotten.frictional_loss;
     row[VISCOUS] += 0.5 * forgotten.viscous_loss;
     row[YIELDED] += forgotten.yielded;
-    granwave::earliest(row[FIRST], forgotten.time_first);
-    granwave::earliest(row[YIELD], forgotten.time_yield);
-    if (!(atom->mask[i] & groupbit)) std::fill_n(row, static_cast<int>(N_ATOM), 0.0);
+    earliest(row[FIRST], forgotten.time_first);
+    earliest(row[YIELD], forgotten.time_yield);
   }
+  finish_atoms();
 }
 
-double ComputeGranHystereticAtom::memory_usage() { return double(nmax) * N_ATOM * sizeof(double); }
+ComputeGranHystereticSums::ComputeGranHystereticSums(LAMMPS *lmp, int narg, char **arg) :
+    ComputeGranHysteretic(lmp, narg, arg)
+{
+  refuse_arguments(narg);
+  peratom_flag = 1;
+  size_peratom_cols = 3;
+}
+
+void ComputeGranHystereticSums::compute_peratom()
+{
+  start_atoms();
+  const int nlocal = atom->nlocal;
+  pair->for_each_dent([&](const Report &report) {
+    if (report.force <= 0.0) return;
+    for (int d = 0; d < 3; d++) {
+      const double size = std::fabs(report.on_first[d]);
+      array_atom[report.i][d] += size;
+      if (report.j >= 0 && report.j < nlocal) array_atom[report.j][d] += size;
+    }
+  });
+  for (auto *fix : modify->get_fix_list())
+    if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix))
+      for (int i = 0; i < nlocal; i++) wall->add_magnitudes(i, array_atom[i]);
+  finish_atoms();
+}
 
 /* ---------------------------------------------------------------------- per contact */
 
@@ -117,7 +163,7 @@ constexpr int N_LOCAL = 20;
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  refuse_arguments(narg);
   local_flag = 1;
   size_local_cols = N_LOCAL;
 }
@@ -185,8 +231,6 @@ ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg
   vector = new double[N_CONTACT]();
 }
 
-ComputeGranHystereticContact::~ComputeGranHystereticContact() { delete[] vector; }
-
 void ComputeGranHystereticContact::compute_vector()
 {
   invoked_vector = update->ntimestep;
@@ -207,14 +251,12 @@ void ComputeGranHystereticContact::compute_vector()
 ComputeGranHystereticEnergy::ComputeGranHystereticEnergy(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
+  refuse_arguments(narg);
   scalar_flag = vector_flag = 1;
   extscalar = extvector = 0;    // sums over contacts, not normalized by the number of atoms
   size_vector = PairGranHysteretic::N_TOTALS;
   vector = new double[PairGranHysteretic::N_TOTALS]();
 }
-
-ComputeGranHystereticEnergy::~ComputeGranHystereticEnergy() { delete[] vector; }
 
 double ComputeGranHystereticEnergy::compute_scalar()
 {

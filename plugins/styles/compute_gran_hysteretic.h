@@ -4,7 +4,9 @@
    compute ID group gran/hysteretic/atom            per sphere
    compute ID group gran/hysteretic/local           per contact, including forgotten dents
    compute ID group gran/hysteretic/contact I J     contact of two spheres, as a global vector
-   compute ID group gran/hysteretic/energy          energies of all contacts: a global scalar and vector, summed on demand  */
+   compute ID group gran/hysteretic/energy          energies of all contacts: a global scalar and vector, summed on demand
+   compute ID group gran/hysteretic/sums            per sphere, the sums of the magnitudes of the components of its contact
+                                                    forces, those of walls included  */
 
 #ifndef LMP_COMPUTE_GRAN_HYSTERETIC_H
 #define LMP_COMPUTE_GRAN_HYSTERETIC_H
@@ -20,22 +22,31 @@ class PairGranHysteretic;
 class ComputeGranHysteretic : public Compute {
  public:
   ComputeGranHysteretic(LAMMPS *, int, char **);
+  ~ComputeGranHysteretic() override;
   void init() override;
+  double memory_usage() override { return double(nmax) * size_peratom_cols * sizeof(double); }
 
  protected:
+  void refuse_arguments(int narg);
+  void start_atoms();    // with zeros
+  void finish_atoms();
+
   PairGranHysteretic *pair = nullptr;
+  int nmax = 0;
 };
 
 class ComputeGranHystereticAtom : public ComputeGranHysteretic {
  public:
   static constexpr const char *STYLE = "gran/hysteretic/atom";
   ComputeGranHystereticAtom(LAMMPS *, int, char **);
-  ~ComputeGranHystereticAtom() override;
   void compute_peratom() override;
-  double memory_usage() override;
+};
 
- private:
-  int nmax = 0;
+class ComputeGranHystereticSums : public ComputeGranHysteretic {
+ public:
+  static constexpr const char *STYLE = "gran/hysteretic/sums";
+  ComputeGranHystereticSums(LAMMPS *, int, char **);
+  void compute_peratom() override;
 };
 
 class ComputeGranHystereticLocal : public ComputeGranHysteretic {
@@ -54,7 +65,6 @@ class ComputeGranHystereticContact : public ComputeGranHysteretic {
  public:
   static constexpr const char *STYLE = "gran/hysteretic/contact";
   ComputeGranHystereticContact(LAMMPS *, int, char **);
-  ~ComputeGranHystereticContact() override;
   void compute_vector() override;
 
  private:
@@ -67,7 +77,6 @@ class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
  public:
   static constexpr const char *STYLE = "gran/hysteretic/energy";
   ComputeGranHystereticEnergy(LAMMPS *, int, char **);
-  ~ComputeGranHystereticEnergy() override;
   double compute_scalar() override;
   void compute_vector() override;
 

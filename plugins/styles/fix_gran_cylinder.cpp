@@ -12,7 +12,7 @@
 #include <string>
 
 using namespace LAMMPS_NS;
-using granwave::Cylinder;
+using namespace granwave;
 
 namespace {
 
@@ -66,8 +66,6 @@ const FixGranCylinder *FixGranCylinder::find(LAMMPS *lmp)
     if (const auto *const found = dynamic_cast<const FixGranCylinder *>(fix)) return found;
   return nullptr;
 }
-
-int FixGranCylinder::setmask() { return FixConst::POST_FORCE; }
 
 void FixGranCylinder::init()
 {
@@ -140,12 +138,12 @@ void FixGranCylinder::write_restart(FILE *fp)
   if (comm->me != 0) return;
   std::vector<double> state = {double(shapes.size())};
   for (const Cylinder &one : shapes) state.insert(state.end(), {one.length, one.axis[0], one.axis[1], one.axis[2]});
-  granwave::write_state(fp, state);
+  write_state(fp, state);
 }
 
 void FixGranCylinder::restart(char *buffer)
 {
-  const double *value = granwave::read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
+  const double *value = read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
   bool same = *value++ == static_cast<double>(shapes.size());
   for (std::size_t type = 0; same && type < shapes.size(); type++, value += 4)
     same = shapes[type] == Cylinder{value[0], {value[1], value[2], value[3]}};

@@ -24,7 +24,7 @@ class FixGranCylinder : public Fix {
 
   FixGranCylinder(LAMMPS *, int, char **);
 
-  int setmask() override;
+  int setmask() override { return FixConst::POST_FORCE; }
   void init() override;
   void setup(int) override;
   void post_force(int) override;

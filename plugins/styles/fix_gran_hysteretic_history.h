@@ -20,12 +20,12 @@ class FixGranHystereticHistory : public Fix {
   FixGranHystereticHistory(LAMMPS *, int, char **);
   ~FixGranHystereticHistory() override;
 
-  int setmask() override;
-  void setup_pre_exchange() override;
-  void pre_exchange() override;
-  void min_pre_exchange() override;
+  int setmask() override { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
+  void setup_pre_exchange() override { gather(); }
+  void pre_exchange() override { gather(); }
+  void min_pre_exchange() override { gather(); }
 
-  void grow_arrays(int) override;
+  void grow_arrays(int nmax) override { history.grow(nmax); }
   void copy_arrays(int, int, int) override;
   void set_arrays(int) override;
   int pack_exchange(int, double *) override;
@@ -34,7 +34,7 @@ class FixGranHystereticHistory : public Fix {
   void unpack_restart(int, int) override;
   int size_restart(int) override;
   int maxsize_restart() override;
-  double memory_usage() override;
+  double memory_usage() override { return history.memory_usage(); }
 
   /* Make room for the records of a sphere that may have so many in addition to its present ones, for commands that migrate spheres
      between two runs. */
@@ -51,9 +51,6 @@ class FixGranHystereticHistory : public Fix {
   int size(int i, int further = 0) const;
   int pack(int, double *) const;
   int unpack(int, const double *);
-  void unpack_unchecked(int i, const double *, int n);
-  const double *unpack_records(int i, int count, const granwave::BlockLayout &, const double *);
-  bool is_sound(const double *records, int count, const granwave::BlockLayout &) const;
 };
 
 }    // namespace LAMMPS_NS

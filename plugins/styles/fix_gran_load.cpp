@@ -4,12 +4,11 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "finite_motion.h"
+#include "motion.h"
 #include "fix_gran_timestep.h"
 #include "group.h"
 #include "modify.h"
 #include "restart_state.h"
-#include "simulated_time.h"
 #include "update.h"
 
 #include <algorithm>
@@ -23,7 +22,7 @@
 #include <vector>
 
 using namespace LAMMPS_NS;
-using granwave::LoadShape;
+using namespace granwave;
 
 namespace {
 
@@ -171,7 +170,7 @@ void FixGranLoad::init()
 
 void FixGranLoad::setup(int)
 {
-  const double now = granwave::simulated_time(*update);
+  const double now = simulated_time(*update);
   if (!moves) {
     force = shape.integral(now - 0.5 * update->dt, now + 0.5 * update->dt) / update->dt;
     apply_force(force);
@@ -223,7 +222,7 @@ double FixGranLoad::half_kick_work(double dt) const
 void FixGranLoad::reset_dt()
 {
   if (moves || !started || stepped == 0.0 || stepped == update->dt) return;
-  const double now = granwave::simulated_time(*update), dt = update->dt, before = force;
+  const double now = simulated_time(*update), dt = update->dt, before = force;
   total[WORK] += half_kick_work(stepped);
   force = 2.0 * (shape.integral(now - 0.5 * stepped, now + 0.5 * dt) - 0.5 * stepped * before) / dt;
   apply_force(force - before);
@@ -235,12 +234,12 @@ void FixGranLoad::reset_dt()
 
 void FixGranLoad::post_force(int)
 {
-  const double dt = update->dt, now = granwave::simulated_time(*update), before = force;
+  const double dt = update->dt, now = simulated_time(*update), before = force;
   force = shape.integral(now - 0.5 * dt, now + 0.5 * dt) / dt;
   double speeds = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];
-  if (!std::isfinite(speeds)) granwave::require_finite_motion(lmp);
+  if (!std::isfinite(speeds)) require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
   total[WORK] += mean * moved;
   total[DISPLACEMENT] += moved;
@@ -273,7 +272,7 @@ void FixGranLoad::initial_integrate(int)
   if (stepper) stepper->begin_step();    // so that the clock is right
   resistance = force_on_group();         // includes the forces of all other fixes
   const double before = place;
-  place = shape.value(granwave::simulated_time(*update));
+  place = shape.value(simulated_time(*update));
   moved = place - before;
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) atom->x[i][axis] += moved;
@@ -287,7 +286,7 @@ void FixGranLoad::final_integrate()
   if (!std::isfinite(mean)) error->one(FLERR, "Fix {} {}: the force on its atoms is not finite", STYLE, id);
   total[WORK] -= mean * moved;
   total[IMPULSE] -= mean * update->dt;
-  velocity = shape.slope(granwave::simulated_time(*update));
+  velocity = shape.slope(simulated_time(*update));
   set_velocity(velocity);
 }
 
@@ -331,12 +330,12 @@ void FixGranLoad::write_restart(FILE *fp)
   state[0] = started;
   state[1] = moves;
   MPI_Reduce(total, state.data() + 2, N_TOTALS - 1, MPI_DOUBLE, MPI_SUM, 0, world);
-  if (comm->me == 0) granwave::write_state(fp, state);
+  if (comm->me == 0) write_state(fp, state);
 }
 
 void FixGranLoad::restart(char *buffer)
 {
-  const double *const state = granwave::read_state(lmp, *this, buffer, N_STATE);
+  const double *const state = read_state(lmp, *this, buffer, N_STATE);
   if ((state[1] != 0.0) != moves)
     error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id,
                moves ? "force" : "displacement");

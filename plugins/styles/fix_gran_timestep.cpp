@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix gran/timestep: choice of the step. Restart files are in fix_gran_timestep_restart.cpp. */
-
 #include "fix_gran_timestep.h"
 
 #include "atom.h"
@@ -14,6 +12,7 @@
 #include "modify.h"
 #include "output.h"
 #include "pair.h"
+#include "restart_state.h"
 #include "timer.h"
 #include "update.h"
 #include "variable.h"
@@ -23,6 +22,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 
 namespace {
 
@@ -99,7 +99,7 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   for (const auto *other : modify->get_fix_list())
     if (std::strcmp(other->style, STYLE) == 0)
       error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
-  controller = granwave::StepController(taken, longest);
+  controller = StepController(taken, longest);
   tick = update->dt;
   origin = update->atime - static_cast<double>(update->atimestep) * tick;
   nevery = 1;
@@ -115,8 +115,6 @@ FixGranTimestep::~FixGranTimestep()
 {
   if (update) update->dt = tick;
 }
-
-int FixGranTimestep::setmask() { return FixConst::INITIAL_INTEGRATE | FixConst::END_OF_STEP | FixConst::POST_RUN; }
 
 void FixGranTimestep::init()
 {
@@ -357,4 +355,43 @@ void FixGranTimestep::post_run()
   if (reached >= update->laststep) timer->reset_timeout();
 }
 
-double FixGranTimestep::compute_vector(int n) { return reported[n]; }
+/* ---------------------------------------------------------------------- restart */
+
+void FixGranTimestep::write_restart(FILE *fp)
+{
+  if (comm->me != 0) return;
+  std::vector<double> state = {tick,
+                               origin,
+                               energy,
+                               bound,
+                               s,
+                               double(n_steps),
+                               double(shortest_taken),
+                               double(longest_taken),
+                               std::round(reported[0] / tick),
+                               reported[1]};
+  const std::vector<double> of_choice = controller.state();
+  state.insert(state.end(), of_choice.begin(), of_choice.end());
+  write_state(fp, state);
+}
+
+void FixGranTimestep::restart(char *buffer)
+{
+  constexpr std::size_t N_OWN = 10;
+  const double *const state = read_state(lmp, *this, buffer, N_OWN + controller.state().size());
+  if (state[0] != tick)
+    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, state[0],
+               tick);
+  origin = state[1];
+  energy = state[2];
+  bound = state[3];
+  s = state[4];
+  n_steps = static_cast<std::int64_t>(state[5]);
+  shortest_taken = static_cast<std::int64_t>(state[6]);
+  longest_taken = static_cast<std::int64_t>(state[7]);
+  taken = static_cast<std::int64_t>(state[8]);
+  report();
+  reported[1] = state[9];
+  taken = controller.restore(state + N_OWN);
+  update->dt = static_cast<double>(taken) * tick;
+}

@@ -26,13 +26,13 @@ class FixGranTimestep : public Fix {
   FixGranTimestep(LAMMPS *, int, char **);
   ~FixGranTimestep() override;
 
-  int setmask() override;
+  int setmask() override { return FixConst::INITIAL_INTEGRATE | FixConst::END_OF_STEP | FixConst::POST_RUN; }
   void init() override;
   void setup(int) override;
   void initial_integrate(int) override;
   void end_of_step() override;
   void post_run() override;
-  double compute_vector(int) override;
+  double compute_vector(int n) override { return reported[n]; }
   void write_restart(FILE *) override;
   void restart(char *) override;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: arguments, spheres at the wall, and motion of the plane. Forces of one contact are in
-   fix_wall_gran_hysteretic_contact.cpp, per-sphere state, initial dents and restart files in
-   fix_wall_gran_hysteretic_state.cpp, totals in fix_wall_gran_hysteretic_totals.cpp. */
+/* Fix wall/gran/hysteretic: arguments, spheres at the wall, and motion of the plane. Forces of one contact and
+   totals are in fix_wall_gran_hysteretic_contact.cpp, per-sphere state, initial dents and restart files in
+   fix_wall_gran_hysteretic_state.cpp. */
 
 #include "fix_wall_gran_hysteretic.h"
 
@@ -10,17 +10,15 @@
 #include "error.h"
 #include "fix_gran_cylinder.h"
 #include "../laws/law_arguments.h"
-#include "moved_mass.h"
+#include "motion.h"
 #include "neighbor.h"
-#include "simulated_time.h"
-#include "update.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using granwave::INFINITE;
+using namespace granwave;
 
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
@@ -34,7 +32,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     const double radius = utils::numeric(FLERR, arg[4], false, lmp);
     if (!(radius > 0.0 && std::isfinite(radius)))
       error->all(FLERR, "Illegal fix {}: the radius of the tube must be above 0, found {}", STYLE, arg[4]);
-    tube = std::make_unique<granwave::Tube>(radius);
+    tube = std::make_unique<Tube>(radius);
   } else {
     axis = arg[3][0] - 'x';
     if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
@@ -47,7 +45,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   try {
     if (const auto at = std::find(words.begin(), words.end(), "support"); at != words.end()) {
       std::size_t used = 0;
-      support = std::make_unique<granwave::Support>(std::vector<std::string>(at + 1, words.end()), used);
+      support = std::make_unique<Support>(std::vector<std::string>(at + 1, words.end()), used);
       words.erase(at, at + 1 + used);
       if (tube) throw std::invalid_argument("support moves a plane, found a tube");
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
@@ -63,9 +61,9 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       plane_strain = kind == "plane-strain";
       words.erase(at, at + 2);
     }
-    const granwave::LawArguments args = granwave::parse_law(words);
+    const LawArguments args = parse_law(words);
     body = args.first;
-    wall = args.second.value_or(granwave::Material{INFINITE, 0.0, INFINITE});
+    wall = args.second.value_or(Material{INFINITE, 0.0, INFINITE});
     law = args.contact(body, wall);
     friction = args.friction;
     tangential_model = args.tangential;
@@ -114,7 +112,7 @@ void FixWallGranHysteretic::init()
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   init_cylinders();
-  rigid = loss ? granwave::rigid_bodies(lmp) : nullptr;
+  rigid = loss ? rigid_bodies(lmp) : nullptr;
   reset_dt();
 }
 
@@ -136,19 +134,6 @@ void FixWallGranHysteretic::setup(int)
   listed = false;
   evaluate();
 }
-
-void FixWallGranHysteretic::min_setup(int)
-{
-  listed = false;
-  evaluate();
-}
-
-void FixWallGranHysteretic::post_neighbor() { listed = false; }
-void FixWallGranHysteretic::min_post_neighbor() { listed = false; }
-
-void FixWallGranHysteretic::initial_integrate(int) { support->advance(update->dt); }
-void FixWallGranHysteretic::post_force(int) { evaluate(); }
-void FixWallGranHysteretic::final_integrate() { support->finish(update->dt); }
 
 void FixWallGranHysteretic::min_post_force(int)
 {
@@ -213,7 +198,7 @@ void FixWallGranHysteretic::add_to_wall(int i, const double force[3])
 
 void FixWallGranHysteretic::push_support()
 {
-  constexpr int n = granwave::ExactSum::SIZE;
+  constexpr int n = ExactSum::SIZE;
   std::int64_t mine[2 * n], all[2 * n];
   std::copy_n(pressed.data(), n, mine);
   std::copy_n(stiffness.data(), n, mine + n);
@@ -239,7 +224,7 @@ void FixWallGranHysteretic::evaluate()
   double **f = atom->f;
   const double *const *x = atom->x;
   const double *radius = atom->radius;
-  const double now = granwave::simulated_time(*update);
+  const double now = simulated_time(*update);
   const double at[2] = {level(0), level(1)};
   std::fill_n(wall_force, 3, 0.0);
   pressed = stiffness = {};
@@ -248,7 +233,7 @@ void FixWallGranHysteretic::evaluate()
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   if (rigid && arrived) {
     moved_mass.resize(atom->nmax);
-    granwave::set_moved_masses(lmp, rigid, moved_mass);
+    set_moved_masses(lmp, rigid, moved_mass);
   }
   if (has_lines) compute_lines(at);
   for (std::size_t n = 0; n < spheres.size(); n++) {
@@ -263,7 +248,7 @@ void FixWallGranHysteretic::evaluate()
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
     for (int side = 0; side < 2; side++) {
-      Side &mine = sides[2 * i + side];
+      Side &mine = sides(i)[side];
       if (!touches[side] && mine.touching == 0.0) continue;
       Contact contact{};
       if (touches[side]) {

@@ -6,7 +6,7 @@
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
    fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
 
-   Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (line_contact.h), and none
+   Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (elastic_contact.h), and none
    that they stand on.
 
    With one material the wall is rigid; with two, the second is that of the wall. Dents are stored with their location on the
@@ -20,11 +20,11 @@
 #include "../laws/elastic_contact.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
-#include "../laws/line_batch.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
-#include "../laws/tube.h"
+#include "../laws/cylinders.h"
 #include "../laws/viscous_loss.h"
+#include "update.h"
 
 #include <map>
 #include <memory>
@@ -43,13 +43,13 @@ class FixWallGranHysteretic : public Fix {
   void init() override;
   void reset_dt() override;
   void setup(int) override;
-  void min_setup(int) override;
-  void initial_integrate(int) override;
-  void post_neighbor() override;
-  void min_post_neighbor() override;
-  void post_force(int) override;
+  void min_setup(int) override { setup(0); }
+  void initial_integrate(int) override { support->advance(update->dt); }
+  void post_neighbor() override { listed = false; }
+  void min_post_neighbor() override { listed = false; }
+  void post_force(int) override { evaluate(); }
   void min_post_force(int) override;
-  void final_integrate() override;
+  void final_integrate() override { support->finish(update->dt); }
   double compute_scalar() override;
   int modify_param(int, char **) override;
   double compute_vector(int) override;
@@ -67,7 +67,7 @@ class FixWallGranHysteretic : public Fix {
   }
 
   /* Add the magnitudes of the components of the forces of the walls on sphere i; of two planes at once the larger force. */
-  void add_magnitudes(int i, double sums[3]) const;
+  void add_magnitudes(int i, double sums[3]);
 
   void grow_arrays(int) override;
   void copy_arrays(int, int, int) override;
@@ -77,7 +77,7 @@ class FixWallGranHysteretic : public Fix {
   int pack_restart(int, double *) override;
   void unpack_restart(int, int) override;
   int size_restart(int) override;
-  int maxsize_restart() override;
+  int maxsize_restart() override { return size_restart(0); }
   void write_restart(FILE *) override;
   void restart(char *) override;
   double memory_usage() override;
@@ -96,8 +96,7 @@ class FixWallGranHysteretic : public Fix {
     TANGENTIAL,
     FRICTION_LOSS,
     INITIAL,
-    N_KEPT,    // those before it belong to the state; the others follow from it
-    VISCOUS = N_KEPT,
+    VISCOUS,
     N_REPORTED
   };
 
@@ -132,9 +131,15 @@ class FixWallGranHysteretic : public Fix {
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   double distance_squared(const double from[2], const double to[2]) const;
-  double *extra(int i, int side) { return extras.data() + (4 * static_cast<std::size_t>(i) + side) * n_extra(); }
+  double *at_walls(int i) { return histories.data() + static_cast<std::size_t>(i) * n_history(); }
+  Side *sides(int i) { return reinterpret_cast<Side *>(at_walls(i)); }
+  granwave::TangentialSpring *springs(int i)
+  {
+    return reinterpret_cast<granwave::TangentialSpring *>(at_walls(i) + 2 * N_SIDE);
+  }
+  double *extra(int i, int side) { return at_walls(i) + n_history() - (4 - side) * n_extra(); }
   double *initial_extra(int i, int side) { return extra(i, 2 + side); }
-  granwave::LawHistory law_history(int i, int side) { return {sides[2 * i + side].dent, extra(i, side)}; }
+  granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void push_support();
@@ -146,7 +151,8 @@ class FixWallGranHysteretic : public Fix {
     return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
   }
   void report_viscous(int i);
-  int n_state() const { return N_KEPT + 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
+  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
+  int n_state() const { return N_REPORTED + n_history(); }
 
   int axis = 2;
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
@@ -175,12 +181,12 @@ class FixWallGranHysteretic : public Fix {
 
   std::vector<char>
       near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
-  std::vector<int> spheres;                           // that can reach a wall before the next reneighboring, in their order
-  bool listed = false;                                // true if this list is current
-  double listed_level = 0.0;                          // position of the movable plane when it was made
-  std::vector<Side> sides;                            // two per sphere: lower and upper wall
-  std::vector<granwave::TangentialSpring> springs;    // two per sphere, if there is friction
-  std::vector<double> extras;    // further history variables of the law: lower and upper wall, present and initial
+  std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
+  bool listed = false;          // true if this list is current
+  double listed_level = 0.0;    // position of the movable plane when it was made
+  // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
+  // variables of the law, present and initial
+  std::vector<double> histories;
 
   double wall_force[3];                     // force of the spheres of this processor on the walls
   granwave::ExactSum pressed, stiffness;    // force and stiffness of the contacts of this processor with a movable plane

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: normal, viscous and tangential force of one contact, and the history that they change. */
+/* Fix wall/gran/hysteretic: normal, viscous and tangential force of one contact, and the history that they change; energies and counts
+   of all spheres, and the values of the global scalar and vector. */
 
 #include "fix_wall_gran_hysteretic.h"
 
 #include "atom.h"
 #include "domain.h"
 #include "error.h"
-#include "finite_motion.h"
-#include "update.h"
+#include "motion.h"
 
 #include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::ScaledLaw;
-using granwave::TangentialSpring;
+using namespace granwave;
 
 /* Squared distance between two locations on the wall, to the nearest image. */
 
@@ -35,7 +34,7 @@ double FixWallGranHysteretic::distance_squared(const double from[2], const doubl
 
 double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
-  const Side &side = sides[2 * i + which];
+  const Side &side = sides(i)[which];
   return side.lost_before + scaled.dissipated_energy(law_history(i, which)) -
          scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
@@ -47,13 +46,12 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
                                                                      std::size_t line)
 {
   double *const state = array_atom[i];
-  Side &side = sides[2 * i + which];
+  Side &side = sides(i)[which];
   const double radius = atom->radius[i];
   if (!(overlap <= radius)) {
-    granwave::require_finite_motion(lmp, i);
+    require_finite_motion(lmp, i);
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: {}", atom->tag[i],
-               overlap, id, radius,
-               granwave::causes_of_overlap(lmp, granwave::speed_of(lmp, i), radius, "it was placed into it"));
+               overlap, id, radius, causes_of_overlap(lmp, speed_of(lmp, i), radius, "it was placed into it"));
   }
   if (tube && !tube->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
@@ -96,7 +94,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     if (friction > 0.0)
       contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
-    const granwave::Turning turning = scaled.turning(law_history(i, which));
+    const Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0)
@@ -124,7 +122,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
 
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
-  granwave::ViscousHistory &history = viscous(i, which);
+  ViscousHistory &history = viscous(i, which);
   if (update->whichflag != 1) {
     history.forget_state();
     return;
@@ -153,7 +151,7 @@ void FixWallGranHysteretic::report_viscous(int i) { array_atom[i][VISCOUS] = vis
 
 void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
 {
-  TangentialSpring &spring = springs[2 * i + which];
+  TangentialSpring &spring = springs(i)[which];
   double *const state = array_atom[i];
   if (contact.force > 0.0) {
     double normal[3];
@@ -163,21 +161,96 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       const double *const v = atom->v[i], *const omega = atom->omega[i];
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
-      granwave::slip_of_step(velocity, spin, normal, update->dt, slip);
+      slip_of_step(velocity, spin, normal, update->dt, slip);
       granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq),
                                    friction * contact.force, tangential_model);
     }
     double torque[3];
-    granwave::torque_per_lever(normal, spring.force, torque);
+    torque_per_lever(normal, spring.force, torque);
     for (int d = 0; d < 3; d++) {
       atom->f[i][d] += spring.force[d];
       atom->torque[i][d] += lever * torque[d];
     }
     const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
     add_to_wall(i, on_wall);
-    if (contact.force == state[FORCE]) state[TANGENTIAL] = granwave::tangential_force(spring);
+    if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
   } else {
-    granwave::release(spring);
+    release(spring);
   }
-  state[FRICTION_LOSS] = springs[2 * i].loss + springs[2 * i + 1].loss;
+  state[FRICTION_LOSS] = springs(i)[0].loss + springs(i)[1].loss;
+}
+
+/* ---------------------------------------------------------------------- output */
+
+void FixWallGranHysteretic::tally()
+{
+  if (tallied == update->ntimestep) return;
+  tallied = update->ntimestep;
+  double mine[N_TOTALS] = {};
+  for (int i = 0; i < atom->nlocal; i++) {
+    const double *state = array_atom[i];
+    if (state[PEAK_OVERLAP] == 0.0) continue;
+    const ScaledLaw &scaled = scaled_law(i);
+    mine[DISSIPATED_SUM] += state[DISSIPATED];
+    mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
+    mine[VISCOUS_SUM] += state[VISCOUS];
+    if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
+    if (state[PEAK_OVERLAP] > scaled.valid_overlap()) mine[BEYOND_LAW] += 1.0;
+    for (int side = 0; side < 2; side++) {
+      const Side &own = sides(i)[side];
+      const double overlap = depth(i, side);
+      if (friction > 0.0) mine[TANGENTIAL_STORED] += tangential_energy(springs(i)[side]);
+      if (own.touching == 0.0 || overlap <= 0.0) continue;
+      mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
+    }
+  }
+  MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
+}
+
+void FixWallGranHysteretic::add_magnitudes(int i, double sums[3])
+{
+  const double force = array_atom[i][FORCE];
+  if (force <= 0.0) return;
+  double normal[3];
+  inward(i, 1, normal);
+  for (int d = 0; d < 3; d++) {
+    double along = 0.0;
+    for (int side = 0; side < 2 && friction > 0.0; side++) along += springs(i)[side].force[d];
+    sums[d] += std::fabs(force * normal[d]) + std::fabs(along);
+  }
+}
+
+double FixWallGranHysteretic::compute_scalar()
+{
+  tally();
+  return totals[STORED];
+}
+
+double FixWallGranHysteretic::compute_vector(int n)
+{
+  if (n < 3) {
+    double sum = 0.0;
+    MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
+    return sum;
+  }
+  constexpr int AT_SUPPORT = 3 + VISCOUS_SUM;    // first value of the support; the viscous loss comes after all others
+  if (n < AT_SUPPORT || n == AT_SUPPORT + 6) {
+    tally();
+    return totals[n < AT_SUPPORT ? n - 3 : int(VISCOUS_SUM)];
+  }
+  if (!support) return 0.0;
+  switch (n - AT_SUPPORT) {
+    case 0:
+      return support->displacement();
+    case 1:
+      return support->velocity();
+    case 2:
+      return support->energy();
+    case 3:
+      return support->damped();
+    case 4:
+      return support->force_on_ground();
+    default:
+      return support->work();
+  }
 }

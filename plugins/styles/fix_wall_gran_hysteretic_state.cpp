@@ -15,22 +15,11 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::AtomState;
-using granwave::INFINITE;
-using granwave::LineContact;
-using granwave::ScaledLaw;
-using granwave::TangentialSpring;
+using namespace granwave;
 
 namespace {
 
-// Formats of the per-sphere state before those with a checksum. Format 1 had 8 output quantities and 5 numbers for each side, and
-// no springs; format 3 contained further history variables of the law.
-enum { WITHOUT_FRICTION = 1, WITH_FRICTION = 2, EXTRA_HISTORY = 3 };
 constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact over the radius
-constexpr int OLD_REPORTED = 8, OLD_SIDE = 5;
-
-template <class Doubles> double *numbers(Doubles *first) { return reinterpret_cast<double *>(first); }
-template <class Doubles> const double *numbers(const Doubles *first) { return reinterpret_cast<const double *>(first); }
 
 }    // namespace
 
@@ -78,7 +67,7 @@ void FixWallGranHysteretic::init_cylinders()
     if (atom->mask[i] & groupbit) mine[atom->type[i]] = 1;
   MPI_Allreduce(mine.data(), present.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
   for (int type = 1; type <= atom->ntypes; type++) {
-    const granwave::Cylinder &cylinder = cylinders->shape(type);
+    const Cylinder &cylinder = cylinders->shape(type);
     if (cylinder.is_sphere() || !present[type]) continue;
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
@@ -105,13 +94,13 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
   LastLaw &last = last_laws[type];
   if (last.radius == radius) return last.scaled;
   last.radius = radius;
-  if (!cylinders || !is_line(i)) return last.scaled = ScaledLaw::any(law, effective_radius(radius));
+  if (!cylinders || !is_line(i)) return last.scaled = ScaledLaw(law, effective_radius(radius));
   auto found = lines.find({type, radius});
   if (found == lines.end()) {
     const double length = cylinders->shape(type).length;
     const LineContact line = plane_strain ? LineContact::plane_strain(body, wall, radius, INFINITE, length)
                                           : LineContact(body, wall, 2.0 * radius, length);
-    found = lines.emplace(std::pair(type, radius), granwave::ElasticContact(line, VALID_LINE * radius)).first;
+    found = lines.emplace(std::pair(type, radius), ElasticContact(line, VALID_LINE * radius)).first;
   }
   return last.scaled = {law, radius, found->second};
 }
@@ -157,7 +146,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
     error->one(FLERR, "Fix {} {}: a dent of sphere {} must lie between 0 and its radius {:.4g}, found {:.4g}", STYLE, id,
                atom->tag[i], radius, peak);
   const int which = depth(i, 0) > depth(i, 1) ? 0 : 1;
-  Side &side = sides[2 * i + which];
+  Side &side = sides(i)[which];
   side.dent = peak;
   place_of(i, side.place);
   side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
@@ -175,7 +164,7 @@ void FixWallGranHysteretic::begin()
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
     for (int which = 0; which < 2; which++) {
-      Side &side = sides[2 * i + which];
+      Side &side = sides(i)[which];
       const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
       if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
@@ -183,7 +172,7 @@ void FixWallGranHysteretic::begin()
       if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
       if (loss) viscous(i, which) = {};
       std::copy_n(extra(i, which), n_extra(), initial_extra(i, which));
-      if (friction > 0.0) springs[2 * i + which].loss = 0.0;
+      if (friction > 0.0) springs(i)[which].loss = 0.0;
     }
     state[VISCOUS] = 0.0;
     report_dents(i);
@@ -197,7 +186,7 @@ void FixWallGranHysteretic::begin()
 void FixWallGranHysteretic::report_dents(int i)
 {
   const ScaledLaw &scaled = scaled_law(i);
-  const Side &low = sides[2 * i], &high = sides[2 * i + 1];
+  const Side &low = sides(i)[0], &high = sides(i)[1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);
   array_atom[i][DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
@@ -210,9 +199,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
 {
   memory->grow(array_atom, nmax, static_cast<int>(N_REPORTED), "wall/gran/hysteretic:array_atom");
   near.resize(nmax);
-  sides.resize(2 * static_cast<std::size_t>(nmax));
-  if (friction > 0.0) springs.resize(2 * static_cast<std::size_t>(nmax));
-  extras.resize(4 * static_cast<std::size_t>(nmax) * n_extra());
+  histories.resize(static_cast<std::size_t>(nmax) * n_history());
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
@@ -220,9 +207,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
   near[j] = 1;
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
-  std::copy_n(&sides[2 * i], 2, &sides[2 * j]);
-  if (friction > 0.0) std::copy_n(&springs[2 * i], 2, &springs[2 * j]);
-  std::copy_n(extra(i, 0), 4 * n_extra(), extra(j, 0));
+  std::copy_n(at_walls(i), n_history(), at_walls(j));
 }
 
 void FixWallGranHysteretic::set_arrays(int i)
@@ -230,18 +215,13 @@ void FixWallGranHysteretic::set_arrays(int i)
   near[i] = 1;
   listed = false;
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
+  std::fill_n(at_walls(i), n_history(), 0.0);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
-  std::fill_n(&sides[2 * i], 2, Side{});
-  if (friction > 0.0) std::fill_n(&springs[2 * i], 2, TangentialSpring{});
-  std::fill_n(extra(i, 0), 4 * n_extra(), 0.0);
 }
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
-  buf = std::copy_n(array_atom[i], static_cast<int>(N_KEPT), buf);
-  buf = std::copy_n(numbers(&sides[2 * i]), 2 * N_SIDE, buf);
-  if (friction > 0.0) buf = std::copy_n(numbers(&springs[2 * i]), 2 * N_SPRING, buf);
-  std::copy_n(extra(i, 0), 4 * n_extra(), buf);
+  std::copy_n(at_walls(i), n_history(), std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf));
   return n_state();
 }
 
@@ -249,53 +229,34 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
   near[i] = 1;
   listed = false;
-  std::copy_n(buf, static_cast<int>(N_KEPT), array_atom[i]);
-  std::copy_n(buf + N_KEPT, 2 * N_SIDE, numbers(&sides[2 * i]));
-  if (friction > 0.0) std::copy_n(buf + N_KEPT + 2 * N_SIDE, 2 * N_SPRING, numbers(&springs[2 * i]));
-  std::copy_n(buf + n_state() - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
-  array_atom[i][VISCOUS] = 0.0;
-  if (loss) report_viscous(i);
+  std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
+  std::copy_n(buf + N_REPORTED, n_history(), at_walls(i));
   return n_state();
 }
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  return granwave::seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
+  return seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
-  AtomState state = granwave::atom_state(lmp, *this, i, nth);
-  double format = WITH_FRICTION;
-  if (!state.checked) {
-    format = *state.values++;
-    state.n--;
-    if (!granwave::is_whole(format, WITHOUT_FRICTION, EXTRA_HISTORY)) granwave::damaged_atom_state(lmp, *this, i);
-  }
-  const bool old = format == WITHOUT_FRICTION;
-  const int reported = old ? OLD_REPORTED : N_KEPT, each = old ? OLD_SIDE : N_SIDE, behind = reported + 2 * each;
-  const bool whole = state.n == behind || (!old && state.n == behind + 2 * N_SPRING);    // friction may be new, or gone
-  if (n_extra() > 0 && !old ? state.n != n_state() : !whole)
+  const AtomState state = atom_state(lmp, *this, i, nth);
+  constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
+  const bool whole =
+      n_extra() == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
+  if (!whole && state.n != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
-  const double *const stored = state.values;
   FixWallGranHysteretic::set_arrays(i);
-  std::copy_n(stored, reported, array_atom[i]);
-  for (int which = 0; which < 2; which++)
-    std::copy_n(stored + reported + which * each, each, numbers(&sides[2 * i + which]));
-  if (friction > 0.0 && state.n >= behind + 2 * N_SPRING)
-    std::copy_n(stored + behind, 2 * N_SPRING, numbers(&springs[2 * i]));
-  if (!old) std::copy_n(stored + state.n - 4 * n_extra(), 4 * n_extra(), extra(i, 0));
-  if (loss) report_viscous(i);
+  std::copy_n(state.values, static_cast<int>(N_REPORTED), array_atom[i]);
+  std::copy_n(state.values + N_REPORTED, std::min(state.n, n_state()) - N_REPORTED, at_walls(i));
 }
 
 int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }
-int FixWallGranHysteretic::maxsize_restart() { return AtomState::HEAD + n_state(); }
 
 double FixWallGranHysteretic::memory_usage()
 {
-  const double of_sides = double(sides.capacity()) * sizeof(Side) + double(springs.capacity()) * sizeof(TangentialSpring) +
-                          double(extras.capacity()) * sizeof(double) + double(spheres.capacity()) * sizeof(int);
-  return double(atom->nmax) * (N_REPORTED * sizeof(double) + 1) + of_sides;
+  return double(atom->nmax) * (n_state() * sizeof(double) + 1) + double(spheres.capacity()) * sizeof(int);
 }
 
 /* ---------------------------------------------------------------------- state of the plane, identical on all processors */
@@ -305,14 +266,14 @@ void FixWallGranHysteretic::write_restart(FILE *fp)
   if (comm->me != 0 || !support) return;
   std::vector<double> state = support->state();
   state.insert(state.begin(), double(state.size()));
-  granwave::write_state(fp, state);
+  write_state(fp, state);
 }
 
 void FixWallGranHysteretic::restart(char *buffer)
 {
   const char *const other = support ? "another number of elements in its support" : "a support";
   const std::size_t n = support ? support->state_size() : 0;
-  const double *const state = granwave::read_state(lmp, *this, buffer, 1 + n, other);
+  const double *const state = read_state(lmp, *this, buffer, 1 + n, other);
   if (!support || state[0] != static_cast<double>(n))
     error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id, other);
   support->restore(state + 1);

@@ -22,17 +22,10 @@
 #include <utility>
 
 using namespace LAMMPS_NS;
-using DentStatus = PairGranHysteretic::DentStatus;
 
 namespace {
 
-enum {
-  FIRST_SEEN = 1,
-  SECOND_SEEN = 2,
-  DONE = 4,
-  TOO_DEEP = 8,
-  OUT_OF_REACH = 16
-};    // status of a line, combined over processors
+enum { FIRST_SEEN = 1, SECOND_SEEN = 2 };    // status of a line together with DentStatus, combined over processors
 
 bool is_id(const std::string &word)
 {
@@ -136,7 +129,8 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
   const auto wrong = [&](const Line &line, const std::string &what) {
     error->all(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, what);
   };
-  std::map<std::pair<tagint, tagint>, int> pairs;    // line of each pair
+  std::map<PairGranHysteretic::Ids, int> pairs;    // line of each pair
+  std::map<PairGranHysteretic::Ids, double> dents;
   std::map<std::pair<FixWallGranHysteretic *, tagint>, int> on_walls;
   std::map<tagint, int> owned;
   for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
@@ -146,32 +140,24 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     const bool fresh = line.wall ? on_walls.emplace(std::pair(line.wall, line.j), k).second
                                  : pairs.emplace(std::pair(line.i, line.j), k).second;
     if (!fresh) wrong(line, "this contact was given before");
+    if (!line.wall) dents[{line.i, line.j}] = line.peak;
     if (owned.count(line.i)) mine[k] |= FIRST_SEEN;
     const auto found = owned.find(line.j);
     if (found == owned.end()) continue;
     mine[k] |= SECOND_SEEN;
-    if (line.wall && line.peak > atom->radius[found->second]) mine[k] |= TOO_DEEP;
+    if (line.wall && line.peak > atom->radius[found->second]) mine[k] |= PairGranHysteretic::TOO_DEEP;
   }
-  pair->set_dents(
-      [&](tagint i, tagint j) {
-        const auto found = pairs.find({i, j});
-        return found == pairs.end() ? -1.0 : lines[found->second].peak;
-      },
-      [&](tagint i, tagint j, DentStatus status) {
-        mine[pairs.at({i, j})] |= status == DentStatus::SET        ? DONE
-                                  : status == DentStatus::TOO_DEEP ? TOO_DEEP
-                                                                   : OUT_OF_REACH;
-      });
+  for (const auto &[ids, status] : pair->set_dents(dents)) mine[pairs[ids]] |= status;
   MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
 
   for (int k = 0; k < static_cast<int>(lines.size()); k++) {
     const Line &line = lines[k];
     if (!line.wall && !(state[k] & FIRST_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.i));
     if (!(state[k] & SECOND_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.j));
-    if (state[k] & TOO_DEEP)
+    if (state[k] & PairGranHysteretic::TOO_DEEP)
       wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.peak,
                               line.wall ? "sphere" : "smaller sphere"));
-    if (!line.wall && !(state[k] & DONE))
+    if (!line.wall && !(state[k] & PairGranHysteretic::SET))
       wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i,
                               line.j));
     if (line.wall && owned.count(line.j)) line.wall->set_dent(owned[line.j], line.peak);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: settings, coefficients, requirements. */
+/* Pair style gran/hysteretic: settings, coefficients, requirements, and what of them is in restart files. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -11,8 +11,9 @@
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
-#include "moved_mass.h"
+#include "motion.h"
 #include "neighbor.h"
+#include "restart_state.h"
 #include "update.h"
 
 #include <algorithm>
@@ -20,10 +21,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using granwave::ContactLaw;
-using granwave::LawArguments;
-using granwave::ScaledLaw;
-using granwave::Turning;
+using namespace granwave;
 
 PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
 {
@@ -92,7 +90,7 @@ void PairGranHysteretic::coeff(int narg, char **arg)
 
   LawArguments args;
   try {
-    args = granwave::parse_law(std::vector<std::string>(arg + 2, arg + narg));
+    args = parse_law(std::vector<std::string>(arg + 2, arg + narg));
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: {}", fault.what());
   }
@@ -129,7 +127,7 @@ void PairGranHysteretic::init_style()
       any_loss = any_loss || args.loss;
       n_extra = std::max(n_extra, args.law->n_extra);
     }
-  if (any_loss) n_extra += granwave::ViscousHistory::SIZE;
+  if (any_loss) n_extra += ViscousHistory::SIZE;
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
     release_contacts();    // its list lacks these variables
   has_friction = any;
@@ -138,8 +136,8 @@ void PairGranHysteretic::init_style()
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "loss: give all laws before the first run");
   has_loss = any_loss;
-  frozen = has_loss ? granwave::frozen_group(lmp) : 0;
-  rigid = has_loss ? granwave::rigid_bodies(lmp) : nullptr;
+  frozen = has_loss ? frozen_group(lmp) : 0;
+  rigid = has_loss ? rigid_bodies(lmp) : nullptr;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
@@ -208,7 +206,7 @@ double PairGranHysteretic::init_one(int i, int j)
     args = a;
     args.second = b.first;
   }
-  const granwave::Material second = args.second.value_or(args.first);
+  const Material second = args.second.value_or(args.first);
   law(i, j) = args.contact(args.first, second);
   law(j, i) = args.contact(second, args.first);
   coefficients[j * n + i] = args;
@@ -217,13 +215,13 @@ double PairGranHysteretic::init_one(int i, int j)
 
 PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype, int jtype, double ri, double rj)
 {
-  const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+  const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
   const ContactLaw &contact_law = law(itype, jtype);
   PairParameters p;
   p.radius_i = ri;
   p.radius_j = rj;
   p.radsum = ri + rj;
-  p.touch_sq = granwave::TouchingPairs::touch_squared(p.radsum);
+  p.touch_sq = TouchingPairs::touch_squared(p.radsum);
   p.largest_overlap = largest_overlap(ri, rj);
   p.contact = scaled_law(itype, jtype, ri, rj);
   p.root_radius = std::sqrt(p.contact.effective_radius());
@@ -235,18 +233,91 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   return p;
 }
 
+/* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
+   if spheres of a type are. */
+
+void PairGranHysteretic::set_parameters()
+{
+  parameters_by_type.clear();
+  if (uniform) {
+    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
+    for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
+    return;
+  }
+  const int n = atom_types + 1;
+  std::vector<double> radius(n, -1.0);    // of the spheres of a type
+  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
+    double &of_type = radius[atom->type[i]];
+    if (of_type >= 0.0 && of_type != atom->radius[i]) return;
+    of_type = atom->radius[i];
+  }
+  parameters_by_type.resize(n * n);
+  for (int i = 1; i < n; i++)
+    for (int j = 1; j < n; j++)
+      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
+        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
+}
+
+/* ---------------------------------------------------------------------- restart */
+
+void PairGranHysteretic::write_restart_settings(FILE *fp)
+{
+  fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
+  write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten)});
+}
+
+void PairGranHysteretic::read_restart_settings(FILE *fp)
+{
+  int format = 0;
+  if (comm->me == 0) utils::sfread(FLERR, &format, sizeof(int), 1, fp, nullptr, error);
+  MPI_Bcast(&format, 1, MPI_INT, 0, world);
+  if (format != RESTART_FORMAT)
+    error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads format {}", format,
+               RESTART_FORMAT);
+  const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
+  from_restart = true;
+  gap = settings[0];
+  has_friction = settings[1] != 0.0;
+  has_initial_dents = settings[2] != 0.0;
+  lists_forgotten = settings[3] != 0.0;
+}
+
+/* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */
+
+void PairGranHysteretic::write_restart(FILE *fp)
+{
+  write_restart_settings(fp);
+  std::string text;
+  for (int i = 1; i <= atom_types; i++)
+    for (int j = i; j <= atom_types; j++)
+      if (setflag[i][j])
+        text += fmt::format("{} {} {}\n", i, j, utils::join_words(coefficients[i * (atom_types + 1) + j].words, " "));
+  std::vector<double> state(text.size() / sizeof(double) + 1);
+  text.resize(state.size() * sizeof(double), ' ');
+  std::memcpy(state.data(), text.data(), text.size());
+  write_state(fp, state);
+}
+
+void PairGranHysteretic::read_restart(FILE *fp)
+{
+  read_restart_settings(fp);
+  allocate();
+  const std::vector<double> state = read_state(lmp, fp, "the laws of pair style gran/hysteretic");
+  const std::string text(reinterpret_cast<const char *>(state.data()), state.size() * sizeof(double));
+  for (const std::string &line : utils::split_lines(text)) {
+    std::vector<std::string> words = utils::split_words(line);
+    std::vector<char *> args;
+    for (std::string &word : words) args.push_back(word.data());
+    if (!args.empty()) coeff(static_cast<int>(args.size()), args.data());
+  }
+}
+
 double PairGranHysteretic::memory_usage()
 {
+  const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
   const Contacts &c = contacts;
-  double bytes = Pair::memory_usage() + c.resting.bytes() + c.groups.bytes();
-  bytes += double(c.partner.capacity()) * (2 * sizeof(int) + 4 * sizeof(double) + sizeof(tagint));
-  bytes += double(c.partner_radius.capacity()) * (sizeof(double) + sizeof(int));
-  bytes += double(c.row.capacity()) * (2 * sizeof(int) + sizeof(tagint));
-  bytes += double(c.turnings.capacity()) * (sizeof(Turning) + sizeof(double));
-  bytes += double(c.spring.capacity()) * sizeof(granwave::TangentialSpring) +
-           double(c.touched.capacity()) * sizeof(std::uint64_t);
-  bytes += double(c.circle.capacity() + c.initial.capacity() + c.reached.capacity() + c.extra.capacity() +
-                  c.initial_extra.capacity()) *
-           sizeof(double);
-  return bytes;
+  return Pair::memory_usage() + c.resting.bytes() + c.groups.bytes() +
+         bytes(c.row, c.begin, c.row_sphere, c.partner, c.partner_sphere, c.peak, c.time_first, c.time_peak, c.time_yield,
+               c.turning, c.turnings, c.work_lost, c.circle, c.spring, c.touched, c.extra, c.initial, c.reached,
+               c.initial_extra);
 }

@@ -23,14 +23,14 @@
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
-#include "../laws/line_batch.h"
+#include "../laws/elastic_contact.h"
 #include "../laws/plastic_batch.h"
-#include "../laws/resting_blocks.h"
-#include "../laws/row_groups.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
 #include "fix_gran_hysteretic_history.h"
 #include "pair.h"
+
+#include "atom.h"
 
 #include <functional>
 #include <map>
@@ -82,19 +82,10 @@ class PairGranHysteretic : public Pair {
   void for_each_dent(const std::function<void(const Report &)> &);
 
   /* Sums over the forgotten dents of an owned sphere that are not on record. */
-  granwave::ForgottenContacts forgotten(int i) const;
+  granwave::ForgottenContacts forgotten(int i) const { return fix_history->history.forgotten(i); }
 
-  enum {
-    DISSIPATED,
-    YIELDED,
-    BEYOND_LAW,
-    BEYOND_HALF,
-    LARGEST_FORCE,
-    TANGENTIAL,
-    FRICTIONAL,
-    VISCOUS,
-    N_TOTALS
-  };    // in pvector
+  // in pvector
+  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */
@@ -104,20 +95,27 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
-     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` gets the dent of each pair within reach
-     from a function, lower ID first (negative: none given), and reports its status. All three are called on all processors. */
-  enum class DentStatus { SET, TOO_DEEP, OUT_OF_REACH };
+     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` sets those of pairs of IDs, lower first,
+     and returns how this went for the pairs within reach. All three are called on all processors. */
+  using Ids = std::pair<tagint, tagint>;
+  enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };
   void prepare_initial_dents();
   void begin_initial_dents();
-  void set_dents(const std::function<double(tagint, tagint)> &dent,
-                 const std::function<void(tagint, tagint, DentStatus)> &report);
+  std::map<Ids, DentStatus> set_dents(const std::map<Ids, double> &dents);
 
  private:
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
+  static constexpr int RESTART_FORMAT = 8;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
+
+  struct Sphere {
+    tagint tag;
+    double radius;
+    int type;
+  };
 
   /* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */
   struct Contacts {
@@ -139,11 +137,16 @@ class PairGranHysteretic : public Pair {
     std::vector<std::uint64_t> touched;                // with friction or losses: bits of the pairs whose springs may end
     std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
     std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
-    std::vector<tagint> row_tag, partner_tag;
-    std::vector<double> row_radius, partner_radius;    // only the first element is used if all spheres are equal
-    std::vector<int> row_type, partner_type;
+    std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
     granwave::RestingBlocks resting;
     granwave::RowGroups groups;    // of the plain rows
+
+    /* Call a function for each row r and pair k with the indices i and j of its spheres. */
+    template <class Visit> void each_pair(const Visit &visit) const
+    {
+      for (int r = 0; r < static_cast<int>(row.size()); r++)
+        for (int k = begin[r]; k < begin[r + 1]; k++) visit(r, k, row[r], partner[k]);
+    }
   };
 
   struct PairParameters {    // parameters of a contact, from its two spheres
@@ -164,7 +167,20 @@ class PairGranHysteretic : public Pair {
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
-    void set(int m, const PairParameters &);
+    void set(int m, const PairParameters &p)
+    {
+      pair[m] = &p;
+      radius_i[m] = p.radius_i;
+      radius_j[m] = p.radius_j;
+      radsum[m] = p.radsum;
+      root_radius[m] = p.root_radius;
+      hertz[m] = p.contact.hertz();
+      shear_stiffness[m] = p.shear_stiffness;
+      largest_overlap[m] = p.largest_overlap;
+      elastic_limit[m] = p.contact.elastic_limit();
+      friction[m] = p.friction;
+      keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
+    }
   };
 
   /* Effective radius of two spheres, or of a sphere and a flat face (radius 0). */
@@ -181,6 +197,10 @@ class PairGranHysteretic : public Pair {
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
+  PairParameters pair_parameters(int i, int j)
+  {
+    return pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
+  }
   double init_shape(int itype, int jtype);
   bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
   granwave::ScaledLaw special_law(int itype, int jtype, double ri, double rj);
@@ -189,8 +209,14 @@ class PairGranHysteretic : public Pair {
     if (is_special(itype, jtype)) return special_law(itype, jtype, ri, rj);
     return {law(itype, jtype), effective_radius(ri, rj)};
   }
+  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)    // of a forgotten contact of sphere i
+  {
+    return scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
+  }
   granwave::CylinderPair::Separation separation(int i, int j) const;
+  double distance_squared(int i, int j) const;
   double distance(int i, int j, double rsq) const;
+  double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   double longest_cylinder(int axis) const;
   bool near_special(int i, int j) const;
   void add_rows(const std::vector<std::pair<int, int>> &);
@@ -237,7 +263,6 @@ class PairGranHysteretic : public Pair {
   double gap = 0.0;
   bool lists_forgotten = false;    // true if forgotten dents stay on record
   int atom_types = 0;
-  int restart_format = 0;       // of the file being written or read
   bool from_restart = false;    // true if the settings are from a restart file
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts

@@ -15,14 +15,10 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::BlockLayout;
-using granwave::BlockView;
-using granwave::ContactRecord;
-using granwave::Dent;
+using namespace granwave;
 
 void PairGranHysteretic::build_contacts()
 {
-  const double *const *x = atom->x;
   const double *radius = atom->radius;
   const int *type = atom->type;
   const int nall = atom->nlocal + atom->nghost;
@@ -49,14 +45,13 @@ void PairGranHysteretic::build_contacts()
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       if (is_special(type[i], type[j])) {
         if (near_special(i, j)) special.emplace_back(i, j);
         continue;
       }
       const double far = radius[i] + radius[j] + reach;
-      if (delx * delx + dely * dely + delz * delz < far * far) plain.emplace_back(i, j);
+      if (distance_squared(i, j) < far * far) plain.emplace_back(i, j);
     }
   }
   Contacts &c = contacts;
@@ -67,7 +62,7 @@ void PairGranHysteretic::build_contacts()
   add_rows(plain);
   c.plain = static_cast<int>(c.row.size());
   c.resting.build(c.row, c.begin, c.partner);
-  c.groups.build(c.row, c.begin, c.partner, granwave::RestingBlocks::SIZE);
+  c.groups.build(c.row, c.begin, c.partner, RestingBlocks::SIZE);
   add_rows(special);
 
   const std::size_t n = c.partner.size();
@@ -81,37 +76,24 @@ void PairGranHysteretic::build_contacts()
   c.turnings.clear();
   c.work_lost.clear();
   c.circle.clear();
-  if (has_friction) c.spring.assign(n, granwave::TangentialSpring());
+  if (has_friction) c.spring.assign(n, TangentialSpring());
   if (has_initial_dents) {
     c.initial.assign(n, 0.0);
     c.reached.assign(n, 0.0);
     c.initial_extra.assign(n * c.n_extra, 0.0);
   }
-  c.row_tag.resize(c.row.size());
-  c.partner_tag.resize(n);
-  for (std::size_t r = 0; r < c.row.size(); r++) c.row_tag[r] = atom->tag[c.row[r]];
-  for (std::size_t k = 0; k < n; k++) c.partner_tag[k] = atom->tag[c.partner[k]];
-  const std::size_t rows = uniform ? std::min<std::size_t>(1, c.row.size()) : c.row.size(),
-                    pairs_kept = uniform ? std::min<std::size_t>(1, n) : n;
-  c.row_radius.resize(rows);
-  c.row_type.resize(rows);
-  c.partner_radius.resize(pairs_kept);
-  c.partner_type.resize(pairs_kept);
-  for (std::size_t r = 0; r < rows; r++) {
-    c.row_radius[r] = radius[c.row[r]];
-    c.row_type[r] = type[c.row[r]];
-  }
-  for (std::size_t k = 0; k < pairs_kept; k++) {
-    c.partner_radius[k] = radius[c.partner[k]];
-    c.partner_type[k] = type[c.partner[k]];
-  }
+  const auto as_now = [this](int i) { return Sphere{atom->tag[i], atom->radius[i], atom->type[i]}; };
+  c.row_sphere.resize(c.row.size());
+  std::transform(c.row.begin(), c.row.end(), c.row_sphere.begin(), as_now);
+  c.partner_sphere.resize(n);
+  std::transform(c.partner.begin(), c.partner.end(), c.partner_sphere.begin(), as_now);
   check_displacements();
   restore_history();
   std::vector<int> pairs_of(c.owned, 0);
-  for (std::size_t r = 0; r < c.row.size(); r++)
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      for (const int i : {c.row[r], c.partner[k]})
-        if (i < c.owned) pairs_of[i]++;
+  c.each_pair([&](int, int, int i, int j) {
+    for (const int one : {i, j})
+      if (one < c.owned) pairs_of[one]++;
+  });
   c.most_pairs = pairs_of.empty() ? 0 : *std::max_element(pairs_of.begin(), pairs_of.end());
   for (int i = 0; i < c.owned; i++) fix_history->expect_records(i, c.most_pairs);
   if (has_friction || has_loss) c.touched = c.groups.bits([this](int k) { return has_spring(k); });
@@ -174,7 +156,7 @@ void PairGranHysteretic::check_displacements()
 
 void PairGranHysteretic::restore_history()
 {
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   if (history.size() == 0 && !history.has_forgotten()) return;
   for (int i = 0; i < atom->nlocal; i++)
     if ((history.count(i) > 0 || !history.forgotten(i).none()) && history.owner(i) != atom->tag[i])
@@ -198,53 +180,40 @@ void PairGranHysteretic::restore_history()
       return;
     }
   };
-  for (std::size_t r = 0; r < c.row.size(); r++)
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      restore(k, c.row[r], c.partner_tag[k], 1.0);
-      restore(k, c.partner[k], c.row_tag[r], -1.0);
-    }
-  for (int i = 0; i < atom->nlocal; i++) {
-    ContactRecord *record = history.records(i);
-    for (int m = 0; m < history.count(i); m++, record++) {
-      if (record->live == FOUND) continue;
-      if (!lists_forgotten) sum_up(i, *record, history.block(i, m));
-      record->live = lists_forgotten ? 0 : FOUND;    // the others are dropped
-    }
-  }
-  history.keep_forgotten(atom->nlocal);
+  c.each_pair([&](int r, int k, int i, int j) {
+    restore(k, i, c.partner_sphere[k].tag, 1.0);
+    restore(k, j, c.row_sphere[r].tag, -1.0);
+  });
+  history.each_record(atom->nlocal, [&](int i, int m, ContactRecord &record) {
+    if (record.live == FOUND) return;
+    if (!lists_forgotten) sum_up(i, record, history.block(i, m));
+    record.live = lists_forgotten ? 0 : FOUND;    // the others are dropped
+  });
+  history.keep_forgotten(atom->nlocal, std::vector<int>(atom->nlocal, 0));
 }
 
 void PairGranHysteretic::publish_contacts()
 {
   Contacts &c = contacts;
   if (!c.valid || c.published || !fix_history) return;
-  granwave::ContactHistory &history = fix_history->history;
-  const int rows = static_cast<int>(c.row.size());
-  history.keep_forgotten(c.owned);
+  ContactHistory &history = fix_history->history;
   std::vector<int> extra(c.owned, 0);
-  for (int r = 0; r < rows; r++)
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.peak[k] > 0.0)
-        for (const int i : {c.row[r], c.partner[k]})
-          if (i < c.owned) extra[i]++;
-  history.reserve(c.owned, extra);
-  for (int r = 0; r < rows; r++) {
-    const int of_row = uniform ? 0 : r, i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      if (c.peak[k] <= 0.0) continue;
-      const int of_pair = uniform ? 0 : k, j = c.partner[k];
-      const Dent dent = dent_of(k);
-      if (i < c.owned) {
-        history.own(i, c.row_tag[r]);
-        pack_block(k, 1.0,
-                   history.place(i, {c.partner_tag[k], c.partner_radius[of_pair], c.partner_type[of_pair], 1, dent}));
-      }
-      if (j < c.owned) {
-        history.own(j, c.partner_tag[k]);
-        pack_block(k, -1.0, history.place(j, {c.row_tag[r], c.row_radius[of_row], c.row_type[of_row], 1, dent}));
-      }
-    }
-  }
+  c.each_pair([&](int, int k, int i, int j) {
+    if (c.peak[k] > 0.0)
+      for (const int one : {i, j})
+        if (one < c.owned) extra[one]++;
+  });
+  history.keep_forgotten(c.owned, extra);
+  c.each_pair([&](int r, int k, int i, int j) {
+    if (c.peak[k] <= 0.0) return;
+    const auto place = [&](int of, const Sphere &sphere, const Sphere &partner, double side) {
+      if (of >= c.owned) return;
+      history.own(of, sphere.tag);
+      pack_block(k, side, history.place(of, {partner.tag, partner.radius, partner.type, 1, dent_of(k)}));
+    };
+    place(i, c.row_sphere[r], c.partner_sphere[k], 1.0);
+    place(j, c.partner_sphere[k], c.row_sphere[r], -1.0);
+  });
   c.published = true;
 }
 
@@ -260,7 +229,7 @@ Dent PairGranHysteretic::dent_of(int k) const
   return {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
 }
 
-granwave::LawHistory PairGranHysteretic::law_history(int k) const
+LawHistory PairGranHysteretic::law_history(int k) const
 {
   const Contacts &c = contacts;
   return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
@@ -339,7 +308,7 @@ void PairGranHysteretic::forget(int row, int k)
 {
   Contacts &c = contacts;
   const Dent dent = dent_of(k);
-  granwave::ContactHistory &history = fix_history->history;
+  ContactHistory &history = fix_history->history;
   std::vector<double> block(history.layout().size(), 0.0);
   const auto append = [&](int i, int j, double side) {
     if (i >= atom->nlocal) return;
@@ -375,55 +344,36 @@ void PairGranHysteretic::prepare_initial_dents()
 
 void PairGranHysteretic::begin_initial_dents()
 {
-  const double *const *x = atom->x;
-  const double *radius = atom->radius;
-  const Contacts &c = contacts;
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    const int i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      if (c.peak[k] == 0.0) continue;
-      const int j = c.partner[k];
-      const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      const double apart = distance(i, j, delx * delx + dely * dely + delz * delz);
-      const bool dented = p.contact.yielded(c.peak[k]);
-      const double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
-      reset_history(k, dented ? c.peak[k] : overlap, dented);
-    }
-  }
+  contacts.each_pair([&](int, int k, int i, int j) {
+    const double peak = contacts.peak[k];
+    if (peak == 0.0) return;
+    const PairParameters p = pair_parameters(i, j);
+    const double apart = distance(i, j), overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
+    const bool dented = p.contact.yielded(peak);
+    reset_history(k, dented ? peak : overlap, dented);
+  });
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
   contacts.resting.disturb();
   contacts.published = false;
 }
 
-void PairGranHysteretic::set_dents(const std::function<double(tagint, tagint)> &dent,
-                                   const std::function<void(tagint, tagint, DentStatus)> &report)
+std::map<PairGranHysteretic::Ids, PairGranHysteretic::DentStatus>
+PairGranHysteretic::set_dents(const std::map<Ids, double> &dents)
 {
-  const double *const *x = atom->x;
-  const double *radius = atom->radius;
-  const Contacts &c = contacts;
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    const int i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      const tagint lower = std::min(c.row_tag[r], c.partner_tag[k]), higher = std::max(c.row_tag[r], c.partner_tag[k]);
-      const double peak = dent(lower, higher);
-      if (peak < 0.0) continue;
-      const int j = c.partner[k];
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      const double reach = radius[i] + radius[j] + gap;
-      const PairParameters p = pair_parameters(atom->type[i], atom->type[j], radius[i], radius[j]);
-      const bool dented = p.contact.yielded(peak);    // a smaller peak is no dent
-      if (peak > largest_overlap(radius[i], radius[j])) {
-        report(lower, higher, DentStatus::TOO_DEEP);
-      } else if (distance(i, j, delx * delx + dely * dely + delz * delz) > reach) {
-        report(lower, higher, DentStatus::OUT_OF_REACH);
-      } else {
-        reset_history(k, 0.0, false);
-        if (dented) reset_history(k, peak, true);
-        report(lower, higher, DentStatus::SET);
-      }
-    }
-  }
+  std::map<Ids, DentStatus> found;
+  contacts.each_pair([&](int r, int k, int i, int j) {
+    const auto given = dents.find({contacts.row_sphere[r].tag, contacts.partner_sphere[k].tag});
+    if (given == dents.end()) return;
+    const auto [ids, peak] = *given;
+    const double ri = atom->radius[i], rj = atom->radius[j];
+    found[ids] = peak > largest_overlap(ri, rj)   ? DentStatus::TOO_DEEP
+                 : distance(i, j) > ri + rj + gap ? DentStatus::OUT_OF_REACH
+                                                  : DentStatus::SET;
+    if (found[ids] != DentStatus::SET) return;
+    reset_history(k, 0.0, false);
+    if (pair_parameters(i, j).contact.yielded(peak)) reset_history(k, peak, true);    // a smaller peak is no dent
+  });
   contacts.resting.disturb();
   contacts.published = false;
+  return found;
 }

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: forces. */
+/* Pair style gran/hysteretic: forces, with the viscous ones of losses (viscous_loss.h). */
 
 #include "pair_gran_hysteretic.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "error.h"
-#include "finite_motion.h"
-#include "simulated_time.h"
+#include "motion.h"
+#include "neighbor.h"
 #include "update.h"
 
 #include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::RestingBlocks;
-using granwave::ScaledLaw;
-using granwave::TangentialSpring;
-using granwave::TouchingPairs;
+using namespace granwave;
 
 namespace {
 
@@ -62,46 +60,6 @@ inline void PairGranHysteretic::raise_reached(int k, double overlap)
   if (c.time_first[k] < 0.0) c.time_first[k] = now;
   c.reached[k] = overlap;
   c.time_peak[k] = now;
-}
-
-inline void PairGranHysteretic::Batch::set(int m, const PairParameters &p)
-{
-  pair[m] = &p;
-  radius_i[m] = p.radius_i;
-  radius_j[m] = p.radius_j;
-  radsum[m] = p.radsum;
-  root_radius[m] = p.root_radius;
-  hertz[m] = p.contact.hertz();
-  shear_stiffness[m] = p.shear_stiffness;
-  largest_overlap[m] = p.largest_overlap;
-  elastic_limit[m] = p.contact.elastic_limit();
-  friction[m] = p.friction;
-  keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
-}
-
-/* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
-   if spheres of a type are. */
-
-void PairGranHysteretic::set_parameters()
-{
-  parameters_by_type.clear();
-  if (uniform) {
-    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
-    for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
-    return;
-  }
-  const int n = atom_types + 1;
-  std::vector<double> radius(n, -1.0);    // of the spheres of a type
-  for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
-    double &of_type = radius[atom->type[i]];
-    if (of_type >= 0.0 && of_type != atom->radius[i]) return;
-    of_type = atom->radius[i];
-  }
-  parameters_by_type.resize(n * n);
-  for (int i = 1; i < n; i++)
-    for (int j = 1; j < n; j++)
-      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
-        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
 }
 
 /* Update the history of touching pairs, and the forces of those that have yielded. */
@@ -164,8 +122,7 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
   }
   if (loading.size > 0) loading.compute();
   if (unloading.size > 0) unloading.compute();
-  for (const granwave::PlasticBatch *part :
-       {static_cast<granwave::PlasticBatch *>(&loading), static_cast<granwave::PlasticBatch *>(&unloading)})
+  for (const PlasticBatch *part : {static_cast<PlasticBatch *>(&loading), static_cast<PlasticBatch *>(&unloading)})
     for (int n = 0; n < part->size; n++) {
       batch.force[part->place[n]] = part->force[n];
       batch.circle[part->place[n]] = std::sqrt(part->circle[n]);
@@ -191,6 +148,96 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   batch.advance_forces_and_torques(update->dt);
   batch.write(c.spring.data());
 }
+
+/* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
+
+ViscousHistory *PairGranHysteretic::viscous(int k)
+{
+  return &viscous_history(contacts.extra.data() + std::size_t(k + 1) * contacts.n_extra - ViscousHistory::SIZE);
+}
+
+/* Return true if something ends when the pair parts. */
+
+bool PairGranHysteretic::has_spring(int k)
+{
+  return (has_friction && contacts.spring[k].compliance > 0.0) || (has_loss && viscous(k)->step > 0.0);
+}
+
+/* End the spring of a pair that has parted, and its viscous force. */
+
+void PairGranHysteretic::release_contact(int k)
+{
+  Contacts &c = contacts;
+  if (has_loss && viscous(k)->step > 0.0) {
+    const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
+    const int i = c.row[row], j = c.partner[k];
+    viscous(k)->release(atom->radius[i] + atom->radius[j] - distance(i, j));
+  }
+  if (has_friction) release(c.spring[k]);
+}
+
+/* Set the masses that spheres and ghosts move with, where there are rigid bodies. */
+
+void PairGranHysteretic::set_masses()
+{
+  if (!rigid || neighbor->ago != 0) return;
+  moved_mass.resize(atom->nmax);
+  set_moved_masses(lmp, rigid, moved_mass);
+  comm->forward_comm(this);
+}
+
+int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int, int *)
+{
+  for (int k = 0; k < n; k++) buf[k] = moved_mass[list[k]];
+  return n;
+}
+
+void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
+{
+  std::copy_n(buf, n, moved_mass.begin() + first);
+}
+
+/* Add the viscous forces of touching pairs to the normal forces. Where a run is continued they are those of its last step, so
+   that it is identical to an uninterrupted one; there are none in a minimization. */
+
+void PairGranHysteretic::compute_viscous(Batch &batch)
+{
+  Contacts &c = contacts;
+  const double *const v = atom->v[0], *const mass = rigid ? moved_mass.data() : atom->rmass;
+  const int *const mask = atom->mask;
+  const bool moves = update->whichflag == 1;
+  for (int m = 0; m < batch.size; m++) {
+    const PairParameters &p = *batch.pair[m];
+    if (!p.loss) continue;
+    const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
+    ViscousHistory &history = *viscous(k);
+    const double overlap = batch.overlap[m], force = batch.force[m];
+    if (!moves) {
+      history.forget_state();
+      continue;
+    }
+    if (!springs_advance && history.continues(overlap, TouchingPairs::ROUNDING * p.radsum)) {
+      batch.force[m] = force + history.force;
+      continue;
+    }
+    double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
+    if (p.contact.yielded(c.peak[k]))
+      stiffness = overlap >= c.peak[k] ? p.contact.tangent_stiffness(overlap, law_history(k))
+                                       : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
+    // the body of a flat face is much heavier than the sphere, and a frozen one does not move
+    const double effective_mass = p.radius_i == 0.0 || (mask[i] & frozen)   ? mass[j]
+                                  : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
+                                                                            : mass[i] * mass[j] / (mass[i] + mass[j]);
+    const double coefficient = p.loss.coefficient(stiffness, effective_mass);
+    double approach = 0.0;    // from the velocities
+    for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[3 * i + d] - v[3 * j + d]);
+    approach /= batch.r[m];
+    batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, approach, update->dt)
+                                              : history.start(overlap, force, coefficient, approach, update->dt));
+  }
+}
+
+/* ---------------------------------------------------------------------- all forces of a batch, and of all contacts */
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
 {
@@ -251,14 +298,12 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
 
 void PairGranHysteretic::forget_far_pairs(int r)
 {
-  const double *const *const x = atom->x;
   const int i = contacts.row[r];
   for (int k = contacts.begin[r]; k < contacts.begin[r + 1]; k++) {
     if (contacts.peak[k] == 0.0) continue;
     const int j = contacts.partner[k];
-    const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
     const double reach = atom->radius[i] + atom->radius[j] + gap;
-    if (delx * delx + dely * dely + delz * delz > reach * reach) forget(r, k);
+    if (distance_squared(i, j) > reach * reach) forget(r, k);
   }
 }
 
@@ -300,11 +345,11 @@ void PairGranHysteretic::compute_forces(Tally what)
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
-  if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) granwave::require_finite_motion(lmp);
+  if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) require_finite_motion(lmp);
   if (!contacts.valid) build_contacts();
   set_masses();
   contacts.published = false;
-  now = granwave::simulated_time(*update);
+  now = simulated_time(*update);
   // springs are not updated in a setup, so that a continued run is identical to an uninterrupted one
   springs_advance = update->whichflag == 1 && !update->setupflag;
 
@@ -318,11 +363,11 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 
 void PairGranHysteretic::overlap_error(int i, int j, double overlap)
 {
-  for (const int sphere : {i, j}) granwave::require_finite_motion(lmp, sphere);
+  for (const int sphere : {i, j}) require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
-  const double speed = std::max(granwave::speed_of(lmp, i), granwave::speed_of(lmp, j));
+  const double speed = std::max(speed_of(lmp, i), speed_of(lmp, j));
   const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
   error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
              face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one",
-             granwave::causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
+             causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
 }

@@ -6,16 +6,13 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "finite_motion.h"
+#include "motion.h"
 
 #include <algorithm>
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::BlockView;
-using granwave::ContactRecord;
-using granwave::LawHistory;
-using granwave::ScaledLaw;
+using namespace granwave;
 
 /* Largest force of this run: at the peak, or below the initial dent. */
 
@@ -44,7 +41,7 @@ int beyond_range(const ScaledLaw &contact, double peak)
 
 double PairGranHysteretic::viscous_loss(const double *extra) const
 {
-  return has_loss ? granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE).lost : 0.0;
+  return has_loss ? viscous_history(extra + contacts.n_extra - ViscousHistory::SIZE).lost : 0.0;
 }
 
 /* Sum the totals; a pair shared with another processor counts half. */
@@ -52,12 +49,9 @@ double PairGranHysteretic::viscous_loss(const double *extra) const
 double PairGranHysteretic::tally_totals()
 {
   require_contacts();
-  granwave::require_finite_motion(lmp);
+  require_finite_motion(lmp);
   double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
-  const double *const *x = atom->x;
-  const double *radius = atom->radius;
-  const int *type = atom->type;
   const int nlocal = atom->nlocal;
   Contacts &c = contacts;
 
@@ -67,8 +61,7 @@ double PairGranHysteretic::tally_totals()
     pvector[FRICTIONAL] += weight * view.spring.loss;
     if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
     if (has_loss) {
-      const granwave::ViscousHistory &viscous =
-          granwave::viscous_history(h.extra + c.n_extra - granwave::ViscousHistory::SIZE);
+      const ViscousHistory &viscous = viscous_history(h.extra + c.n_extra - ViscousHistory::SIZE);
       pvector[VISCOUS] += weight * viscous.lost;
       if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
     }
@@ -82,48 +75,39 @@ double PairGranHysteretic::tally_totals()
   };
 
   PairParameters p{};
-  if (uniform && nlocal > 0) p = pair_parameters(type[0], type[0], radius[0], radius[0]);
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    const int i = c.row[r];
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      const double peak = c.peak[k];
-      if (peak == 0.0) continue;
-      const int j = c.partner[k];
-      const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
-      if (!uniform) p = pair_parameters(type[i], type[j], radius[i], radius[j]);
-      const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-      const double overlap = p.radsum - distance(i, j, delx * delx + dely * dely + delz * delz);
-      const LawHistory h = law_history(k);
-      double dissipated = 0.0, peak_force = 0.0;
-      if (p.contact.yielded(peak)) {
-        const int t = cached_turning(k, p.contact);
-        if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
-        dissipated = c.work_lost[t];
-        peak_force = p.contact.peak_force(c.turnings[t]);
-        if (overlap > 0.0) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
-      } else {
-        peak_force = p.contact.hertz_force(peak);
-        if (overlap > 0.0) elastic += weight * p.contact.hertz_energy(overlap);
-      }
-      count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
+  if (uniform && nlocal > 0) p = pair_parameters(0, 0);
+  c.each_pair([&](int, int k, int i, int j) {
+    const double peak = c.peak[k];
+    if (peak == 0.0) return;
+    const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
+    if (!uniform) p = pair_parameters(i, j);
+    const double overlap = p.radsum - distance(i, j);
+    const LawHistory h = law_history(k);
+    double dissipated = 0.0, peak_force = 0.0;
+    if (p.contact.yielded(peak)) {
+      const int t = cached_turning(k, p.contact);
+      if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
+      dissipated = c.work_lost[t];
+      peak_force = p.contact.peak_force(c.turnings[t]);
+      if (overlap > 0.0) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
+    } else {
+      peak_force = p.contact.hertz_force(peak);
+      if (overlap > 0.0) elastic += weight * p.contact.hertz_energy(overlap);
     }
-  }
+    count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
+  });
 
-  const granwave::ContactHistory &history = fix_history->history;
-  if (history.size() > 0)
-    for (int i = 0; i < nlocal; i++) {
-      const ContactRecord *record = history.records(i);
-      for (int m = 0; m < history.count(i); m++, record++) {
-        if (record->live) continue;
-        const ScaledLaw contact = scaled_law(type[i], record->partner_type, radius[i], record->partner_radius);
-        const BlockView view(history.layout(), history.block(i, m));
-        const LawHistory h{record->dent.peak, view.extra};
-        count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
-      }
-    }
+  ContactHistory &history = fix_history->history;
+  history.each_record(nlocal, [&](int i, int m, const ContactRecord &record) {
+    if (record.live) return;
+    const ScaledLaw contact = law_of(i, record);
+    const BlockView view(history.layout(), history.block(i, m));
+    const LawHistory h{record.dent.peak, view.extra};
+    count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
+  });
   if (history.has_forgotten())
     for (int i = 0; i < nlocal; i++) {
-      const granwave::ForgottenContacts sums = history.forgotten(i);
+      const ForgottenContacts sums = history.forgotten(i);
       pvector[DISSIPATED] += 0.5 * sums.dissipated;
       pvector[FRICTIONAL] += 0.5 * sums.frictional_loss;
       pvector[VISCOUS] += 0.5 * sums.viscous_loss;
@@ -157,7 +141,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   // a pair that was moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
-    const granwave::Turning turning = contact.turning(h);
+    const Turning turning = contact.turning(h);
     report.yielded = h.peak > view.initial;
     report.peak_force = contact.peak_force(turning);
     if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
@@ -172,8 +156,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
   if (!has_loss) return;
-  const granwave::ViscousHistory &viscous =
-      granwave::viscous_history(view.extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
+  const ViscousHistory &viscous = viscous_history(view.extra + contacts.n_extra - ViscousHistory::SIZE);
   if (overlap > 0.0) report.force += viscous.force;
   if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
 }
@@ -182,7 +165,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
 
 PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double side, double rsq)
 {
-  const PairParameters p = pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
+  const PairParameters p = pair_parameters(i, j);
   Report report{};
   report.i = i;
   report.j = j;
@@ -200,7 +183,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
     fresh.assign(contacts.n_extra, 0.0);
     view.extra = view.initial_extra = fresh.data();
   }
-  fill_report(report, p.contact, view, report.overlap > granwave::TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
+  fill_report(report, p.contact, view, report.overlap > TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
   return report;
 }
 
@@ -211,11 +194,10 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
   int i = contacts.row[r], j = contacts.partner[k];
   const bool ghost = i >= atom->nlocal;
   if (ghost) std::swap(i, j);
-  const double *const *x = atom->x;
-  const double delx = x[i][0] - x[j][0], dely = x[i][1] - x[j][1], delz = x[i][2] - x[j][2];
-  const double rsq = delx * delx + dely * dely + delz * delz, apart = std::sqrt(rsq);
+  const double rsq = distance_squared(i, j), apart = std::sqrt(rsq);
   Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, rsq);
-  double normal[3] = {delx / apart, dely / apart, delz / apart};
+  double normal[3];
+  for (int d = 0; d < 3; d++) normal[d] = (atom->x[i][d] - atom->x[j][d]) / apart;
   if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
   for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
   return report;
@@ -224,18 +206,14 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
 void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)> &visit)
 {
   require_contacts();
-  granwave::require_finite_motion(lmp);
-  const Contacts &c = contacts;
-  for (std::size_t r = 0; r < c.row.size(); r++)
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.peak[k] != 0.0) visit(report_pair(r, k));
-  const granwave::ContactHistory &history = fix_history->history;
-  for (int i = 0; i < atom->nlocal; i++) {
-    const ContactRecord *record = history.records(i);
-    for (int m = 0; m < history.count(i); m++, record++) {
-      if (!record->live) visit(report_forgotten(i, *record, history.block(i, m)));
-    }
-  }
+  require_finite_motion(lmp);
+  contacts.each_pair([&](int r, int k, int, int) {
+    if (contacts.peak[k] != 0.0) visit(report_pair(r, k));
+  });
+  ContactHistory &history = fix_history->history;
+  history.each_record(atom->nlocal, [&](int i, int m, const ContactRecord &record) {
+    if (!record.live) visit(report_forgotten(i, record, history.block(i, m)));
+  });
 }
 
 /* Report on a forgotten contact of sphere i. */
@@ -249,8 +227,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const Con
   report.tag_j = static_cast<tagint>(record.partner);
   report.dent = record.dent;
   report.overlap = -gap;
-  const ScaledLaw contact = scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
-  fill_report(report, contact, BlockView(fix_history->history.layout(), block), 0.0);
+  fill_report(report, law_of(i, record), BlockView(fix_history->history.layout(), block), 0.0);
   return report;
 }
 
@@ -259,9 +236,8 @@ PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const Con
 void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double *block)
 {
   const Report report = report_forgotten(i, record, block);
-  const int beyond =
-      beyond_range(scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius), record.dent.peak);
-  granwave::ForgottenContacts &sums = fix_history->history.forgotten_to_change(i);
+  const int beyond = beyond_range(law_of(i, record), record.dent.peak);
+  ForgottenContacts &sums = fix_history->history.forgotten_to_change(i);
   sums.dissipated += report.dissipated;
   sums.own_dissipated += report.share_i * report.dissipated;
   sums.frictional_loss += report.frictional_loss;
@@ -274,22 +250,18 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
     sums.time_peak = record.dent.time_peak;
   }
   sums.peak_overlap = std::max(sums.peak_overlap, record.dent.peak);
-  granwave::earliest(sums.time_first, record.dent.time_first);
-  granwave::earliest(sums.time_yield, record.dent.time_yield);
+  earliest(sums.time_first, record.dent.time_first);
+  earliest(sums.time_yield, record.dent.time_yield);
 }
-
-granwave::ForgottenContacts PairGranHysteretic::forgotten(int i) const { return fix_history->history.forgotten(i); }
 
 void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::function<void(const Report &)> &visit)
 {
   require_contacts();
-  const Contacts &c = contacts;
   const auto [lower, higher] = std::minmax(one, other);
-  for (std::size_t r = 0; r < c.row.size(); r++) {
-    if (c.row_tag[r] != lower) continue;
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.partner_tag[k] == higher) visit(report_pair(r, k));
-  }
+  for (std::size_t r = 0; r < contacts.row.size(); r++)
+    if (contacts.row_sphere[r].tag == lower)
+      for (int k = contacts.begin[r]; k < contacts.begin[r + 1]; k++)
+        if (contacts.partner_sphere[k].tag == higher) visit(report_pair(r, k));
 }
 
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
@@ -297,12 +269,15 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
   require_contacts();
   const Contacts &c = contacts;
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
-  const auto rows = c.row_tag.begin(), plain = rows + c.plain;    // both parts are in the order of the IDs
+  // the rows of both parts are in the order of the IDs
   const bool special = is_special(atom->type[i], atom->type[j]);
-  const auto [first, last] = std::equal_range(special ? plain : rows, special ? c.row_tag.end() : plain, lower);
+  const auto rows = c.row_sphere.begin(), first = special ? rows + c.plain : rows;
+  const auto last = special ? c.row_sphere.end() : rows + c.plain;
+  const auto precedes = [](const Sphere &sphere, tagint tag) { return sphere.tag < tag; };
   int found = -1;
-  for (int k = c.begin[first - rows]; k < c.begin[last - rows]; k++)
-    if (c.partner_tag[k] == higher) found = k;
+  for (auto r = std::lower_bound(first, last, lower, precedes) - rows; rows + r != last && rows[r].tag == lower; r++)
+    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
+      if (c.partner_sphere[k].tag == higher) found = k;
   const Report report = report_pair(i, j, found, 1.0, rsq);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;

@@ -15,12 +15,7 @@
 #include <cmath>
 
 using namespace LAMMPS_NS;
-using granwave::CylinderPair;
-using granwave::ElasticContact;
-using granwave::LineContact;
-using granwave::RestingBlocks;
-using granwave::ScaledLaw;
-using granwave::TouchingPairs;
+using namespace granwave;
 
 namespace {
 
@@ -54,18 +49,18 @@ double PairGranHysteretic::init_shape(int i, int j)
 
 ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, double rj)
 {
-  const granwave::ContactLaw &of_types = law(itype, jtype);
+  const ContactLaw &of_types = law(itype, jtype);
   const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
-  if (!geometry) return ScaledLaw::any(of_types, effective_radius(ri, rj));
+  if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj));
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
   if (pair.contact.effective_radius() > 0.0) return pair.contact;
   if (ri == 0.0 || rj == 0.0)
     error->one(FLERR, "Pair style gran/hysteretic: a flat face meets a cylinder; it touches spheres only");
   const double radius = geometry->effective_radius(ri, rj);
-  pair.contact = ScaledLaw::any(of_types, radius);
+  pair.contact = ScaledLaw(of_types, radius);
   if (geometry->parallel()) {
-    const granwave::LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
-    const granwave::Material second = args.second.value_or(args.first);
+    const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
+    const Material second = args.second.value_or(args.first);
     const bool swapped = itype > jtype;
     const double length = geometry->length();
     const LineContact line =
@@ -88,6 +83,13 @@ CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
     return geometry->separation(del);
   const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
   return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
+}
+
+double PairGranHysteretic::distance_squared(int i, int j) const
+{
+  const double *const xi = atom->x[i], *const xj = atom->x[j];
+  const double delx = xi[0] - xj[0], dely = xi[1] - xj[1], delz = xi[2] - xj[2];
+  return delx * delx + dely * dely + delz * delz;
 }
 
 /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
@@ -122,7 +124,7 @@ bool PairGranHysteretic::near_special(int i, int j) const
 
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
-  static_assert(granwave::LineBatch::CAPACITY >= Batch::CAPACITY);
+  static_assert(LineBatch::CAPACITY >= Batch::CAPACITY);
   lines.size = 0;
   for (int m = 0; m < batch.size; m++) {
     const ScaledLaw &contact = batch.pair[m]->contact;

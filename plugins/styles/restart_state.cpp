@@ -2,6 +2,7 @@
 #include "restart_state.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "error.h"
 #include "fmt/format.h"
 
@@ -13,15 +14,14 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-enum { WITHOUT_CHECKSUM = 1, WITH_CHECKSUM = 2 };
-constexpr int HEAD = 3;    // format, number of values, checksum
+constexpr int FORMAT = 3;    // of global states
+constexpr int HEAD = 3;      // format, number of values, checksum
 
-// Stands where earlier formats have a whole number; no byte of it can be changed so that it becomes one.
-constexpr double ATOM_STATE = 0.6180339887498949;
+// Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
+constexpr double ATOM_STATE = 0.7071067811865476;
 
-}    // namespace
-
-double granwave::checksum(const double *values, std::size_t n)
+/* Checksum of numbers, itself a whole number. */
+double checksum(const double *values, std::size_t n)
 {
   std::uint64_t sum = 0x9e3779b97f4a7c15u + n;
   for (std::size_t k = 0; k < n; k++) {
@@ -33,14 +33,11 @@ double granwave::checksum(const double *values, std::size_t n)
   return static_cast<double>(sum >> 12);    // all of its bits fit into a double
 }
 
-bool granwave::is_whole(double value, double least, double most)
-{
-  return value >= least && value <= most && value == std::floor(value);
-}
+}    // namespace
 
 void granwave::write_state(FILE *fp, const std::vector<double> &state)
 {
-  const double head[HEAD] = {WITH_CHECKSUM, static_cast<double>(state.size()), checksum(state.data(), state.size())};
+  const double head[HEAD] = {FORMAT, static_cast<double>(state.size()), checksum(state.data(), state.size())};
   const int size = static_cast<int>((HEAD + state.size()) * sizeof(double));
   std::fwrite(&size, sizeof(int), 1, fp);
   std::fwrite(head, sizeof(double), HEAD, fp);
@@ -50,16 +47,37 @@ void granwave::write_state(FILE *fp, const std::vector<double> &state)
 const double *granwave::read_state(LAMMPS *lmp, const Fix &fix, const char *buffer, std::size_t n, const char *other)
 {
   const auto *const stored = reinterpret_cast<const double *>(buffer);
-  if (stored[0] == WITHOUT_CHECKSUM) return stored + 1;
-  if (stored[0] != WITH_CHECKSUM)
-    lmp->error->all(FLERR, "Restart file holds format {} of fix {}; this version reads formats {} and {}", stored[0],
-                    fix.style, int(WITHOUT_CHECKSUM), int(WITH_CHECKSUM));
+  if (stored[0] != FORMAT)
+    lmp->error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", stored[0], fix.style,
+                    FORMAT);
   if (stored[1] != static_cast<double>(n))
     lmp->error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", fix.style, fix.id, other);
   if (stored[2] != checksum(stored + HEAD, n))
     lmp->error->all(FLERR, "The restart file is damaged: the state of fix {} {} does not match its checksum", fix.style,
                     fix.id);
   return stored + HEAD;
+}
+
+std::vector<double> granwave::read_state(LAMMPS *lmp, FILE *fp, const std::string &what)
+{
+  std::vector<double> state;
+  int n = -1;    // if it is damaged
+  if (lmp->comm->me == 0) {
+    int size;
+    double head[HEAD];
+    utils::sfread(FLERR, &size, sizeof(int), 1, fp, nullptr, lmp->error);
+    utils::sfread(FLERR, head, sizeof(double), HEAD, fp, nullptr, lmp->error);
+    if (head[0] == FORMAT && (HEAD + head[1]) * sizeof(double) == size) {
+      state.resize(static_cast<std::size_t>(head[1]));
+      utils::sfread(FLERR, state.data(), sizeof(double), state.size(), fp, nullptr, lmp->error);
+      if (head[2] == checksum(state.data(), state.size())) n = static_cast<int>(state.size());
+    }
+  }
+  MPI_Bcast(&n, 1, MPI_INT, 0, lmp->world);
+  if (n < 0) lmp->error->all(FLERR, "The restart file is damaged: {} are none", what);
+  state.resize(n);
+  MPI_Bcast(state.data(), n, MPI_DOUBLE, 0, lmp->world);
+  return state;
 }
 
 int granwave::seal_atom_state(double *buffer, int n)
@@ -73,23 +91,18 @@ int granwave::seal_atom_state(double *buffer, int n)
 granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int nth)
 {
   const double *stored = lmp->atom->extra[i];
-  int left = lmp->atom->nextra_store;
-  for (;; nth--) {    // past the states of other fixes
-    if (!is_whole(stored[0], 2, left)) damaged_atom_state(lmp, fix, i);
-    if (nth == 0) break;
-    left -= static_cast<int>(stored[0]);
-    stored += static_cast<int>(stored[0]);
-    if (left < 2) damaged_atom_state(lmp, fix, i);
+  int left = lmp->atom->nextra_store, size = 0;
+  for (; nth >= 0; nth--) {    // past the states of other fixes
+    left -= size;
+    stored += size;
+    const bool is_size = left > 1 && stored[0] >= 2 && stored[0] <= left && stored[0] == std::floor(stored[0]);
+    size = is_size ? static_cast<int>(stored[0]) : 0;
+    if (!is_size) break;
   }
-  const int size = static_cast<int>(stored[0]);
-  if (stored[1] != ATOM_STATE) return {stored + 1, size - 1, false};
-  if (size < AtomState::HEAD || stored[2] != checksum(stored + AtomState::HEAD, size - AtomState::HEAD))
-    damaged_atom_state(lmp, fix, i);
-  return {stored + AtomState::HEAD, size - AtomState::HEAD, true};
-}
-
-void granwave::damaged_atom_state(LAMMPS *lmp, const Fix &fix, int i)
-{
-  lmp->error->one(FLERR, "The restart file is damaged: the state of atom {} in fix {} {} is none", lmp->atom->tag[i],
-                  fix.style, fix.id);
+  if (size < AtomState::HEAD || stored[1] != ATOM_STATE ||
+      stored[2] != checksum(stored + AtomState::HEAD, size - AtomState::HEAD))
+    lmp->error->one(FLERR,
+                    "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is none",
+                    lmp->atom->tag[i], fix.style, fix.id);
+  return {stored + AtomState::HEAD, size - AtomState::HEAD};
 }

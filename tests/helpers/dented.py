@@ -9,7 +9,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.conftest import script_of
 from tests.helpers.two_spheres import LAW, PAIR, R

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case.overrides import apply_overrides
+from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 

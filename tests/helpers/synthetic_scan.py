@@ -11,7 +11,7 @@ from typing import Any
 
 from granwave.analysis import velocity_normalised
 from granwave.lammps_inputs import Case, sphere_contact
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble

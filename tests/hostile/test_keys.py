@@ -19,14 +19,14 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.case import bodies, boundary, contact, output, packing, precompression, run, supports
+from granwave.lammps_inputs.case import bodies, boundary, contact, packing, run
 from granwave.lammps_inputs.case.added_grains import AddedGrains
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRun
 from granwave.workflows.scanning.header import Header
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
@@ -52,17 +52,19 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "contact", contact.Contact, SPHERES | {"contact": {}}),
     (CASE, "load", Load, SPHERES | {"load": {}}),
     (CASE, "boundary", boundary.Boundary, SPHERES | {"boundary": {}}),
-    (CASE, "boundary.bottom.plate", supports.Plate, SPHERES
+    (CASE, "boundary.bottom.plate", boundary.Plate, SPHERES
         | {"boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 1e8}, "material": BRASS}}}),
-    (CASE, "boundary.bottom.damper", supports.Damper, SPHERES
+    (CASE, "boundary.bottom.damper", boundary.Damper, SPHERES
         | {"boundary": {"bottom": {"damper": {"damping": 200.0}}}}),
-    (CASE, "boundary.bottom.half_space", supports.HalfSpace, SPHERES
+    (CASE, "boundary.bottom.half_space", boundary.HalfSpace, SPHERES
         | {"boundary": {"bottom": {"half_space": {}, "material": BRASS}}}),
-    (CASE, "boundary.bottom.bar", supports.SupportBar, SPHERES
+    (CASE, "boundary.bottom.bar", boundary.SupportBar, SPHERES
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
-    (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
+    (CASE, "precompression", boundary.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
     (CASE, "run", run.Run, SPHERES),
-    (CASE, "output", output.Output, SPHERES | {"output": {}}),
+    (CASE, "output", run.Output, SPHERES | {"output": {}}),
+    (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
+    (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
     (CASE, "pair.1", contact.Contact, SPHERES
         | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
@@ -94,7 +96,14 @@ MAY_BE_ZERO = MAY_BE_NEGATIVE | {
     "contact.initial_overlap", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
-MAY_BE_EMPTY = {"output.probes", "packing.vacancies", "slurm.before", "slurm.options"}
+MAY_BE_EMPTY = {
+    "figures.formats",
+    "figures.only",
+    "output.probes",
+    "packing.vacancies",
+    "slurm.before",
+    "slurm.options",
+}
 NOT_IN_A_PAIR = {"pair.1.initial_overlap"}
 
 NEVER: list[Any] = [{"x": 1}, math.nan, math.inf, datetime.date(2024, 2, 29), [True], ""]
@@ -108,15 +117,23 @@ def keys() -> Iterator[Any]:
         for field in dataclasses.fields(section):
             key = f"{table}.{field.name}".removeprefix(".")
             if field.metadata and key not in NOT_IN_A_PAIR:
-                yield pytest.param(file, key, kinds_of(hints[field.name]), content, id=f"{section.__name__} {key}")
+                yield pytest.param(
+                    file,
+                    key,
+                    kinds_of(hints[field.name], field.metadata.get("options")),
+                    content,
+                    id=f"{section.__name__} {key}",
+                )
 
 
-def kinds_of(hint: Any) -> set[type]:
-    """TOML types allowed by an annotation."""
+def kinds_of(hint: Any, options: tuple[Any, ...] | None = None) -> set[Any]:
+    """TOML types allowed by an annotation, `Literal` for words or numbers of a list."""
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
-        return set().union(*map(kinds_of, typing.get_args(hint)))
+        return set().union(*(kinds_of(one, options) for one in typing.get_args(hint)))
+    if options and hint in map(type, options):
+        return {bool if hint is bool else Literal}
     if typing.get_origin(hint) is Literal:
-        return {bool if isinstance(option, bool) else Literal for option in typing.get_args(hint)}  # type: ignore[misc]
+        return {bool if isinstance(option, bool) else Literal for option in typing.get_args(hint)}
     return {typing.get_origin(hint) or hint}
 
 
@@ -174,7 +191,7 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (bodies, boundary, contact, output, precompression, run, supports):
+    for module in (bodies, boundary, contact, run):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)

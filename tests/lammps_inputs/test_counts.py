@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs import memory
-from granwave.lammps_inputs.case import added_grains, lattice_size
+from granwave.lammps_inputs import files
+from granwave.lammps_inputs.case import added_grains, packing
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import make_schedule
@@ -24,7 +24,7 @@ _SPARE = 4_000_000_000  # bytes of address space in addition to those in use
 @pytest.fixture(autouse=True)
 def little_memory(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Limit the memory of the process, on a machine of 8 GB, so that no large object can be created before the error."""
-    for module in (added_grains, lattice_size, memory):
+    for module in (added_grains, packing, files):
         monkeypatch.setattr(module, "available_memory", lambda: 8e9)
     before = resource.getrlimit(resource.RLIMIT_AS)
     taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()

@@ -8,7 +8,7 @@ import io
 import pytest
 
 from granwave.analysis.figures.style import write_csv
-from granwave.lammps_inputs.csv_rows import write_csv_rows
+from granwave.lammps_inputs.files import write_csv_rows
 
 
 @pytest.mark.parametrize("text", ["=1+1", "+cmd|calc", "-2+3", "@SUM(A1)", "\t=1", '=HYPERLINK("a")'])

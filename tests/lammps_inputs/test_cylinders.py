@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact
-from granwave.lammps_inputs.deck.contacts import contacts, cylinder_commands, wall_commands
-from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, wall_commands
+from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random

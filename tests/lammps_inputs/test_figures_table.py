@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
+from granwave.lammps_inputs.case.run import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.planning.schedule import make_schedule

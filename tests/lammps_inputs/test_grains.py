@@ -20,12 +20,12 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.grain_words import grains_called, in_grains
+from granwave.lammps_inputs.packing.cylinders import grains_called, in_grains
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.planning.plan import plan
-from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.cli.check import plan_table
 
 ROW = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,0.0225,0.015\n"
 SOFT = {"youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1200, "yield_strength": 2e7}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.hints import _KEY_OF_WORD, _NOTES, _WITHIN
-from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.main import main

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import load_materials, material, presets
-from granwave.lammps_inputs.case.yield_factor import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case
 

@@ -10,14 +10,14 @@ import h5py
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.named_files import with_absolute_paths, with_short_paths
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
 from granwave.workflows.scanning import layout
-from granwave.workflows.scanning.needs import check_points
+from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.suite import load_suite
 
 MINE = "[mine]\nyoungs_modulus = {modulus}\npoisson_ratio = 0.3\ndensity = 7000\nyield_strength = 4e8\n"

@@ -12,7 +12,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.packing import Packing, build_packing
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.packing.walls import walls
 
 D = 0.01

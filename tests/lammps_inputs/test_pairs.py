@@ -19,8 +19,8 @@ from granwave.lammps_inputs.contact.law import contact_of, flat_contact, pair_co
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
-from granwave.workflows.cli.fitting import fit
-from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.cli.contacts import fit
+from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.helpers.twin import OTHER
 

@@ -14,13 +14,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
-from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
-from granwave.workflows.scanning.batches import expected_scan_time, expected_time, make_batches
-from granwave.workflows.scanning.outlook import Outlook
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.batches import Outlook, expected_scan_time, expected_time, make_batches
+from granwave.workflows.scanning.engine import resources_of
 from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.scanning.slurm import Profile
 from tests.helpers.scan_texts import SMALL, reader
 
 SETTLED = {"kind": "uniaxial", "pressure": 1e5}
@@ -153,7 +153,7 @@ def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
     batch = make_batches(scan.points, workers=1, job_start=2, prefix="", slowness=1e4)[0]
     assert batch.longest > 3 * batch.wall_time  # 100 blocks, and first timesteps all along
-    assert Profile().resources(batch)["runtime"] * 60 >= batch.longest
+    assert resources_of(Profile(), batch)["runtime"] * 60 >= batch.longest
 
 
 def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: list[float]) -> None:

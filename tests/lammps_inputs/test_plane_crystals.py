@@ -12,8 +12,7 @@ from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.lines import left_out, line_ids
-from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.packing.motion import left_out, line_ids, struck_of
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import make_schedule

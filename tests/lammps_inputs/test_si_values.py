@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs.case import tables
+from granwave.lammps_inputs.case import case
+from granwave.lammps_inputs.case.hints import POSSIBLE, impossible, unusual
 from granwave.lammps_inputs.case.material import Material, presets
-from granwave.lammps_inputs.case.si_values import POSSIBLE, impossible, unusual
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.finite_elements.punch import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
@@ -127,5 +127,5 @@ def test_zero_is_no_magnitude() -> None:
 
 
 def test_every_unit_of_a_case_has_a_range() -> None:
-    units = {tables.unit_of(key) for key in tables.case_keys()}
+    units = {case.unit_of(key) for key in case.case_keys()}
     assert units - {"", "degrees"} <= set(POSSIBLE)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from granwave.lammps_inputs.deck.data_file import write_data
+from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import struck_spheres
 from tests.helpers.disordered import BALL, INNER, D, all_gaps, around, case_of
 
 

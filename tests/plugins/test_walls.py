@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import zlib
-
 import numpy as np
 import pytest
 
@@ -17,17 +14,6 @@ RIGID = ContactLaw(
     youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
 )
 MASS = 8500 * 4 / 3 * np.pi * R**3
-
-# Restart file of the version before friction (format 1), in an impact at 2 m/s and 3 m/s along the wall: zlib, base 85.
-OLD = (
-    "c-r$x%*`zbRtQQhE=epZ31MJlU|?WofB+sKHZoH1D$P+aGB7d)%dr5l0hDHf(jfI5NbKTF238=|0yT#XD$EYVj8LV_P&N#6LapS2(%eW+00C"
-    "Yo&4*+jHf#u$pEVN%cJ7DL_JsKSQ1=xVWTY0Qf~^vOIt>H_p===r1Q3SOB2ZcsNlpw(i$iG%BsobaEd`~ek>q5cv@DdCgVOR)@1Z#xPAj0w+"
-    "oRKpNOmY8v6Ye7o={o^DFt8yss!YXfY_?X;89<ttDP}4+)SXfDO9f+5WfI2%#rk2Kxs=PF)Ju-1Ep=Dv>lYThtiHv^Sz;bCnPhRk=QOsY*!?"
-    "<J5q9W1DU(}%#>^QAKCo}0$8d~%*kN@@ztSeBfTgwPd}rwxCEGBN-~qd_WxP=@se*+fITDJ<PRVx?&~;a<zx&7mqGjkS}6w{8HfasIQ$8X%a"
-    "`^bH!whRA1JA(<>coVfm2^O(24r!&JuwpKldO<zj%+x;1Jg!*AP$Vcn{Cu5dWY^upF8m{fx}wlKi4da8&6)odL2|A4sdi+|}Uhkj!X&|DgXL"
-    "SZpxtI3}dySN72k=6!UUfr&!_;V}*e7>iB$KA))65BqA7b?y(VO6={We{i3$Dze8PFeVQ0AU+PUSA=b`T<Dz!2Xwx0Act1Z%w&65vV=u%Su^"
-    "jKuZmObh>Z%Ex#<2z1t09u{Ri{E4_aXh07bXm-~"
-)
 
 
 def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
@@ -154,26 +140,6 @@ def test_the_past_of_an_elastic_contact_is_where_it_is_now(lammps):
     lmp.command("gran/dents begin")
     overlap, _, peak, peak_force, *_, initial = lmp.numpy.extract_fix("floor", 1, 2)[0]
     assert peak == pytest.approx(overlap, rel=1e-12) and peak_force == 0 and initial == 0
-
-
-@pytest.mark.parametrize("friction", ["", "friction 0.3"])
-def test_a_restart_file_of_the_first_format_is_read(lammps, tmp_path, friction):
-    """A run from this file continues as in the version that wrote it; with friction the spring starts at zero."""
-    (tmp_path / "old.restart").write_bytes(zlib.decompress(base64.b85decode(OLD)))
-    lmp = lammps()
-    if lmp.version() < 20250722:
-        pytest.skip("LAMMPS reads no restart file of a later LAMMPS")
-    lmp.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/old.restart\nfix motion all nve\n"
-        f"{WALL.format(z=R)} {friction}\nthermo_style custom step f_floor[5]\nrun 19100"
-    )
-    assert value(lmp, "vz[1]") == pytest.approx(-1.162076318584029, rel=1e-12)
-    assert value(lmp, "f_floor[5]") == pytest.approx(0.005896093532675945, rel=1e-12)
-    assert (value(lmp, "vx[1]") < 3) == bool(friction)
-    reported = lmp.numpy.extract_fix("floor", 1, 2)[0]
-    assert reported[2:8] == pytest.approx(
-        [2.39749930e-05, 840.932817, 5.89609353e-03, 1e-08, 1.809e-05, 3e-07], rel=1e-8
-    )
 
 
 @pytest.mark.parametrize("axis", "xyz")

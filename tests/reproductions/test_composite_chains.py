@@ -12,7 +12,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.study import Study
-from granwave.lammps_inputs.ownership import MARKER
+from granwave.lammps_inputs.run_directory import MARKER
 from granwave.measures import Chain, exponential_decay, maxima
 from granwave.workflows import load_scan
 from tests.helpers import chain_twin as twin_of

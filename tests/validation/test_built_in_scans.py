@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.scans.result import ScanResult
-from granwave.lammps_inputs.case.overrides import apply_overrides
+from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library, load_scan
 from granwave.workflows.scanning.driver import run_scan
 from granwave.workflows.scanning.scan_file import Point, Scan

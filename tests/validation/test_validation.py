@@ -18,7 +18,7 @@ from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
-from granwave.lammps_inputs.packing.struck_spheres import struck_spheres
+from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.workflows import library
 from granwave.workflows.run.driver import run_case
 from tests.helpers.twin import Network

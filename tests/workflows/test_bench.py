@@ -6,16 +6,15 @@ import json
 
 import pytest
 
-from granwave.workflows.bench import bench, sizes, study, styles
+from granwave.workflows import bench
 from granwave.workflows.cli.main import main
 
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    for module in (styles, sizes, study):
-        monkeypatch.setattr(module, "STUDY", "two-spheres" if module is study else "fcc-small")
-    monkeypatch.setattr(styles, "IMPACT_TIME", 2e-5)
-    monkeypatch.setattr(sizes, "SIZES", ([8, 8, 4], [10, 10, 4]))
+    small = {"STUDY": "fcc-small", "TIMED": "two-spheres", "IMPACT_TIME": 2e-5, "SIZES": ([8, 8, 4], [10, 10, 4])}
+    for name, value in small.items():
+        monkeypatch.setattr(bench, name, value)
 
 
 def test_styles_in_both_states(capsys):
@@ -24,22 +23,22 @@ def test_styles_in_both_states(capsys):
     struck, rattling = (found["styles"][state] for state in ("struck", "rattling"))
     assert 0 < struck["loaded_contacts_per_sphere"] < 1 < 2 < rattling["loaded_contacts_per_sphere"] < 6
     for state in (struck, rattling):
-        assert list(state["table"]) == list(styles.STYLES)
+        assert list(state["table"]) == list(bench.STYLES)
         for name, values in state["table"].items():
-            beside = state["table"][styles.STYLES[name].beside]["rates"]
+            beside = state["table"][bench.STYLES[name][2]]["rates"]
             assert values["ratios"] == [a / b for a, b in zip(values["rates"], beside, strict=True)]
             assert len(values["rates"]) == 2 and values["bytes_per_sphere"] > 100
-        assert state["table"][styles.BASELINE]["ratios"] == [1.0, 1.0]
+        assert state["table"][bench.BASELINE]["ratios"] == [1.0, 1.0]
     printed = capsys.readouterr().out
     assert "load of the machine" in printed and "2 x 100 steps" in printed
-    assert printed.count(styles.ROUGH_BASELINE) == 2
+    assert printed.count(bench.ROUGH_BASELINE) == 2
 
 
 def test_sizes_and_ranks():
-    found = bench.bench(("sizes",), repeats=2, report=lambda _: None)
+    found = bench.bench(("sizes",), repeats=2)
     assert [row["n_spheres"] for row in found["sizes"]] == [256, 400] and "study" not in found
     assert all(len(row["rates"]) == 2 for row in found["sizes"])
-    ranks = sizes.compare_ranks(1, lambda _: None)
+    ranks = bench.compare_ranks(1)
     for name, n_spheres in (("strong", [400, 400]), ("weak", [400, 800])):
         one, two = ranks[name]
         assert [one["n_spheres"], two["n_spheres"]] == n_spheres and [one["n_ranks"], two["n_ranks"]] == [1, 2]
@@ -49,7 +48,7 @@ def test_sizes_and_ranks():
 def test_parts_of_a_study_as_json(tmp_path, capsys):
     assert main(["bench", "--parts", "study", "--repeats", "1", "--json", str(tmp_path / "b.json")]) == 0
     found = json.loads((tmp_path / "b.json").read_text())["study"]
-    assert found["n_steps"] > 100 and all(len(found[part]) == 1 for part in study.PARTS)
+    assert found["n_steps"] > 100 and all(len(found[part]) == 1 for part in bench.STUDY_PARTS)
     assert found["analysis"][0] > 0.1 and found["steps"][0] > 0
     printed = capsys.readouterr().out
-    assert all(part in printed for part in study.PARTS)
+    assert all(part in printed for part in bench.STUDY_PARTS)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import inspect
 import json
 import subprocess
 import sys
@@ -16,8 +18,9 @@ import granwave as gw
 from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
 from granwave.workflows import library
+from granwave.workflows.cli.parser import COMMANDS
 from granwave.workflows.python import api
-from granwave.workflows.python.words import in_python
+from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
 from tests.helpers.export_inputs import equal
@@ -31,6 +34,23 @@ PAIR = {
     "boundary": {"bottom": "free"},
     "run": {"end_time": 5e-5},
 }
+
+
+@pytest.mark.parametrize("name", ["run", "scan", "bands", "modes", "transmission", "infer"])
+def test_options_of_commands_are_keywords(name):
+    """What a command can do, its function can, by the same name and default; keys of cases are keywords."""
+    (command,) = (command for command in COMMANDS if command.name == name)
+    options = [one for option in command.options for one in (option if isinstance(option, list) else [option])]
+    parser = argparse.ArgumentParser()
+    actions = [parser.add_argument(*option.names, **option.settings) for option in options]
+    own = {"overrides", "json", "plan", *(("figures",) if name in ("bands", "modes", "transmission") else ())}
+    keywords = inspect.signature(getattr(gw, name)).parameters
+    for action in actions:
+        if action.option_strings and action.dest not in own:
+            assert action.dest in keywords, action.dest
+            default = keywords[action.dest].default
+            same = action.dest == "figures" or action.required or default == action.default
+            assert same, f"{action.dest}: {default}, {action.default}"
 
 
 @pytest.fixture(scope="module")

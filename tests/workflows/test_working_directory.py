@@ -19,6 +19,7 @@ TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5", "--set", 
 TINY += ["--set", 'figures.only=["energies", "peak_force_principal"]']
 SCAN = 'case = "fcc-small"\nranks = {spheres_per_rank = 30, most = 2}\n[set]\nrun.end_time = 2e-5\nrun.frames = 5\n'
 SCAN += "[[points]]\npacking.size = [4, 4, 3]\n[[points]]\npacking.size = [3, 3, 3]\n"
+SETTINGS = b"text.usetex: True\nimage.cmap: no-such-map\naxes.facecolor: ff0000\n"
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def place(tmp_path) -> Path:
     for folder in ("granwave", "mpi4py"):
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "__init__.py").write_text(CODE)
-    (tmp_path / "matplotlibrc").write_text("text.usetex: True\nimage.cmap: no-such-map\naxes.facecolor: ff0000\n")
+    (tmp_path / "matplotlibrc").write_bytes(SETTINGS + b"\xff\xfe")
     profile = tmp_path / "profiles" / "default"
     profile.mkdir(parents=True)
     (profile / "config.yaml").write_text("executor: no-such-executor\n")
@@ -73,5 +74,7 @@ def test_a_block_of_finite_elements(place):
 
 def test_settings_of_the_user(place, tmp_path):
     """Settings that name a colour map or a typesetter that is not there."""
-    do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "matplotlibrc"), MPLCONFIGDIR=str(tmp_path))
+    (place / "matplotlibrc").rename(place / "settings")
+    (place / "settings").write_bytes(SETTINGS)
+    do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "settings"), MPLCONFIGDIR=str(tmp_path))
     assert not os.path.exists(place / "law.taken")

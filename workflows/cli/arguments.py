@@ -5,12 +5,18 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.case.si_values import POSSIBLE
+from granwave.lammps_inputs.case.hints import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import bench
 
+if TYPE_CHECKING:
+    import numpy
+    from numpy.typing import NDArray
+
+BENCH_PARTS = ("styles", "sizes", "ranks", "study")
+_MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
 
 
@@ -31,17 +37,14 @@ def input_name(text: str) -> Path:
 
 def positive(text: str) -> int:
     """Read a whole number from 1 up."""
-    value = number(text)
-    if not value.is_integer() or value < 1:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 1 or more")
-    return int(value)
+    return _whole(text, 1)
 
 
 def bench_parts(text: str) -> tuple[str, ...]:
     """Read names of parts of the bench."""
     found = words(text)
-    if unknown := [name for name in found if name not in bench.PARTS]:
-        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(bench.PARTS)}")
+    if unknown := [name for name in found if name not in BENCH_PARTS]:
+        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(BENCH_PARTS)}")
     return found
 
 
@@ -64,10 +67,7 @@ def overlap(text: str) -> float:
 
 def seconds(text: str) -> float:
     """Read a time above 0, s."""
-    value = number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (s)")
-    return value
+    return _above_zero(text, "s")
 
 
 def number(text: str) -> float:
@@ -88,17 +88,25 @@ def words(text: str) -> tuple[str, ...]:
 
 def hertz(text: str) -> float:
     """Read a frequency above 0, Hz."""
+    return _above_zero(text, "Hz")
+
+
+def _above_zero(text: str, unit: str) -> float:
     value = number(text)
     if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 (Hz)")
+        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 ({unit})")
     return value
 
 
 def count(text: str) -> int:
     """Read a whole number from 0 up."""
+    return _whole(text, 0)
+
+
+def _whole(text: str, least: int) -> int:
     value = number(text)
-    if not value.is_integer() or value < 0:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, 0 or more")
+    if not value.is_integer() or value < least:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, {least} or more")
     return int(value)
 
 
@@ -108,3 +116,33 @@ def shares(text: str) -> tuple[float, ...]:
     if not all(value == 0 or 1e-12 <= value <= 10 for value in found):
         raise argparse.ArgumentTypeError(f"found {text}, expected 0, or shares from 1e-12 to 10, such as 0.05 for 5 %")
     return found
+
+
+def ids(text: str) -> list[int]:
+    """Read ids with commas between them."""
+    found = text.split(",")
+    if not all(one.strip().isdigit() and int(one) > 0 for one in found):
+        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected ids from 1 up with commas between them")
+    return [int(one) for one in found]
+
+
+def frequencies(text: str) -> NDArray[numpy.float64]:
+    """Read frequencies, Hz: numbers with commas between them, or START:END:COUNT."""
+    import numpy
+
+    try:
+        if ":" in text:
+            start, end, count = text.split(":")
+            if not 1 <= int(count) <= _MOST_FREQUENCIES:
+                raise ValueError
+            values = numpy.linspace(float(start), float(end), int(count))
+        else:
+            values = numpy.array([float(one) for one in text.split(",")])
+    except ValueError:
+        values = numpy.empty(0)
+    if not len(values) or not numpy.isfinite(values).all() or (values < 0).any():
+        raise argparse.ArgumentTypeError(
+            f"found {text or 'nothing'}, expected numbers from 0 up with commas between them (Hz), or START:END:COUNT "
+            f"with a COUNT from 1 to {_MOST_FREQUENCIES}"
+        )
+    return values

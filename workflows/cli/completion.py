@@ -7,6 +7,7 @@ when they are asked for, as most need modules that the parser does without.
 from __future__ import annotations
 
 import argparse
+import importlib
 import re
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -14,8 +15,9 @@ from typing import Any
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.toml_files import read_toml
-from granwave.workflows import bench, library
+from granwave.lammps_inputs.files import read_toml
+from granwave.workflows import library
+from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.scanning.engine import EXECUTORS
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
 
@@ -24,11 +26,12 @@ _WORD = re.compile(r'"([^"]+)"')
 Names = Callable[[argparse.Namespace], Iterable[str]]
 
 
-def shell_code(shell: str) -> str:
-    """Return the code that switches completion on in a shell, one of `granwave.workflows.cli.shells.SHELLS`."""
+def completion(options: argparse.Namespace) -> int:
+    """Execute ``granwave completion``: print the code that switches it on in a shell; return the exit status."""
     from argcomplete.shell_integration import shellcode
 
-    return str(shellcode(["granwave"], shell=shell))
+    print(shellcode(["granwave"], shell=options.shell))
+    return 0
 
 
 def complete(parser: argparse.ArgumentParser) -> None:
@@ -109,8 +112,7 @@ def _kind_of_file(options: argparse.Namespace) -> str:
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
     except InputError:  # none is given yet
-        command = getattr(getattr(options, "command", None), "__name__", "")
-        return keys.CONTINUUM if command == CONTINUUM.verb else keys.CASE
+        return keys.CONTINUUM if options.command.name == CONTINUUM.verb else keys.CASE
     return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(solver_of(tables), keys.CASE)
 
 
@@ -136,28 +138,9 @@ def _tables(_: argparse.Namespace) -> Iterable[str]:
     )
 
 
-def _figures(_: argparse.Namespace) -> Iterable[str]:
-    from granwave.analysis.figures.run_figures import FIGURES
-
-    return FIGURES
-
-
-def _formats(_: argparse.Namespace) -> Iterable[str]:
-    from granwave.analysis.exports.export import FORMATS
-
-    return FORMATS
-
-
-def _film_quantities(_: argparse.Namespace) -> Iterable[str]:
-    from granwave.analysis.films.scenes import QUANTITIES
-
-    return QUANTITIES
-
-
-def _film_views(_: argparse.Namespace) -> Iterable[str]:
-    from granwave.analysis.films.scenes import VIEWS
-
-    return VIEWS
+def _table(module: str, name: str) -> Names:
+    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are asked for."""
+    return lambda _: getattr(importlib.import_module(f"granwave.analysis.{module}"), name)
 
 
 _OVERRIDES, _PRESETS = "overrides", _names(lambda _: presets())
@@ -173,11 +156,11 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("show", "name"): _names(lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
-    ("figures", "only"): _listed(_figures),
-    ("film", "quantity"): _names(_film_quantities),
-    ("film", "view"): _names(_film_views),
-    ("export", "to"): _names(_formats),
+    ("figures", "only"): _listed(_table("figures.run_figures", "FIGURES")),
+    ("film", "quantity"): _names(_table("films.scenes", "QUANTITIES")),
+    ("film", "view"): _names(_table("films.scenes", "VIEWS")),
+    ("export", "to"): _names(_table("exports.export", "FORMATS")),
     ("law", "material"): _PRESETS,
     ("fit", "material"): _PRESETS,
-    ("bench", "parts"): _listed(lambda _: bench.PARTS),
+    ("bench", "parts"): _listed(lambda _: BENCH_PARTS),
 }

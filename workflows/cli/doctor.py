@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import os
 import shlex
@@ -14,12 +15,12 @@ from pathlib import Path
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.shells import SWITCH_ON
+from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, print_json
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
-from granwave.workflows.run.versions import versions
+from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.engine import SLURM, check_installed
-from granwave.workflows.scanning.profile import load_profile
+from granwave.workflows.scanning.slurm import load_profile
 
 _DECK = """\
 units si
@@ -46,6 +47,21 @@ class Finding:
     works: bool
     found: str
     remedy: str = ""
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Execute ``granwave doctor``; return the exit status."""
+    findings = examine(options.profile)
+    works = all(finding.works for finding in findings)
+    if options.json:
+        print_json({"works": works, "parts": [dataclasses.asdict(finding) for finding in findings]})
+        return 0 if works else 1
+    for finding in findings:
+        state = coloured("ok  ", GREEN, sys.stdout) if finding.works else coloured("FAIL", RED, sys.stdout)
+        print(f"{state}  {finding.part}: {finding.found}")
+        if not finding.works:
+            print(f"      mend: {finding.remedy}")
+    return 0 if works else 1
 
 
 def examine(profile: Path | None = None) -> list[Finding]:

@@ -19,17 +19,16 @@ from importlib import resources
 from typing import Any
 
 from granwave.analysis.inference.case import InferCase
-from granwave.lammps_inputs.case.contact_pairs import Pair
-from granwave.lammps_inputs.case.hints import hint_for
+from granwave.lammps_inputs.case.case import case_tables
+from granwave.lammps_inputs.case.contact import Pair
+from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
-from granwave.lammps_inputs.case.si_values import Usual, plain
-from granwave.lammps_inputs.case.tables import case_tables
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.colour import BOLD, coloured
+from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
 CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE = FILES = (

@@ -13,18 +13,20 @@ import logging
 import os
 import signal
 import sys
+import threading
 from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
-from granwave.workflows.cli.colour import RED, YELLOW, coloured
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
+from granwave.workflows.cli.terminal import RED, YELLOW, coloured
 from granwave.workflows.run import mpi
-from granwave.workflows.run.messages import each_warning_once, not_enough_memory
+from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
 FAILED, STOPPED, READER_LEFT = 1, 130, 141
 
+_ONCE_MORE = 0.05  # s until a Ctrl-C that was lost is repeated
 _LONGEST_SHOWN = 300  # characters of a path in a message
 _NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
@@ -40,10 +42,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_output()
     options = make_parser().parse_args(words)
     _set_up_logging()
+    if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
+        with contextlib.chdir(os.sep):
+            import matplotlib  # noqa: F401
+    sys.unraisablehook = _interrupt_again
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
     try:
-        status = int(options.command(options, words))
+        options.given = words
+        status = options.command.run(options)
         sys.stdout.flush()  # here, where an error can still be reported
         return status
     except InputError as error:
@@ -63,6 +70,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+
+
+def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
+    """Repeat a Ctrl-C that came while Python was clearing up, where it drops all errors."""
+    if lost.exc_type is KeyboardInterrupt:
+        main_thread = threading.main_thread().ident
+        assert main_thread is not None
+        threading.Timer(_ONCE_MORE, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _set_up_output() -> None:

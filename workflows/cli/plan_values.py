@@ -1,4 +1,4 @@
-"""Values of a planned run, beside those of its `Plan`, and all of them for ``granwave check --json``."""
+"""Values of a planned run, beside those of its `Plan`, as ``granwave check --json`` prints them."""
 
 from __future__ import annotations
 
@@ -10,48 +10,36 @@ import numpy as np
 
 from granwave.analysis.measures.target.bare_target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import viscous_loss
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
-from granwave.lammps_inputs.packing.motion import struck_site
-from granwave.lammps_inputs.packing.records import written_in_parts
+from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.lammps_inputs.planning.space import ANALYSED_AT_ONCE
 
+_MOST_GAPS = 3
+_KILO = 1e-3  # kHz in a Hz
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
-@dataclasses.dataclass(frozen=True)
-class Coordination:
-    """Contacts of the grains of a file or of a plane crystal: their mean, and the numbers of grains by contacts."""
+def _coordination(case: Case) -> dict[str, Any] | None:
+    """Return the contacts found at the start in a file of grains or a plane crystal; None for other lattices.
 
-    mean: float
-    grains: dict[int, int]
-
-
-def coordination_of(case: Case) -> Coordination | None:
-    """Return the contacts found at the start in a file of grains or a plane crystal; None for other lattices."""
+    They are the mean of a grain, and the numbers of grains by contacts.
+    """
     if case.packing.grains is None and not is_plane_crystal(case.packing.kind):
         return None
     assembly = assemble(case)
     found = Counter(assembly.contacts().ravel().tolist())
     grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
     mean = sum(found.values()) / assembly.n_spheres
-    return Coordination(mean, {number: n for number, n in sorted(grains.items()) if n})
+    return {"mean": mean, "grains": {number: n for number, n in sorted(grains.items()) if n}}
 
 
-@dataclasses.dataclass(frozen=True)
-class Size:
-    """Mass of a packing, kg, its height, and its widths along x and y, m; strikers and bars left out."""
-
-    mass: float
-    height: float
-    width: tuple[float, float]
-
-
-def size_of(assembly: Assembly) -> Size:
-    """Return the size of a packing with its grains where they are placed."""
+def _size(assembly: Assembly) -> dict[str, Any]:
+    """Return mass, height and widths along x and y of a packing as its grains are placed; without strikers and bars."""
     case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
     if sites is None:
         reach = extents(np.array([lattice.diameter / 2]), [case.packing.of_grain])
@@ -65,59 +53,39 @@ def size_of(assembly: Assembly) -> Size:
         low, high = (place - reach).min(axis=0), (place + reach).max(axis=0)
         mass = float(assembly.sphere_masses()[: int(there.sum())].sum())  # without strikers
     x, y, z = (high - low).tolist()
-    return Size(mass, z, (x, y))
+    return {"packing_mass_kg": mass, "packing_height_m": z, "packing_width_m": [x, y]}
 
 
-@dataclasses.dataclass(frozen=True)
-class Struck:
-    """Sphere of the packing that the load hits first.
+def _struck(assembly: Assembly) -> dict[str, Any] | None:
+    """Return the sphere that the load hits first, and where it is; None if it hits none in particular.
 
-    Attributes
-    ----------
-    sphere
-        Its id.
-    aside_m
-        Distance from the middle of the top, m; 0 of a sphere next to it.
-    below_m
-        Depth below the top, m.
-    where
-        Words on its place on the top: at a corner, an edge or an end; else empty.
+    ``aside_m`` is its distance from the middle of the top, 0 of a sphere next to it; ``below_m`` its depth below the
+    top; ``where`` says that it is at a corner, an edge or an end of the top.
     """
-
-    sphere: int
-    aside_m: float
-    below_m: float
-    where: str
-
-
-def struck_place(assembly: Assembly) -> Struck | None:
-    """Return the sphere that the load hits; None if it hits none in particular."""
     lattice, sphere = assembly.lattice, struck_site(assembly)
     if sphere is None or assembly.case.load.kind in ("plate", "grains") or assembly.case.incident_bar:
         return None
     place, top = lattice.positions(sphere, sphere)[0], lattice.top_layer
     at_top = lattice.positions(1, int(top.max()))[top - 1]
     if sphere not in top:
-        return Struck(sphere, 0.0, float(place[2] - at_top[:, 2].min()), "")
+        below = float(place[2] - at_top[:, 2].min())
+        return {"sphere": sphere, "aside_m": 0.0, "below_m": below, "where": ""}
     across = [axis for axis in (0, 1) if np.ptp(at_top[:, axis]) > lattice.diameter / 2]
-    ends = sum(bool(np.abs(place[axis] - [at_top[:, axis].min(), at_top[:, axis].max()]).min() < lattice.diameter / 2)
-               for axis in across)  # fmt: skip
+    ends = 0
+    for axis in across:
+        bounds = np.array([at_top[:, axis].min(), at_top[:, axis].max()])
+        ends += bool(np.abs(place[axis] - bounds).min() < lattice.diameter / 2)
     aside = float(np.linalg.norm(place[:2] - at_top[:, :2].mean(axis=0)))
     where = ("", "at an edge of the top" if len(across) > 1 else "at an end of the top", "at a corner of the top")
-    return Struck(sphere, aside if aside > lattice.diameter else 0.0, 0.0, where[ends])
+    return {
+        "sphere": sphere,
+        "aside_m": aside if aside > lattice.diameter else 0.0,
+        "below_m": 0.0,
+        "where": where[ends],
+    }
 
 
-def loss_of(case: Case) -> Viscous | None:
-    """Return the loss between two grains of the packing: that which a restitution asks for is found."""
-    return viscous_loss(assemble(case), case.contact, case.material, case.material)
-
-
-def beyond_law(case: Case, plan: Plan) -> bool:
-    """Return True if the largest overlap is beyond the range of a law that was fitted."""
-    return case.contact.entry.fitted and plan.peak_overlap_radius > _LARGEST_OF_LAW
-
-
-def held_by_first_rank(assembly: Assembly) -> list[str]:
+def _held_by_first_rank(assembly: Assembly) -> list[str]:
     """Return what makes the first rank hold all sites of a large packing at once; empty if nothing does."""
     if assembly.n_spheres <= ANALYSED_AT_ONCE:
         return []
@@ -127,18 +95,16 @@ def held_by_first_rank(assembly: Assembly) -> list[str]:
 
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
-    assembly, schedule, zone, coordination = assemble(case), plan.schedule, plan.zone, coordination_of(case)
-    size, struck = size_of(assembly), struck_place(assembly)
-    no_reduction = no_bare_target(case)
+    assembly, schedule, zone, no_reduction = assemble(case), plan.schedule, plan.zone, no_bare_target(case)
+    # a restitution that is asked for is found
+    loss = viscous_loss(assembly, case.contact, case.material, case.material)
     return {
-        "packing_mass_kg": size.mass,
-        "packing_height_m": size.height,
-        "packing_width_m": list(size.width),
-        "struck": None if struck is None else dataclasses.asdict(struck),
+        **_size(assembly),
+        "struck": _struck(assembly),
         "nulls": {"peak_reduction": no_reduction} if no_reduction else {},
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
-        "coordination": None if coordination is None else dataclasses.asdict(coordination),
+        "coordination": _coordination(case),
         "precompression": _static_load(case),
         "n_ranks": plan.n_ranks,
         "memory_first_rank_bytes": plan.space.first_rank,
@@ -152,14 +118,14 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "ends_by_itself": bool(schedule.block_steps),
         "n_frames": schedule.n_frames,
         "output_in_parts": written_in_parts(assembly),
-        "held_by_first_rank": held_by_first_rank(assembly),
+        "held_by_first_rank": _held_by_first_rank(assembly),
         "wall_time_longest_s": plan.times.longest,
         "wall_time_parts_s": dataclasses.asdict(plan.times),
         "peak_overlap_m": plan.peak_overlap,
         "peak_overlap_over_yield": plan.peak_overlap_yield,
         "peak_overlap_over_radius": plan.peak_overlap_radius,
-        "peak_overlap_beyond_law": beyond_law(case, plan),
-        "loss": None if (loss := loss_of(case)) is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
+        "peak_overlap_beyond_law": case.contact.entry.fitted and plan.peak_overlap_radius > _LARGEST_OF_LAW,
+        "loss": None if loss is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
         "zone": None
         if zone is None
         else {
@@ -189,3 +155,52 @@ def _static_load(case: Case) -> dict[str, Any] | None:
         "acceleration_m_s2": stage.acceleration if stage.kind == "gravity" else None,
         "takes_overlaps": stage.takes_overlaps,
     }
+
+
+def small_waves(case: Case) -> dict[str, Any] | None:
+    """Return the small waves of a chain that repeats and bears a static force; None for other packings.
+
+    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of its own. Values are
+    the cut-off, the lowest gaps below it, the speed of long waves, their way from end to end, and for each frequency of
+    the load if it passes; units are part of the names.
+    """
+    if case.precompression is None or case.packing.kind != "chain" or case.packing.grains is not None:
+        return None
+    from granwave.analysis.spectra.band_structure import band_structure  # takes longer to load than a plan to make
+
+    try:
+        found = band_structure(case)
+    except InputError:  # no chain that repeats, or nothing bears the load
+        return None
+    highest = float(np.nanmax(found.bands.frequency))
+    inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
+    low, high = assemble(case).lattice_bounds()
+    frequencies = [one for one in (case.load.frequency, case.load.last_frequency) if one is not None]
+    speed, length = float(found.speeds[-1]) if len(found.speeds) else None, float(high[2] - low[2])
+    return {
+        "highest_Hz": highest,
+        "gaps_Hz": [list(gap) for gap in inside[:_MOST_GAPS]],
+        "speed_m_s": speed,
+        "length_m": length,
+        "travel_time_s": None if speed is None else length / speed,
+        "load": [
+            {"frequency_Hz": one, "passes": not (one > highest or any(a < one < b for a, b in inside))}
+            for one in frequencies
+        ],
+    }
+
+
+def wave_rows(waves: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """Return rows for the table of a plan."""
+    if waves is None:
+        return []
+    bounds = ", ".join(f"{_KILO * low:.4g} to {_KILO * high:.4g}" for low, high in waves["gaps_Hz"])
+    but = f", but for gaps: {bounds} kHz" if bounds else ""
+    rows = [("small waves", f"up to {_KILO * waves['highest_Hz']:.4g} kHz{but}")]
+    if waves["speed_m_s"] is not None:
+        long = f"long ones {waves['speed_m_s']:.4g} m/s: from end to end ({waves['length_m']:.3g} m) in "
+        rows.append(("", f"{long}{waves['travel_time_s']:.3g} s"))
+    for load in waves["load"]:
+        fate = "passes" if load["passes"] else "is stopped"
+        rows.append(("load's frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"))
+    return rows

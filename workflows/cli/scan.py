@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import difflib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,24 +14,20 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.means import means_of
-from granwave.analysis.scans.protection import REDUCTION, protects
-from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.as_json import print_json
-from granwave.workflows.cli.tables import expected_cut, static_stage_note
-from granwave.workflows.scanning import needs
-from granwave.workflows.scanning.batches import expected_scan_time, expected_time
-from granwave.workflows.scanning.calibrate import slowness_of
-from granwave.workflows.scanning.directory import decide
+from granwave.workflows.cli.check import expected_cut, static_stage_note
+from granwave.workflows.cli.terminal import columns, print_json
+from granwave.workflows.scanning.batches import expected_scan_time, expected_time, slowness_of
+from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
-from granwave.workflows.scanning.needs import check_points
-from granwave.workflows.scanning.profile import Profile, load_profile
-from granwave.workflows.scanning.scan_file import Scan, load_scan
+from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
+from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
@@ -44,11 +39,8 @@ _MOST_MEANS = 4  # quantities in the table of means
 def scan(options: argparse.Namespace) -> int:
     """Run a scan or suite; return the exit status."""
     profile = _executor(options)
-    jobs = options.jobs or default_jobs(profile)
     try:
-        if is_suite(options.scan):
-            return _suite(options, profile, jobs)
-        return _scan(options, profile, jobs)
+        return _plan_and_run(options, profile, options.jobs or default_jobs(profile))
     except BrokenPipeError:
         raise  # the reader of the plan has closed it
     except OSError as error:  # usually a full disk
@@ -57,87 +49,65 @@ def scan(options: argparse.Namespace) -> int:
         raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
 
 
-def _scan(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
-    most = _PLANNED if options.plan else None
-    found = load_scan(options.scan, options.overrides, here=options.executor == LOCAL, most=most)
+def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
+    found = _load(options)
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         check_installed(options.executor)
-        _check(decide, found, directory, options)
-    slowness = _slowness(found, directory, options, jobs)
-    if not options.json:
-        print(plan_text(found, directory, profile, jobs, slowness, fresh=options.force))
+        _check(found, directory, options)
+    parts = {directory: found} if isinstance(found, Scan) else {directory / part.name: part for part in found.scans}
+    slowness, plans, total = {}, [], 0.0
+    for place, part in parts.items():
+        left = points_left(part, place, fresh=options.force)
+        measured = _slowness(left, options, jobs)
+        slowness[part.name] = measured or 1.0
+        plans.append(plan_values(part, place, left, profile, jobs, measured))
+        total += plans[-1]["wall_time_s"]
+        if not options.json:
+            print(plan_text(part, left, plans[-1], measured) + "\n" * isinstance(found, Suite))
+    if isinstance(found, Suite) and not options.json:
+        print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
-        check_points(found, directory, force=options.force)
+        raise_all(partial(check_points, part, place, force=options.force) for place, part in parts.items())
         if options.json:
-            print_json(plan_values(found, directory, profile, jobs, slowness, fresh=options.force))
+            suite = {"name": found.name, "wall_time_s": total, "directory": directory, "scans": plans}
+            print_json(plans[0] if isinstance(found, Scan) else suite)
         return 0
     sys.stdout.flush()
-    outcome = run_scan(found, directory, slowness=slowness or 1.0, **_how(options, profile))
-    print_json(outcome_values(outcome)) if options.json else print(outcome_text(outcome))
-    return _status(outcome.stopped, [outcome])
+    how = {name: getattr(options, name) for name in ("executor", "jobs", "resume", "force")}
+    how |= {"profile": profile, "progress": True}
+    if isinstance(found, Scan):
+        outcome = run_scan(found, directory, slowness=slowness[found.name], **how)
+        print_json(outcome_values(outcome)) if options.json else print(outcome_text(outcome))
+        return _status(outcome.stopped, [outcome])
+    done = run_suite(found, directory, slowness=slowness, **how)
+    if options.json:
+        scans = [outcome_values(outcome) for outcome in done.scans]
+        print_json({"name": found.name, "directory": directory, "stopped": done.stopped, "scans": scans})
+    else:
+        print("\n".join(f"{outcome_text(outcome)}\n" for outcome in done.scans))
+        if not done.stopped:
+            print(f"report of all: {directory / SCAN_REPORT}")
+    return _status(done.stopped, done.scans)
 
 
-def _suite(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
+def _load(options: argparse.Namespace) -> Scan | Suite:
+    here = options.executor == LOCAL
+    if not is_suite(options.scan):
+        return load_scan(options.scan, options.overrides, here=here, most=_PLANNED if options.plan else None)
     if options.overrides:
         raise InputError(
             f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
         )
-    found = load_suite(options.scan, here=options.executor == LOCAL)
-    directory = results_directory(options.directory or found.name)
-    if not options.plan:
-        check_installed(options.executor)
-        _check(check_suite, found, directory, options)
-    slowness: dict[str, float] = {}
-    plans = []
-    for part in found.scans:
-        place = directory / part.name
-        measured = _slowness(part, place, options, jobs)
-        slowness[part.name] = measured or 1.0
-        if options.json:
-            plans.append(plan_values(part, place, profile, jobs, measured, fresh=options.force))
-        else:
-            print(plan_text(part, place, profile, jobs, measured, fresh=options.force) + "\n")
-    total = sum(
-        expected_scan_time(
-            needs.left(part, directory / part.name, fresh=options.force), profile, jobs, slowness[part.name]
-        )
-        for part in found.scans
-    )
-    if not options.json:
-        print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
-    if options.plan:
-        raise_all(partial(check_points, part, directory / part.name, force=options.force) for part in found.scans)
-        if options.json:
-            print_json({"name": found.name, "wall_time_s": total, "directory": directory, "scans": plans})
-        return 0
-    sys.stdout.flush()
-    outcome = run_suite(found, directory, slowness=slowness, **_how(options, profile))
-    if options.json:
-        scans = [outcome_values(done) for done in outcome.scans]
-        print_json({"name": found.name, "directory": directory, "stopped": outcome.stopped, "scans": scans})
-        return _status(outcome.stopped, outcome.scans)
-    for done in outcome.scans:
-        print(f"{outcome_text(done)}\n")
-    if not outcome.stopped:
-        print(f"report of all: {directory / SCAN_REPORT}")
-    return _status(outcome.stopped, outcome.scans)
+    return load_suite(options.scan, here=here)
 
 
-def _how(options: argparse.Namespace, profile: Profile | None) -> dict[str, Any]:
-    return {
-        "executor": options.executor,
-        "profile": profile,
-        "jobs": options.jobs,
-        "resume": options.resume,
-        "force": options.force,
-        "progress": True,
-    }
-
-
-def _check(may_run: Callable[..., None], found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
+def _check(found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     try:
-        may_run(found, directory, resume=options.resume, force=options.force)
+        if isinstance(found, Scan):
+            decide(found, directory, resume=options.resume, force=options.force)
+        else:
+            check_suite(found, directory, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
 
@@ -179,66 +149,18 @@ def _executor(options: argparse.Namespace) -> Profile | None:
     return load_profile(options.profile) if options.profile else Profile()
 
 
-def _slowness(scan: Scan, directory: Path, options: argparse.Namespace, jobs: int) -> float | None:
+def _slowness(left: Sequence[Point], options: argparse.Namespace, jobs: int) -> float | None:
     """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
-    left = needs.left(scan, directory, fresh=options.force)
     if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
         return None
-    typical = sorted(left, key=expected_time)[len(left) // 2]
-    return slowness_of(typical, jobs)
-
-
-def plan_text(
-    scan: Scan,
-    directory: Path,
-    profile: Profile | None,
-    jobs: int,
-    slowness: float | None,
-    *,
-    fresh: bool = False,
-) -> str:
-    """Return the table of a planned scan."""
-    points = scan.distinct.values()
-    left = needs.left(scan, directory, fresh=fresh)
-    counts = f"{scan.n_points}"
-    if scan.scale > 1:
-        counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
-    if len(points) < len(scan.points):
-        counts += f", {len(points)} of them different"
-    if len(left) < len(points):
-        counts += f", {len(points) - len(left)} done already"
-    kinds = ", ".join(f"{key} ({scan.n_values_of(key)})" for key in scan.varied)
-    at_once = sorted((p.plan.memory for p in left), reverse=True)[:jobs]
-    sizes = [p.size for p in points]
-    times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
-    unknown = [time for time in times if time.most_static > time.static]
-    zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
-    cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
-    rows = [
-        ("scan", scan.name),
-        ("points", counts),
-        ("varies", kinds),
-        (scan.points[0].kind.parts, f"{min(sizes)}" + (f" to {max(sizes)}" if max(sizes) > min(sizes) else "")),
-        ("jobs at once", f"{jobs}"),
-        (
-            "expected time",
-            f"about {duration(scan.scale * expected_scan_time(left, profile, jobs, slowness or 1.0))}"
-            + (", from the speed measured here" if slowness else ""),
-        ),
-        *([("static stages", static_stage_note(unknown, jobs / (slowness or 1.0)))] if unknown else []),
-        ("memory", f"about {sum(at_once) / 2**30:.2f} GiB"),
-        ("disk", f"about {scan.scale * sum(p.plan.disk for p in left) / 1e9:.3g} GB"),
-        *([("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")] * bool(cut)),
-        ("directory", str(directory)),
-    ]
-    return lines(rows)
+    return slowness_of(sorted(left, key=expected_time)[len(left) // 2], jobs)
 
 
 def plan_values(
-    scan: Scan, directory: Path, profile: Profile | None, jobs: int, slowness: float | None, *, fresh: bool = False
+    scan: Scan, directory: Path, left: Sequence[Point], profile: Profile | None, jobs: int, slowness: float | None
 ) -> dict[str, Any]:
-    """Return the values of a planned scan; units are part of the names."""
-    points, left = scan.distinct.values(), needs.left(scan, directory, fresh=fresh)
+    """Return the values of a planned scan with these points left to be run; units are part of the names."""
+    points = scan.distinct.values()
     sizes = [point.size for point in points]
     parts = scan.points[0].kind.parts
     return {
@@ -258,27 +180,53 @@ def plan_values(
     }
 
 
+def plan_text(scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slowness: float | None) -> str:
+    """Return the table of a planned scan of these `plan_values`."""
+    points, parts, jobs = scan.distinct.values(), scan.points[0].kind.parts, values["jobs"]
+    counts = f"{scan.n_points}"
+    if scan.scale > 1:
+        counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
+    if len(points) < len(scan.points):
+        counts += f", {len(points)} of them different"
+    if len(left) < len(points):
+        counts += f", {len(points) - len(left)} done already"
+    least, most = values[f"n_{parts}_least"], values[f"n_{parts}_most"]
+    measured = ", from the speed measured here" if slowness else ""
+    times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
+    unknown = [time for time in times if time.most_static > time.static]
+    zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
+    cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
+    return lines(
+        [
+            ("scan", scan.name),
+            ("points", counts),
+            ("varies", ", ".join(f"{key} ({scan.n_values_of(key)})" for key in scan.varied)),
+            (parts, f"{least} to {most}" if most > least else f"{least}"),
+            ("jobs at once", f"{jobs}"),
+            ("expected time", f"about {duration(values['wall_time_s'])}{measured}"),
+            *([("static stages", static_stage_note(unknown, jobs / (slowness or 1.0)))] if unknown else []),
+            ("memory", f"about {values['memory_bytes'] / 2**30:.2f} GiB"),
+            ("disk", f"about {values['disk_bytes'] / 1e9:.3g} GB"),
+            *(
+                [("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")]
+                if cut
+                else []
+            ),
+            ("directory", str(values["directory"])),
+        ]
+    )
+
+
 def outcome_values(outcome: ScanOutcome) -> dict[str, Any]:
     """Return the points of a scan with their values; those that are missing have no summary."""
     result = ScanResult(outcome.directory)
-    points = [
-        {
-            "number": point.number,
-            "status": point.status,
-            "reason": point.reason,
-            "directory": point.directory,
-            "labels": dict(point.labels),
-            "summary": dict(point.summary),
-        }
-        for point in result.points
-    ]
-    counts = {name: getattr(outcome, name) for name in ("done", "failed", "missing", "stopped")}
+    shown = ("number", "status", "reason", "directory", "labels", "summary")
     return {
         "name": result.name,
         "directory": outcome.directory,
-        **counts,
+        **{name: getattr(outcome, name) for name in ("done", "failed", "missing", "stopped")},
         "varied": list(result.varied),
-        "points": points,
+        "points": [{name: getattr(point, name) for name in shown} for point in result.points],
     }
 
 
@@ -287,8 +235,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
     asked = [quantity(REDUCTION)] if protects(result.varied, [point.summary for point in points]) else []
-    columns = [*asked, *SCAN_COLUMNS]
-    shown = [one for one in columns if any(point.summary.get(one.name) is not None for point in points)]
+    shown = [one for one in [*asked, *SCAN_COLUMNS] if any(point.summary.get(one.name) is not None for point in points)]
     head = ["", *result.varied, *(one.heading for one in shown), ""]
     table = [head]
     for point in points[:_MOST_ROWS]:
@@ -297,11 +244,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         table.append([str(point.number), *labels, *values, ending])
-    widths = [max(len(row[n]) for row in table) for n in range(len(head) - 1)]
-    text = "\n".join(
-        "  ".join([*(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=False)), row[-1]]).rstrip()
-        for row in table
-    )
+    text = columns(table, left=(len(head) - 1,))
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n{_means_text(result)}" if points else ""
@@ -309,11 +252,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     for mark, label in LABELS.items():
         if count := marks.count(mark):
             text += f"plastic zone: {label} in {count} of {len(points)} points, which figures and report mark\n\n"
-    counts = ", ".join(
-        f"{value} {field.name}"
-        for field in dataclasses.fields(outcome)
-        if field.name in ("done", "failed", "missing") and (value := getattr(outcome, field.name)) is not None
-    )
+    counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
     there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
     return f"{text}{counts}; {there} in {outcome.directory}"
 
@@ -333,11 +272,9 @@ def _means_text(result: ScanResult) -> str:
     for row in range(min(len(means.counts), _MOST_ROWS)):
         values = [means.text(name, row) for name in shown[:_MOST_MEANS]]
         rows.append([*(key.tick(row) for key in means.keys), *values])
-    widths = [max(len(row[n]) for row in rows) for n in range(len(units))]
-    table = ["  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows]
     counts = sorted(set(means.counts))
     of = f"{counts[0]} to {counts[-1]}" if len(counts) > 1 else f"{counts[0]}"
-    return f"means of {of} replicates, with 95 % confidence intervals:\n" + "\n".join(table) + f"\n\n{text}"
+    return f"means of {of} replicates, with 95 % confidence intervals:\n{columns(rows)}\n\n{text}"
 
 
 def _value(shown: Quantity, value: Any) -> str:

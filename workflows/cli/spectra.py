@@ -1,88 +1,48 @@
-"""Commands ``granwave bands``, ``granwave modes`` and ``granwave transmission``."""
+"""Commands ``granwave bands``, ``granwave modes`` and ``granwave transmission``; each returns the exit status."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granwave.analysis.spectra.band_structure import BandStructure
 from granwave.lammps_inputs.case.case import Case
-from granwave.workflows.cli.as_json import print_json
-
-if TYPE_CHECKING:
-    from granwave.analysis.spectra.band_structure import BandStructure
-    from granwave.workflows.spectra import Finite
+from granwave.workflows import spectra
+from granwave.workflows.cli.parser import chosen
+from granwave.workflows.cli.terminal import print_json, warn
 
 _KILO = 1e-3
 
 
-def bands(options: argparse.Namespace, _: Any) -> int:
+def bands(options: argparse.Namespace) -> int:
     """Execute ``granwave bands``."""
-    from granwave.workflows import spectra as commands
-
-    source = commands.source_of(options.case, options.overrides)
-    found, written = commands.bands(
-        source,
-        _place(options, source, "bands"),
-        options.path,
-        points=options.points,
-        n_bands=options.bands,
-        directions=options.directions,
-        plane=options.plane,
-        slab=options.slab,
-        allow_floppy=options.allow_floppy,
-        force=options.force,
-        figures=options.figures,
-    )
+    source = _source(options, "bands")
+    found, written = spectra.bands(source, **chosen(options, spectra.bands))
     _note_left_out(found.state.network.left_out, found.state.name)
     if found.note:
-        print(f"granwave: warning: {found.state.name}: {found.note}; they are left blank", file=sys.stderr)
+        warn(f"{found.state.name}: {found.note}; they are left blank")
     print_json(found.summary()) if options.json else print(f"{_of_bands(found)}\n\nresults in {written[0].parent}")
     return 0
 
 
-def modes(options: argparse.Namespace, _: Any) -> int:
+def modes(options: argparse.Namespace) -> int:
     """Execute ``granwave modes``."""
-    from granwave.workflows import spectra as commands
-
-    source = commands.source_of(options.case, options.overrides)
-    found, written = commands.modes(
-        source,
-        _place(options, source, "modes"),
-        n_modes=options.modes,
-        directions=options.directions,
-        allow_floppy=options.allow_floppy,
-        force=options.force,
-        figures=options.figures,
-    )
+    source = _source(options, "modes")
+    found, written = spectra.modes(source, **chosen(options, spectra.modes))
     _note_left_out(found.state.network.left_out, found.state.name)
     print_json(found.summary()) if options.json else print(f"{_of_modes(found)}\n\nresults in {written[0].parent}")
     return 0
 
 
-def transmission(options: argparse.Namespace, _: Any) -> int:
+def transmission(options: argparse.Namespace) -> int:
     """Execute ``granwave transmission``."""
-    from granwave.workflows import spectra as commands
-
-    source = commands.source_of(options.case, options.overrides)
-    found, state, written = commands.steady(
-        source,
-        _place(options, source, "transmission"),
-        drive=options.drive,
-        sensors=options.sensor,
-        frequency=options.frequencies,
-        axis=options.axis,
-        end=options.end,
-        directions=options.directions,
-        force=options.force,
-        figures=options.figures,
-    )
+    source = _source(options, "transmission")
+    found, state, written = spectra.steady(source, **chosen(options, spectra.steady))
     _note_left_out(state.network.left_out, state.name)
     if options.json:
-        print_json(commands.transmission_summary(state, found))
+        print_json(spectra.transmission_summary(state, found))
         return 0
     for n, sensor in enumerate(found.sensors):
         row = int(np.argmax(found.amplitude[:, n]))
@@ -94,43 +54,18 @@ def transmission(options: argparse.Namespace, _: Any) -> int:
     return 0
 
 
-_MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
-
-
-def frequencies(text: str) -> np.ndarray:
-    """Read frequencies, Hz: numbers with commas between them, or START:END:COUNT."""
-    try:
-        if ":" in text:
-            start, end, count = text.split(":")
-            if not 1 <= int(count) <= _MOST_FREQUENCIES:
-                raise ValueError
-            values = np.linspace(float(start), float(end), int(count))
-        else:
-            values = np.array([float(one) for one in text.split(",")])
-    except ValueError:
-        values = np.empty(0)
-    if not len(values) or not np.isfinite(values).all() or (values < 0).any():
-        raise argparse.ArgumentTypeError(
-            f"found {text or 'nothing'}, expected numbers from 0 up with commas between them (Hz), or START:END:COUNT "
-            f"with a COUNT from 1 to {_MOST_FREQUENCIES}"
-        )
-    return values
-
-
-def _place(options: argparse.Namespace, source: Case | Path, name: str) -> Path:
-    if options.directory is not None:
-        return Path(options.directory)
+def _source(options: argparse.Namespace, name: str) -> Case | Path:
+    """Return the case or the directory of a run; give the results a directory where none is chosen."""
+    source = spectra.source_of(options.case, options.overrides)
     own = source.name if isinstance(source, Case) else source.resolve().name
-    return Path(f"{own}-{name}")
+    options.directory = options.directory or Path(f"{own}-{name}")
+    return source
 
 
 def _note_left_out(ids: np.ndarray, name: str) -> None:
     if len(ids):
         some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
-        print(
-            f"granwave: warning: {name}: {len(ids)} grains bear no static load ({some}); they are left out",
-            file=sys.stderr,
-        )
+        warn(f"{name}: {len(ids)} grains bear no static load ({some}); they are left out")
 
 
 def _counted(number: int, word: str) -> str:
@@ -155,18 +90,10 @@ def _of_bands(found: BandStructure) -> str:
     return "\n".join(lines)
 
 
-def _of_modes(found: Finite) -> str:
+def _of_modes(found: spectra.Finite) -> str:
     values = found.summary()
     return (
         f"{values['name']}: {values['n_modes']} of {values['n_freedoms']} modes of {values['n_grains']} grains, "
         f"from {_KILO * (values['lowest_frequency_Hz'] or 0):.5g} kHz"
         + (f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz" if values["highest_frequency_Hz"] else "")
     )
-
-
-def ids(text: str) -> list[int]:
-    """Read ids with commas between them."""
-    found = text.split(",")
-    if not all(one.strip().isdigit() and int(one) > 0 for one in found):
-        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected ids from 1 up with commas between them")
-    return [int(one) for one in found]

@@ -10,14 +10,11 @@ from typing import Any, ClassVar, Self
 
 import tomli_w
 
+from granwave.lammps_inputs.case.case import KNOWN
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
-from granwave.lammps_inputs.case.parse import read_parts
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides, read_parts
 from granwave.lammps_inputs.case.schema import ErrorList, keys_of, refuse_unknown
-from granwave.lammps_inputs.case.tables import KNOWN
-from granwave.lammps_inputs.memory import refuse_too_large
-from granwave.lammps_inputs.named_files import with_absolute_paths
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml, refuse_too_large, with_absolute_paths
 
 _MEMORY_BASE = 350e6  # bytes; the interpreter with numba and the drawing library
 _MEMORY_PER_ELEMENT = 2500.0  # measured with set-up, rounded up

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import os
+import subprocess
+import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -30,11 +33,10 @@ from granwave.workflows.python.contacts import (
     contact_yield,
 )
 from granwave.workflows.python.inference import InferredForces, infer
-from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan
-from granwave.workflows.python.running import raise_unfinished, run_elements_case, run_on_ranks
+from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan, words_of_python
 from granwave.workflows.python.spectra import bands, modes, transmission
-from granwave.workflows.python.words import words_of_python
-from granwave.workflows.run import mpi
+from granwave.workflows.run import mpi, record
+from granwave.workflows.run.directory import decide, held
 from granwave.workflows.solvers import GRANULAR
 
 __all__ = [
@@ -157,15 +159,18 @@ def run(
         if not kind.parallel:
             if ranks > 1:
                 raise InputError(f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one")
-            run_elements_case(found, kind, place, **how)
+            if not resume:
+                kind.check(found, kind.cost(found, 1, figures), place)
+            with held(place):
+                kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():
-            run_on_ranks(found, place, ranks, checkpoint=checkpoint, **how)
+            _run_on_ranks(found, place, ranks, checkpoint=checkpoint, **how)
         else:
             from granwave.workflows.run.driver import run_case
 
             run_case(found, place, checkpoint_interval=checkpoint, **how)
         if kind is GRANULAR:
-            raise_unfinished(place)
+            _raise_unfinished(place)
         loaded = Run(place)
     if mpi.is_first() and (warning := zone_warning(loaded.summary)):
         logger.warning("%s: %s", loaded.name, warning)
@@ -239,7 +244,7 @@ def scan(
     """
     from granwave.workflows.scanning.driver import STOPPED, run_scan
     from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
-    from granwave.workflows.scanning.profile import load_profile
+    from granwave.workflows.scanning.slurm import load_profile
 
     with words_of_python():
         if executor not in EXECUTORS:
@@ -267,3 +272,62 @@ def scan(
                 text = "%s: of %d points %d %s; table.reason tells why, resume=True tries again"
                 logger.warning(text, place, len(found.distinct), count, what)
         return ScanRuns(place)
+
+
+def _run_on_ranks(
+    found: Case,
+    place: Path,
+    ranks: int,
+    *,
+    checkpoint: float,
+    figures: bool,
+    force: bool,
+    resume: bool,
+    progress: bool,
+) -> None:
+    """Run a case on MPI ranks in processes of their own; arguments as in `granwave.workflows.run.driver.run_case`.
+
+    Raises
+    ------
+    InputError
+        The directory holds results or another case, or there is no mpiexec. Nothing was run.
+    RunError
+        The ranks failed; results so far are kept.
+    KeyboardInterrupt
+        The run was interrupted; it wrote a checkpoint.
+    """
+    mpi.check_cores(ranks)
+    decide(found, place, resume=resume, force=force, n_ranks=ranks, figures=figures)
+    options = {"--force": force, "--resume": resume, "--no-figures": not figures}
+    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
+        file = Path(scratch) / "case.toml"
+        file.write_text(found.to_toml(), encoding="utf-8")
+        words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
+        words += [option for option, wanted in options.items() if wanted]
+        with (Path(scratch) / "stderr").open("w+b") as stream:
+            shown = progress and os.isatty(2)  # the bar of the first rank
+            stderr = None if shown else stream.fileno()
+            status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL, stderr=stderr)
+            stream.seek(0)
+            text = stream.read().decode("utf-8", "replace")
+    if status == 130:
+        raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
+    said = [line.removeprefix("granwave: ") for line in text.splitlines() if line.startswith("granwave: ")]
+    errors = [line for line in said if not line.startswith("warning: ")]
+    if status == 2:
+        raise InputError(errors or f"{place}: the ranks refused their input")
+    state = record.read(place)
+    if status and (state is None or state.state not in (record.REFUSED, record.INTERRUPTED)):
+        reason = (state.reason if state else None) or (
+            errors[-1] if errors else f"the ranks ended with status {status}"
+        )
+        raise RunError(reason)
+
+
+def _raise_unfinished(place: Path) -> None:
+    """Raise the error of a run that was interrupted or refused."""
+    found = record.read(place)
+    if found is not None and found.state == record.INTERRUPTED:
+        raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
+    if found is not None and found.state == record.REFUSED:
+        raise RunError(f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it")

@@ -14,8 +14,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import inference
-from granwave.workflows.python.inputs import home
-from granwave.workflows.python.words import words_of_python
+from granwave.workflows.python.inputs import home, words_of_python
 
 
 def infer(
@@ -66,35 +65,22 @@ def infer(
     InputError
         The measurement, the case or an argument is wrong, or the equations do not determine the forces.
     """
-    from granwave.analysis.inference.plan import Camera
-
     with words_of_python():
         if not isinstance(measurement, str | Path | Run):
             raise InputError(f"measurement: found {show(measurement)}, expected the path of a table, or a run")
         if case is not None and not isinstance(case, str | Path):
             raise InputError(f"case: found {show(case)}, expected the path of a file with [material] and [infer]")
         source = measurement.directory if isinstance(measurement, Run) else Path(home(measurement))
-        file = None if case is None else Path(home(case))
         place = None if directory is None else inference.results_place(home(directory), force=force)
-        repetitions = None if repeat is None else _number("repeat", repeat, whole=True)
-        of_runs = {"noise": noise, "frame_rate": frame_rate, "position_noise": position_noise, "time": time}
-        if inference.is_run(source):
-            levels = (0.0,) if noise is None else tuple(_number("noise", one) for one in np.atleast_1d(noise).tolist())
-            rate = None if frame_rate is None else _number("frame_rate", frame_rate, above=True)
-            camera = Camera(
-                noise=levels or (0.0,),
-                frame_rate=rate,
-                position_noise=0.0 if position_noise is None else _number("position_noise", position_noise),
-                time=None if time is None else _number("time", time),
-                repetitions=10 if repetitions is None else max(int(repetitions), 1),
-            )
-            found = inference.infer_run(source, file, camera)
-        else:
-            if given := [name for name, value in of_runs.items() if value is not None]:
-                raise InputError(f"{given[0]}: found it with a table, expected it with a run")
-            if file is None:
-                raise InputError("case: missing; expected a file with [material] and [infer]")
-            found = inference.infer_table(source, file, None if repetitions is None else int(repetitions))
+        found = inference.infer(
+            source,
+            None if case is None else Path(home(case)),
+            noise=None if noise is None else [_number("noise", one) for one in np.atleast_1d(noise).tolist()],
+            frame_rate=None if frame_rate is None else _number("frame_rate", frame_rate, above=True),
+            position_noise=None if position_noise is None else _number("position_noise", position_noise),
+            time=None if time is None else _number("time", time),
+            repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
+        )
         if place is not None:
             inference.save(found, place, figures=figures)
     return InferredForces(found.summary, found.forces, found.grains, found.measurement)

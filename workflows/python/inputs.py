@@ -1,22 +1,23 @@
-"""Cases and scans given in Python: names, files, mappings and keywords."""
+"""Cases and scans given in Python: names, files, mappings and keywords; and errors in the words of Python."""
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from granwave.analysis.notebook.run import Run
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.case import case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.case.tables import case_keys
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.named_files import with_absolute_paths
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import read_toml, with_absolute_paths
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Kind, solver_of
 
@@ -118,3 +119,36 @@ def plain(value: Any) -> Any:
 def home(path: str | Path) -> str:
     """Replace a ``~``, as a shell does."""
     return os.path.expanduser(path)
+
+
+_COMMAND = re.compile(r"\bgranwave (run|scan|continuum|analyse)\b")
+# options of the command line in messages, and what they are called here
+_WORDS = (
+    (re.compile(r"^--set: "), ""),
+    (re.compile(r"--(force|resume)\b"), r"\1=True"),
+    (re.compile(r"--np (\d+)"), r"ranks=\1"),
+    (re.compile(r" with -o\b"), " with directory=..."),
+    (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
+    (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
+    (re.compile(r"^-o "), "directory: "),
+)
+
+
+@contextlib.contextmanager
+def words_of_python() -> Iterator[None]:
+    """Call options in the messages of errors as they are called here; commands to type stay as they are."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(map(in_python, error.errors)) from error.__cause__
+    except RunError as error:
+        raise RunError(in_python(str(error))) from error.__cause__
+
+
+def in_python(line: str) -> str:
+    """Replace the options of the command line in a message, unless it gives a command to type."""
+    if _COMMAND.search(line):
+        return line.removeprefix("--set: ")
+    for pattern, word in _WORDS:
+        line = pattern.sub(word, line)
+    return line

@@ -13,8 +13,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.python.inputs import CaseLike, home, read_case
-from granwave.workflows.python.words import words_of_python
+from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
 
 if TYPE_CHECKING:
@@ -191,7 +190,7 @@ def transmission(
             None if directory is None else Path(home(directory)),
             drive=drive if isinstance(drive, int) else list(drive),
             sensors=[sensors] if isinstance(sensors, int) else list(sensors),
-            frequency=np.atleast_1d(np.asarray(frequencies, dtype=float)),
+            frequencies=np.atleast_1d(np.asarray(frequencies, dtype=float)),
             axis=axis,
             end=end,
             directions=directions,

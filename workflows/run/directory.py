@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs import directories
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.figures import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
@@ -34,7 +34,7 @@ from granwave.lammps_inputs.run_directory import (
     VIEW_FILE,
 )
 from granwave.lammps_inputs.run_state import outputs_complete, result_fault
-from granwave.workflows.run import checkpoint, record
+from granwave.workflows.run import record
 from granwave.workflows.run.mpi import on_first
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def _remaining_work(directory: Path) -> str:
         way = ANALYSE
     else:
         saved = seen.checkpoint if seen else None
-        useless = checkpoint.fault(directory, saved) if saved else ""
+        useless = record.checkpoint_fault(directory, saved) if saved else ""
         way = CONTINUE if saved and not useless else START
         if useless:
             logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)

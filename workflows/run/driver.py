@@ -20,8 +20,8 @@ from granwave.analysis.result.balance import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
+from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import input_script, part
-from granwave.lammps_inputs.deck.snapshots import frames_file
 from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, output_names
@@ -30,17 +30,13 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
 from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case
-from granwave.workflows.run import checkpoint, record
-from granwave.workflows.run.balance import TOLERANCE, Balance
-from granwave.workflows.run.coordination import check_coordination, expected_neighbours
+from granwave.workflows.run import record
+from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
-from granwave.workflows.run.equilibrium import check_equilibrium
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
-from granwave.workflows.run.messages import announce
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
-from granwave.workflows.run.progress import Progress
-from granwave.workflows.run.record import Record
-from granwave.workflows.run.versions import versions
+from granwave.workflows.run.progress import Progress, announce
+from granwave.workflows.run.record import Record, versions
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -48,6 +44,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
+_FIRST_ENDS = 1.0  # s until other ranks end all if the first has not
 _PIECE = 1.0  # s of wall time between checks of the balance
 
 
@@ -234,7 +231,7 @@ class _Run:
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
-            checkpoint.keep_only(self.directory, None)
+            record.keep_checkpoint(self.directory, None)
         return Outcome(self.directory, self.record.state, summary)
 
     def _record_there(self) -> Record:
@@ -249,7 +246,7 @@ class _Run:
         def write() -> Deck:
             if go_on:
                 return read_deck(self.directory)
-            checkpoint.keep_only(self.directory, None)
+            record.keep_checkpoint(self.directory, None)
             clear(self.directory, output_names(self.directory))
             return write_deck(self.case, self.directory, timestep=timestep)
 
@@ -271,7 +268,7 @@ class _Run:
         saved = self.record.checkpoint
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
-                on_first(self.comm, lambda: checkpoint.cut_back(self.directory, saved))
+                on_first(self.comm, lambda: record.cut_back(self.directory, saved))
                 on_first(self.comm, lambda: self._claim_output(saved["file"]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
@@ -280,13 +277,44 @@ class _Run:
                 script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            engine.commands(part(script, "setup"))
+            self._set_up(engine, part(script, "setup"), stop)
             if not go_on and self.case.precompression:
                 self._check_equilibrium()
             elif not go_on:
                 check_coordination(on_first(self.comm, lambda: expected_neighbours(self.case)), engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
+
+    def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
+        """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
+        interrupted: dict[str, Any] = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
+
+        ended = False
+
+        def end() -> None:
+            nonlocal ended
+            ended = True
+            if self.comm.size == 1:
+                return engine.end_command()
+            if self.comm.rank == 0:  # LAMMPS cannot end a command at the same step on all ranks
+                dataclasses.replace(self.record, **interrupted).write(self.directory)
+            else:
+                time.sleep(_FIRST_ENDS)
+            abort(self.comm, "stopped", 130)
+
+        failure = None
+        try:
+            with stop.answered_at_once(end):
+                engine.commands(commands)
+        except RunError as error:
+            if isinstance(error, SingleRankError) and self.comm.size > 1:
+                raise
+            failure = error
+        if ended:
+            self._note(**interrupted)
+            raise KeyboardInterrupt(f"{self.directory}: stopped before its first step")
+        if failure:
+            raise failure
 
     def _claim_output(self, restart_from: str) -> None:
         """Enter the snapshots that a resumed run will write in the marker, and what it will add to."""
@@ -370,10 +398,10 @@ class _Run:
             self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
-        self.record.checkpoint = checkpoint.write(engine, self.comm, self.directory, self.record.checkpoint)
+        self.record.checkpoint = record.write_checkpoint(engine, self.comm, self.directory, self.record.checkpoint)
         self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
-        on_first(self.comm, lambda: checkpoint.keep_only(self.directory, self.record.checkpoint))
+        on_first(self.comm, lambda: record.keep_checkpoint(self.directory, self.record.checkpoint))
 
     # ------------------------------------------------------------------ the record
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import RunError
-from granwave.workflows.run.messages import not_enough_memory
+from granwave.workflows.run.progress import not_enough_memory
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -29,6 +29,10 @@ class Engine:
         """Execute LAMMPS commands, one a line, with `&` at the end of continued lines."""
         with _translated():
             self.lammps.commands_string(text)
+
+    def end_command(self) -> None:
+        """End a running command at its next step; called from another thread, on one rank alone."""
+        self.lammps.force_timeout()
 
     @property
     def step(self) -> int:

@@ -9,22 +9,52 @@ import contextlib
 import ctypes
 import logging
 import os
+import select
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
+from typing import IO, TYPE_CHECKING, Any, NoReturn, Self, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.workflows.run.interrupts import Interrupts
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
+
+
+class Interrupts:
+    """Counter of Ctrl-C and SIGTERM, which do not stop the program within a ``with`` block.
+
+    Parameters
+    ----------
+    on_signal
+        Function called at each signal.
+    """
+
+    def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
+        self.count = 0
+        self._on_signal = on_signal
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> Self:
+        with contextlib.suppress(ValueError):  # only the main thread can handle signals
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, *_: object) -> None:
+        self.count += 1
+        self._on_signal()
+
 
 T = TypeVar("T")
 logger = logging.getLogger(__name__)
@@ -33,6 +63,7 @@ logger = logging.getLogger(__name__)
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
 _IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
+_LOOK = 0.5  # s between looks for a stop file
 _MOST_RANKS = 8  # on a core, that are started here
 _C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
 _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
@@ -106,11 +137,11 @@ def leave(status: int) -> NoReturn:
     sys.exit(status)
 
 
-def abort(comm: Intracomm, message: str) -> NoReturn:
-    """Abort all ranks with exit status 1."""
+def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
+    """Abort all ranks with an exit status."""
     print(f"granwave: {message}", file=sys.stderr, flush=True)
-    comm.Abort(1)
-    raise SystemExit(1)
+    comm.Abort(status)
+    raise SystemExit(status)
 
 
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
@@ -253,7 +284,40 @@ class StopRequest(Interrupts):
         self._comm = comm
         self._file = os.environ.get(STOP_FILE)
 
+    def _in_file(self) -> bool:
+        return bool(self._file and os.path.exists(self._file))
+
+    @contextlib.contextmanager
+    def answered_at_once(self, answer: Callable[[], object]) -> Iterator[None]:
+        """Call ``answer`` in a thread from a request on, also while LAMMPS executes a command."""
+        reading, writing = os.pipe()
+        os.set_blocking(writing, False)
+
+        def watch() -> None:
+            asked = False
+            while True:
+                ready = bool(select.select([reading], [], [], _LOOK)[0])
+                if ready and not os.read(reading, 64):
+                    return  # at the end of the block
+                asked = asked or ready or self._in_file()
+                if asked:
+                    answer()
+
+        watcher = threading.Thread(target=watch, daemon=True)
+        watcher.start()
+        before = None
+        try:
+            with contextlib.suppress(ValueError):  # only the main thread can handle signals
+                before = signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+            yield
+        finally:
+            if before is not None:
+                signal.set_wakeup_fd(before)
+            os.close(writing)
+            watcher.join()
+            os.close(reading)
+
     def wanted(self) -> bool:
         """Return True if a stop was requested on any rank; collective."""
-        mine = self.count > 0 or bool(self._file and os.path.exists(self._file))
+        mine = self.count > 0 or self._in_file()
         return mine if self._comm.size == 1 else bool(self._comm.allreduce(int(mine)))

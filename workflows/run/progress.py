@@ -1,15 +1,45 @@
-"""Progress of a run: a bar on a terminal or in a notebook, lines in a batch log."""
+"""What a run tells while it is at work: a bar on a terminal or in a notebook, lines in a batch log, warnings once."""
 
 from __future__ import annotations
 
 import logging
 import sys
 import time
+from collections.abc import Callable
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.progress_bar import in_notebook, progress_bar
+from granwave.lammps_inputs.planning.plan import Plan
 
-logger = logging.getLogger(__name__)
+_LOG = logging.getLogger("granwave")
+_LONG = 60.0  # s of wall time that a run tells before it starts
+
+
+def each_warning_once() -> Callable[[logging.LogRecord], bool]:
+    """Make a filter for a logger or a handler that suppresses repeated warnings."""
+    seen: set[str] = set()
+
+    def fresh(record: logging.LogRecord) -> bool:
+        text = record.getMessage()
+        known = record.levelno == logging.WARNING and text in seen
+        seen.add(text)
+        return not known
+
+    return fresh
+
+
+def not_enough_memory(why: str) -> str:
+    """Message that memory ran out."""
+    return f"there is not enough memory ({why}); granwave check tells what a case needs"
+
+
+def announce(expected: Plan) -> None:
+    """Tell how long a long run will take, and what makes its steps short, before it starts."""
+    if expected.slowness:
+        _LOG.warning("%s: about %s: %s", expected.name, duration(expected.wall_time), expected.slowness)
+    elif expected.wall_time > _LONG:
+        _LOG.info("%s: about %s", expected.name, duration(expected.wall_time))
+
 
 _LINE_EVERY = 30.0  # s between lines of a batch log
 
@@ -73,7 +103,7 @@ class Progress:
         now = time.monotonic()
         if self._lines and (now - self._last > _LINE_EVERY or ended):
             self._last = now
-            logger.info("%s %3.0f %% %s", self._label, 100 * done / self._total, text)
+            _LOG.info("%s %3.0f %% %s", self._label, 100 * done / self._total, text)
 
     def _times(self, done: int) -> str:
         passed = time.monotonic() - self._begin

@@ -1,18 +1,34 @@
-"""Cost of a scan, and batches of points: each batch is one job, so that small points share its start-up."""
+"""Cost of a scan on this machine or a cluster, batches of points that are jobs, and the time that is left."""
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Sequence
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from granwave.lammps_inputs.files import replace_text
+import tomli_w
+
+from granwave.analysis.formatting.numbers import duration
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.files import available_memory, replace_text
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.run import mpi
+from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.scanning.slurm import Profile
+from granwave.workflows.solvers import GRANULAR
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Snakemake, Python, libraries
 _ENGINE_START = 1.5  # s, start of Snakemake before the first job
@@ -129,3 +145,124 @@ def _batch(name: str, points: Sequence[Point], time: float, slowness: float) -> 
     plans = [point.plan for point in points]
     longest = slowness * sum(one.times.longest if isinstance(one, Plan) else one.wall_time for one in plans)
     return Batch(name, tuple(points), points[0].ranks, max(one.memory for one in plans), time, longest)
+
+
+class Outlook:
+    """Estimate of the remaining time of a scan that begins now.
+
+    Parameters
+    ----------
+    points
+        Points to be run.
+    profile, workers, slowness
+        As in `expected_scan_time`.
+    """
+
+    def __init__(self, points: Sequence[Point], profile: Profile | None, workers: int, slowness: float) -> None:
+        self._profile, self._workers = profile, workers
+        self._ids = {point.id for point in points}
+        self._planned = expected_scan_time(points, profile, workers, slowness)
+        self._taken = self._expected = 0.0  # by the points that are done, s
+        self._begin = time.monotonic()
+
+    def done(self, point: Point, seconds: float) -> None:
+        """Register a finished point and its wall time (s); points done earlier are ignored."""
+        if point.id not in self._ids:
+            return
+        self._taken += seconds
+        self._expected += expected_time(point)
+
+    def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
+        """Return elapsed and remaining time as text.
+
+        Parameters
+        ----------
+        left
+            Unfinished points.
+        ages
+            Elapsed time of running points, by id, s.
+        """
+        seconds = time.monotonic() - self._begin
+        passed = duration(seconds)
+        if not left:
+            return f"{passed}; table, figures and report are next"
+        if not self._expected:
+            longer = seconds > self._planned
+            return f"{passed}{', longer than the planned' if longer else ' of about'} {duration(self._planned)}"
+        pace = self._taken / self._expected
+        times = [max(0.0, expected_time(point, pace) - ages.get(point.id, 0.0)) for point in left]
+        rest = spread(times, [point.ranks for point in left], self._profile, self._workers) + PUBLISH
+        return f"{passed}, about {duration(rest)} left"
+
+
+_WARM, _SPAN = 1.5, 1.0  # s of wall time: warm-up, in which contacts get loaded, and measurement
+_MEASURED_WITHIN = 60.0  # s after which the measurement is given up
+
+
+def slowness_of(point: Point, jobs: int) -> float | None:
+    """Measure the wall time of a granular point over the planned one; None if not possible.
+
+    The first part of the impact is timed, in which nearly all contacts are elastic, without the static stage.
+
+    Parameters
+    ----------
+    jobs
+        Number of simultaneous measurements, limited by memory: cores that share a cache slow each other down.
+    """
+    if point.kind is not GRANULAR:
+        return None
+    case = dataclasses.replace(cast(Case, point.case), precompression=None)
+    document = tomli_w.dumps(case.to_dict())
+    at_once = max(1, min(jobs, int(available_memory() / point.plan.memory)))
+    with ThreadPoolExecutor(at_once) as pool:
+        times = list(pool.map(_timed, [document] * at_once))
+    found = [seconds for seconds in times if seconds is not None]
+    return statistics.fmean(found) / seconds_per_step(assemble(case)) if found else None
+
+
+def _timed(document: str) -> float | None:
+    """Measure the wall time of a step in a separate process, s; None on failure."""
+    command = [*mpi.PYTHON, "-m", "granwave.workflows.scanning.batches"]
+    try:
+        done = subprocess.run(
+            command,
+            input=document,
+            capture_output=True,
+            text=True,
+            timeout=_MEASURED_WITHIN,
+            env=mpi.alone(),
+            check=True,
+        )
+        return float(json.loads(done.stdout.splitlines()[-1]))
+    except (subprocess.SubprocessError, OSError, ValueError, IndexError):
+        return None
+
+
+def _measure(document: str) -> float:
+    """Measure the wall time of a step on one rank, s."""
+    from granwave.lammps_inputs.deck.deck import write_deck
+    from granwave.lammps_inputs.deck.script import part
+    from granwave.lammps_inputs.load_case import load_case
+
+    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
+        path = Path(scratch) / "case.toml"
+        path.write_text(document, encoding="utf-8")
+        deck = write_deck(load_case(path), Path(scratch) / "deck")
+        with contextlib.chdir(deck.directory), open_engine(mpi.world(), log="none") as engine:
+            engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
+            engine.commands("run 20 post no")
+            _run_for(engine, _WARM)
+            return _run_for(engine, _SPAN)
+
+
+def _run_for(engine: Engine, span: float) -> float:
+    """Run for ``span`` seconds of wall time; return the wall time of a step, s."""
+    piece, steps, begin = 50, 0, time.monotonic()
+    while (elapsed := time.monotonic() - begin) < span:
+        engine.commands(f"run {piece} pre no post no")
+        steps += piece
+    return elapsed / steps
+
+
+if __name__ == "__main__":
+    print(json.dumps(_measure(sys.stdin.read())))

@@ -1,22 +1,92 @@
-"""Directory of a scan: whether the scan may be run there, and how it is made ready."""
+"""Directory of a scan: may the scan be run there, what do its remaining points require, and how is it made ready."""
 
 from __future__ import annotations
 
 import json
 import logging
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scans.result import ScanResult
-from granwave.lammps_inputs.directories import check_directory
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
+from granwave.lammps_inputs.directories import check_directory, check_disk, refuse_source
+from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim, refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
 from granwave.workflows.run.directory import busy
-from granwave.workflows.scanning import layout, queue
-from granwave.workflows.scanning.needs import check_points
-from granwave.workflows.scanning.scan_file import Scan
+from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.scanning.scan_file import Point, Scan
+
+
+def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
+    """Return the points still to be run or analysed again; all if the scan starts ``fresh``.
+
+    Raises
+    ------
+    InputError
+        The case.toml of finished points was changed.
+    """
+    if fresh:
+        return list(scan.distinct.values())
+    found, errors = [], []
+    for name, point in scan.distinct.items():
+        try:
+            found += [] if layout.is_whole(directory, name) else [point]
+        except InputError as error:
+            errors += error.errors
+    if errors:
+        raise InputError(errors)
+    return found
+
+
+def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
+    """Check that the remaining points can be run: files that they name, and disk space.
+
+    Parameters
+    ----------
+    force
+        True to replace the points in ``directory``.
+
+    Raises
+    ------
+    InputError
+        The points cannot be run; the message lists all faults.
+    """
+    points = sorted(points_left(scan, directory, fresh=force), key=lambda point: point.number)
+    needed = scan.scale * sum(point.plan.disk for point in points)
+    spare = layout.LEAST_FREE + max((point.plan.disk_reserve for point in points), default=0.0)
+    cases = [point.case for point in points if force and isinstance(point.case, Case)]
+    sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
+    raise_all(
+        [
+            lambda: _check_files(scan.name, points),
+            lambda: check_disk(directory, needed, what="the points", spare=spare),
+            *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
+        ]
+    )
+
+
+def _check_files(name: str, points: Sequence[Point]) -> None:
+    """Check the files that points name; a fault of all points is reported once."""
+    found: dict[str, list[str]] = {}
+    for point in points:
+        try:
+            point.kind.check(point.case, point.plan, memory=False)
+        except InputError as error:
+            labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
+            for fault in error.errors:
+                found.setdefault(fault, []).append(f"point {point.number} ({labels})")
+    errors: list[str] = []
+    for fault, concerned in found.items():
+        shared = len(concerned) == len(points)
+        errors += [f"{name}: {fault}"] if shared else [f"{name}: {point}: {fault}" for point in concerned]
+    if errors:
+        raise InputError(errors)
+
 
 logger = logging.getLogger(__name__)
 
@@ -67,7 +137,7 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     (directory / layout.STOP).unlink(missing_ok=True)
     replace_text(directory / SCAN_FILE, scan.text)
     replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
-    adopted = {name for job in queue.jobs_of(directory) for name in job.points} if on_cluster else set()
+    adopted = {name for job in slurm.jobs_of(directory) for name in job.points} if on_cluster else set()
     for point in scan.distinct:
         in_work = point in adopted or busy(layout.unfinished(directory, point))
         if not in_work and (fault := layout.fault(directory, point)):

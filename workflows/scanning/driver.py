@@ -18,20 +18,19 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.run.directory import held
-from granwave.workflows.run.interrupts import Interrupts
+from granwave.workflows.run.mpi import Interrupts
 from granwave.workflows.run.progress import Progress
-from granwave.workflows.scanning import layout, queue
-from granwave.workflows.scanning.batches import make_batches, start_of_job
+from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.scanning.batches import Outlook, make_batches, start_of_job
 from granwave.workflows.scanning.directory import decide, prepare
-from granwave.workflows.scanning.ended_jobs import note_ended, note_refused
-from granwave.workflows.scanning.engine import SLURM, Engine, check_installed
-from granwave.workflows.scanning.outlook import Outlook
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.engine import SLURM, Engine, check_installed, launcher_of
 from granwave.workflows.scanning.scan_file import Point, Scan
+from granwave.workflows.scanning.slurm import Profile, note_ended, note_refused
 
 logger = logging.getLogger(__name__)
 
 STOPPED = "stopped"  # by Ctrl-C or SIGTERM
+_FORCED = 3  # signals that stop at once; the first one asks for checkpoints
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of the directory, and of the queue
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # shortest s between updates during the run
@@ -114,11 +113,11 @@ def run_scan(
     directory = results_directory(directory)
     check_installed(executor)
     if executor == SLURM:
-        queue.check_slurm()
+        slurm.check_slurm()
         profile = profile or Profile()
     else:
         profile = None
-    with held(directory), _StopRequest() as stop:
+    with held(directory), Interrupts() as stop:
         decide(scan, directory, resume=resume, force=force)
         if force:
             clear(directory)
@@ -140,7 +139,7 @@ class _ScanRun:
         directory: Path,
         profile: Profile | None,
         jobs: int,
-        stop: _StopRequest,
+        stop: Interrupts,
         show: bool,
         slowness: float,
     ) -> None:
@@ -165,18 +164,18 @@ class _ScanRun:
         try:
             for number in range(_MOST_ROUNDS):
                 self._wait_for_adopted()
-                if not self.open or self.stop.wanted or self.stopped:
+                if not self.open or self.stop.count or self.stopped:
                     break
                 self._round(list(self.open.values()), f"{int(time.time()):x}{number}")
         finally:
             bar.close()
-        if self.stop.wanted:
+        if self.stop.count:
             self.stopped = STOPPED
         self._publish()
 
     def _wait_for_adopted(self) -> None:
         """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
-        while self.profile and not self.stop.wanted and queue.jobs_of(self.directory):
+        while self.profile and not self.stop.count and slurm.jobs_of(self.directory):
             self._look("jobs of an earlier start go on")
             time.sleep(_QUEUE_POLL)
         self._update_points()
@@ -190,7 +189,7 @@ class _ScanRun:
             slowness=self.slowness,
         )
         for batch in batches:
-            launcher = self.profile.launcher_of(batch) if self.profile else []
+            launcher = launcher_of(self.profile, batch) if self.profile else []
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher)
         before = self._states(points)
@@ -201,14 +200,14 @@ class _ScanRun:
         finally:
             engine.kill()
         self._why_stopped()
-        if not self.stopped and not self.stop.wanted:
+        if not self.stopped and not self.stop.count:
             if self._states(points) == before:
                 reason = engine.refusal()
                 if not reason:
                     raise RunError(f"Snakemake started no point; see {engine.log}")
-                note_refused(self.directory, points, reason)
+                note_refused(self.directory, [point.id for point in points], reason)
             elif self.profile:
-                note_ended(self.directory, points)
+                note_ended(self.directory, [point.id for point in points])
         self._update_points()
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
@@ -221,7 +220,7 @@ class _ScanRun:
         while engine.running():
             time.sleep(_POLL)
             self._look()
-            if self.stop.wanted or (self.directory / layout.STOP).exists():
+            if self.stop.count or (self.directory / layout.STOP).exists():
                 self._stop_jobs(engine)
                 return
             if not self.profile and not self.open:
@@ -229,7 +228,7 @@ class _ScanRun:
             if self.profile and time.monotonic() > asked + _QUEUE_POLL:
                 asked = time.monotonic()
                 try:
-                    jobs = queue.jobs_of(self.directory)
+                    jobs = slurm.jobs_of(self.directory)
                     live = bool(jobs)
                     self._report_pending(jobs)
                 except RunError:
@@ -239,7 +238,7 @@ class _ScanRun:
                 elif seen and (not self.open or asked > last_seen + _GONE):
                     return
 
-    def _report_pending(self, jobs: Sequence[queue.Job]) -> None:
+    def _report_pending(self, jobs: Sequence[slurm.QueuedJob]) -> None:
         """Log once each unusual reason why jobs are pending."""
         for reason in {job.reason for job in jobs if job.pending} - self.reported:
             self.reported.add(reason)
@@ -250,27 +249,27 @@ class _ScanRun:
 
     def _stop_jobs(self, engine: Engine) -> None:
         """Make running points write checkpoints, and cancel pending jobs."""
-        if self.stop.wanted:
+        if self.stop.count:
             logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
         with contextlib.suppress(OSError):
             (self.directory / layout.STOP).touch()
         if not self.profile:
             engine.drain()
-            while engine.running() and not self.stop.forced:
+            while engine.running() and self.stop.count < _FORCED:
                 time.sleep(_POLL)
             return
         engine.kill()  # no further job is submitted
-        queue.cancel([job for job in queue.jobs_of(self.directory) if job.pending])
+        slurm.cancel([job for job in slurm.jobs_of(self.directory) if job.pending])
         patience = time.monotonic() + _PATIENCE
-        while queue.jobs_of(self.directory):
+        while slurm.jobs_of(self.directory):
             time.sleep(_QUEUE_POLL)
-            if time.monotonic() > patience or self.stop.forced:
-                queue.cancel(queue.jobs_of(self.directory))
+            if time.monotonic() > patience or self.stop.count >= _FORCED:
+                slurm.cancel(slurm.jobs_of(self.directory))
                 return
 
     def _why_stopped(self) -> None:
         path = self.directory / layout.STOP
-        if path.exists() and not self.stop.wanted:
+        if path.exists() and not self.stop.count:
             self.stopped = path.read_text(encoding="utf-8") or "the disk is full"
 
     # ------------------------------------------------------------------ looking
@@ -314,19 +313,10 @@ class _ScanRun:
 
     def _publish(self) -> None:
         write_scan_table(self.result)
-        if self.stop.wanted:
+        if self.stop.count:
             return  # do not delay the stop by drawing figures
         _draw(self.result)
-        from granwave.analysis.reports.inputs import read_inputs
-        from granwave.analysis.reports.report import write_report
-        from granwave.analysis.reports.sections.studies import studies_of
-        from granwave.analysis.studies.rows_file import write_rows
-        from granwave.analysis.studies.study import draw_studies
-
-        found = studies_of(read_inputs([self.directory], self.directory, self.scan.study))
-        draw_studies(found, self.directory)
-        write_rows(found, self.directory)
-        write_report([self.directory], self.directory / SCAN_REPORT, study_files=self.scan.study)
+        publish(self.directory, self.scan.study)
 
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""
@@ -337,6 +327,23 @@ class _ScanRun:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()
         return ScanOutcome(self.directory, done, failed, missing, self.stopped)
+
+
+def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> None:
+    """Draw the figures of studies, and of the comparison of the scans of a suite, and write the report."""
+    # the drawing library is loaded when all points are done
+    from granwave.analysis.reports.inputs import read_inputs
+    from granwave.analysis.reports.report import write_report
+    from granwave.analysis.reports.sections.comparison import comparison_of
+    from granwave.analysis.reports.sections.studies import studies_of
+    from granwave.analysis.studies.rows_file import write_rows
+    from granwave.analysis.studies.study import draw_studies
+
+    inputs = read_inputs([directory], directory, studies)
+    found = [*(comparison_of(inputs) if suite else ()), *studies_of(inputs)]
+    draw_studies(found, directory)
+    write_rows(found, directory)
+    write_report([directory], directory / SCAN_REPORT, study_files=studies)
 
 
 def _load() -> None:
@@ -359,17 +366,3 @@ def _short(point: Point) -> str:
         for key, value in point.labels.items()
     ]
     return f"{point.number}: {', '.join(shown[:_MOST_LABELS])}"
-
-
-class _StopRequest(Interrupts):
-    """Request to stop: one signal to stop with checkpoints, three to stop at once."""
-
-    @property
-    def wanted(self) -> bool:
-        """True if a stop was requested."""
-        return self.count > 0
-
-    @property
-    def forced(self) -> bool:
-        """True if a stop was requested three times."""
-        return self.count >= 3

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
 from collections.abc import Sequence
 from importlib import util
 from pathlib import Path
+from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.memory import available_memory
+from granwave.lammps_inputs.files import available_memory, replace_text
 from granwave.lammps_inputs.run_directory import SCAN_WORK
 from granwave.workflows.run import mpi
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.batches import Batch
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 
 LOCAL, SLURM = "local", "slurm"
 EXECUTORS = (LOCAL, SLURM)
@@ -29,6 +31,10 @@ _REFUSALS = (  # in the log of Snakemake
     re.compile(r"Job submission failed with exception: (.*?)(?:For further error details|$)", re.MULTILINE),
     re.compile(r"sbatch failed\. The error message was '(.*?)'\.?$", re.MULTILINE | re.DOTALL),
 )
+#: Options of sbatch that Snakemake takes as resources, with their names.
+_RESOURCES = {"--constraint": "constraint", "-C": "constraint", "--qos": "qos", "-q": "qos", "--gres": "gres"}
+_LEAST_MINUTES = 10  # shortest default time limit
+_WARNING = 90  # s before the time limit at which points write checkpoints
 _SNAKEFILE = Path(__file__).with_name("Snakefile")
 
 
@@ -112,7 +118,7 @@ class Engine:
                 "threads": batch.ranks,
                 "resources": {
                     "mem_mb": int(batch.memory / 1e6) + 1,
-                    **(self.profile.resources(batch) if self.profile else {}),
+                    **(resources_of(self.profile, batch) if self.profile else {}),
                 },
             }
             for batch in batches
@@ -122,6 +128,64 @@ class Engine:
 
     def _executor(self, jobs: int, batches: Sequence[Batch]) -> list[str]:
         if self.profile is not None:
-            return ["--executor", "slurm", "--jobs", str(jobs), *self.profile.to_snakemake(self.name)]
+            return ["--executor", "slurm", "--jobs", str(jobs), *_snakemake_options(self.profile, self.name)]
         memory = max(available_memory(), max(batch.memory for batch in batches))
         return ["--cores", str(jobs), "--resources", f"mem_mb={int(memory / 1e6) + 1}"]
+
+
+def resources_of(profile: Profile, batch: Batch) -> dict[str, Any]:
+    """Return the resources of a job for Snakemake's Slurm plugin."""
+    minutes = profile.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
+    # signal before the limit, to the job steps and not to the shell, which would end at once
+    warning = min(_WARNING, minutes * 60 // 3)
+    resources, options = _split(profile.options)
+    found: dict[str, Any] = {
+        "runtime": minutes,
+        "mem_mb": profile.memory or math.ceil(batch.memory / 1e6),
+        "slurm_extra": " ".join([f"--signal=TERM@{warning}", *map(shlex.quote, options)]),
+        **resources,
+    }
+    if batch.ranks > 1:
+        found |= {"mpi": "srun", "tasks": batch.ranks, "nodes": _nodes_of(profile, batch)}
+    return found
+
+
+def _nodes_of(profile: Profile, batch: Batch) -> int:
+    """Return the number of nodes for the ranks of a batch."""
+    return min(profile.nodes, batch.ranks)
+
+
+def launcher_of(profile: Profile, batch: Batch) -> list[str]:
+    """Return the command that starts the ranks of a point."""
+    words = profile.launcher.split()
+    return [*words, "-N", str(_nodes_of(profile, batch))] if words[0] == "srun" else words
+
+
+def _snakemake_options(profile: Profile, name: str) -> list[str]:
+    """Return the options of Snakemake for this cluster and the scan ``name``."""
+    defaults = [
+        *([f"slurm_partition={profile.partition}"] if profile.partition else []),
+        *([f"slurm_account={profile.account}"] if profile.account else []),
+    ]
+    return [
+        "--slurm-status-command", profile.status,
+        "--slurm-init-seconds-before-status-checks", "5",
+        "--seconds-between-status-checks", "5",
+        "--slurm-jobname-prefix", "granwave-" + re.sub(r"[^A-Za-z0-9]", "", name),
+        "--slurm-logdir", str(layout.LOGS),
+        "--slurm-delete-logfiles-older-than", "0",
+        *(["--default-resources", *defaults] if defaults else []),
+    ]  # fmt: skip
+
+
+def _split(options: str) -> tuple[dict[str, str], list[str]]:
+    """Separate options that Snakemake takes as resources from the others."""
+    resources, others = {}, []
+    words = iter(shlex.split(options))
+    for word in words:
+        name, _, value = word.partition("=")
+        if name in _RESOURCES:
+            resources[_RESOURCES[name]] = value or next(words, "")
+        else:
+            others.append(word)
+    return resources, others

@@ -1,8 +1,9 @@
-"""Header of a scan file: its top-level keys."""
+"""Keys of a scan file: its top-level ones, and the values of what varies, by point."""
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,12 +17,17 @@ from granwave.lammps_inputs.case.schema import (
     choice,
     count,
     custom,
+    finite,
     number,
     plain_name,
     read_table,
+    show,
     text,
     whole,
 )
+
+_MOST_POINTS = 100_000
+_SHAPES = ("log", "linear")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -83,3 +89,120 @@ class Header:
     study: tuple[str, ...] = custom(
         "study, or list of studies, that the report makes of the scan", parse_studies, default=()
     )
+
+
+def _values_of(value: Any) -> list[Any]:
+    """Return the values of a key, from a list or a range.
+
+    Raises
+    ------
+    ValidationError
+        It is neither, or the list is empty.
+    """
+    expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
+    if isinstance(value, Mapping):
+        if len(value) != 1 or not set(value) <= set(_SHAPES):
+            raise ValidationError(expected)
+        ((shape, limits),) = value.items()
+        return _range(shape, limits)
+    if not isinstance(value, list):
+        raise ValidationError(f"{expected}; a value that holds for all points belongs under [set]")
+    if not value:
+        raise ValidationError("at least one value")
+    return value
+
+
+def _range(shape: str, limits: Any) -> list[float]:
+    expected = f"{{{shape} = [first, last, how many]}}"
+    numbers = limits if isinstance(limits, list) else []
+    if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
+        raise ValidationError(expected)
+    first, last, count = finite(numbers[0], expected), finite(numbers[1], expected), numbers[2]
+    if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS:
+        raise ValidationError(f"{expected} with 2 to {_MOST_POINTS} values")
+    if shape == "log" and (first <= 0 or last <= 0):
+        raise ValidationError(f"{expected} with positive numbers")
+    span = last - first if shape == "linear" else last / first
+    if not math.isfinite(span) or (shape == "log" and not span):
+        raise ValidationError(f"{expected} with numbers that are closer to each other")
+    shares = [k / (count - 1) for k in range(1, count - 1)]
+    inner = [first + share * span if shape == "linear" else first * span**share for share in shares]
+    # 14 digits, so that 0.3 in a range equals 0.3 in a list, and gives the same point
+    return [first, *(float(f"{value:.14g}") for value in inner), last]
+
+
+def variations_of(tables: Mapping[str, Any], header: Header | None, errors: ErrorList) -> list[dict[str, Any]]:
+    """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a product of the first two.
+
+    Faults go into ``errors``.
+    """
+    axes = [
+        [{key: value} for value in values]
+        for key, values in _lists(tables.get("grid", {}), "grid", errors).items()
+        if values
+    ]
+    for n, table in enumerate(_tables(tables.get("zip", []), "zip", errors), start=1):
+        zipped = _lists(table, f"zip {n}", errors)
+        lengths = {key: len(values) for key, values in zipped.items()}
+        if len(set(lengths.values())) > 1:
+            found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
+            errors.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
+        elif zipped:
+            axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
+    single = [
+        flat(table, f"points {n}", errors)
+        for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
+    ]
+    if not axes and not single and not errors.lines:
+        errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
+    keys = [key for axis in axes for key in axis[0]]
+    for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
+        errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
+    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
+    if count > _MOST_POINTS:
+        errors.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
+    if errors.lines:
+        return []
+    products = itertools.product(*axes) if axes else []
+    points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
+    return points
+
+
+def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]:
+    if isinstance(value, Mapping):
+        value = [value]
+    if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
+        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
+        return []
+    for n, table in enumerate(value, start=1):
+        if not table:
+            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
+    return value
+
+
+def flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
+    """Keys and values with dotted keys, whether they were written with quotes or without."""
+    if not isinstance(table, Mapping):
+        errors.add(name, f"found {show(table)}, expected a table of keys and values")
+        return {}
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
+            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
+            continue
+        whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
+        if isinstance(value, Mapping) and not whole_table and not set(value) & {*_SHAPES}:
+            flat |= {f"{key}.{inner}": held for inner, held in value.items()}
+        else:
+            flat[key] = value
+    return flat
+
+
+def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
+    lists = {}
+    for key, value in flat(table, name, errors).items():
+        try:
+            lists[key] = _values_of(value)
+        except ValidationError as error:
+            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
+    return lists

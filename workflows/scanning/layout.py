@@ -11,7 +11,7 @@ from typing import Any
 
 from granwave.analysis.scans.result import other_point, read_point
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_tables, replace_text
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
@@ -29,7 +29,6 @@ from granwave.lammps_inputs.run_directory import (
     UNFINISHED,
 )
 from granwave.lammps_inputs.run_state import check_case, read_summary, result_fault, tables_as_run
-from granwave.lammps_inputs.toml_files import read_tables
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # environment variable: process id of the local driver; jobs stop when it ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"

@@ -16,22 +16,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
-from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.overrides import apply_overrides, parse_overrides
+from granwave.lammps_inputs.case.case import Case, case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
-from granwave.lammps_inputs.case.tables import case_keys
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.named_files import with_short_paths
+from granwave.lammps_inputs.files import read_toml, with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows import library
-from granwave.workflows.run.messages import each_warning_once
-from granwave.workflows.run.progress import Progress
-from granwave.workflows.run.versions import versions
-from granwave.workflows.scanning.header import Header, studies_beside
-from granwave.workflows.scanning.labels import labels_of
-from granwave.workflows.scanning.variations import flat, variations_of
+from granwave.workflows.run.progress import Progress, each_warning_once
+from granwave.workflows.run.record import versions
+from granwave.workflows.scanning.header import Header, flat, studies_beside, variations_of
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
 
 _LOG = logging.getLogger("granwave")
@@ -371,7 +367,14 @@ def _point(
 
 def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
     """Replace the varied values of points by labels, with paths relative to the folder of the scan file."""
-    columns = {key: labels_of([with_short_paths(point.labels[key], folder, key) for point in points]) for key in varied}
+    columns: dict[str, list[Scalar]] = {}
+    for key in varied:
+        values = [with_short_paths(point.labels[key], folder, key) for point in points]
+        # tables get unique text labels, since points of equal labels count as one
+        columns[key] = [
+            value if isinstance(value, bool | int | float | str) else words
+            for value, words in zip(values, unique_labels(values), strict=True)
+        ]
     return [
         dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
     ]

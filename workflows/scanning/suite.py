@@ -10,20 +10,19 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
 from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, STUDY_ROWS, SUITE, SUITE_INDEX
-from granwave.lammps_inputs.toml_files import read_toml
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
-from granwave.workflows.scanning.driver import ScanOutcome, run_scan
+from granwave.workflows.scanning.driver import ScanOutcome, publish, run_scan
 from granwave.workflows.scanning.header import parse_studies, studies_beside
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
@@ -178,23 +177,7 @@ def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options
             break
     stopped = outcomes[-1].stopped
     if not stopped:
-        _publish(directory, [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names])
+        studies = [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names]
+        publish(directory, studies, suite=True)
     complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
     return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
-
-
-def _publish(directory: Path, studies: Sequence[str]) -> None:
-    """Draw the figures of the comparison and studies, and write the report."""
-    # the drawing library is loaded when all points are done
-    from granwave.analysis.reports.inputs import read_inputs
-    from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.sections.comparison import comparison_of
-    from granwave.analysis.reports.sections.studies import studies_of
-    from granwave.analysis.studies.rows_file import write_rows
-    from granwave.analysis.studies.study import draw_studies
-
-    inputs = read_inputs([directory], directory, studies)
-    found = [*comparison_of(inputs), *studies_of(inputs)]
-    draw_studies(found, directory)
-    write_rows(found, directory)
-    write_report([directory], directory / SCAN_REPORT, study_files=studies)

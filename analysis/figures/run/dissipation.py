@@ -12,7 +12,7 @@ from granwave.analysis.measures.impact.dissipation import cumulated, peak_force_
 from granwave.analysis.measures.zone.marks import bounds_in_words
 from granwave.analysis.measures.zone.packing import packing_zone
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.grain_words import CYLINDERS
+from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second

@@ -18,8 +18,7 @@ from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
-from granwave.lammps_inputs.contact.loss import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, pair_contact, sphere_contact, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:

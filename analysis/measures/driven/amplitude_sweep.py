@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.driven.transmission import motion_of
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.checks.driving import LEAST_WINDOWS, WINDOW_PERIODS
+from granwave.lammps_inputs.checks.loads import LEAST_WINDOWS, WINDOW_PERIODS
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,13 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
 
 
 def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
-    """Answer of a row whose load rises and falls; None for other runs, or where too few instants were recorded."""
+    """Answer of a row whose load rises and falls; None for other runs, or where too few instants were recorded.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
     load, found = result.case.load, motion_of(result)
     if found is None or load.shape != "up-and-down":
         return None

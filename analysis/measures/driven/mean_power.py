@@ -11,7 +11,7 @@ import dataclasses
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.checks.driving import LEAST_PERIODS
+from granwave.lammps_inputs.checks.loads import LEAST_PERIODS
 
 _LEAST = 8  # instants that a slope is fitted to
 _ENDS = ("energy/absorbed", "energy/support_lost")

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.checks.driving import LEAST_PER_PERIOD, LEAST_PERIODS
-from granwave.lammps_inputs.contact.measured_row import MeasuredRow, measured_row
+from granwave.lammps_inputs.checks.loads import LEAST_PER_PERIOD, LEAST_PERIODS
+from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
 
 Array = NDArray[np.float64]
 

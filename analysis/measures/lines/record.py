@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.lines.decay import Decay, fit_decay
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.lines import left_out
+from granwave.lammps_inputs.packing.motion import left_out
 
 _BESIDE = 0.5  # diameters, of a straight line
 _LEAST_VALUES = 3  # that a test of normality takes
@@ -106,7 +106,13 @@ class LineRecord:
 
 
 def lines_of(result: Result) -> list[LineRecord]:
-    """Return the lines of a run, in the order of its case."""
+    """Return the lines of grains of a run, ``[[line]]`` of its case, in their order.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
     found = []
     for line in result.case.line:
         group = f"lines/{line.name}"

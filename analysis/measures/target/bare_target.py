@@ -1,7 +1,7 @@
 """The same impact directly on the target, without the packing: the reference for what the packing protects from.
 
 The struck spheres, side by side, hit what is below the packing: a rigid plane, a plane of a material, or one that moves
-on a support or a bar (`granwave.lammps_inputs.case.supports`). Each is a point mass whose force on the plane is that
+on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each is a point mass whose force on the plane is that
 of the contact law, hysteresis included; their dents are local, so that they feel each other by the plane's motion only:
 
     m x'' = -F(x - u)        sphere, x from where it touches
@@ -22,13 +22,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.supports import NodeConstants
+from granwave.lammps_inputs.case.boundary import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.bars import BAR
+from granwave.lammps_inputs.packing.bodies import BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
-from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -151,6 +150,8 @@ class Impactors:
     def largest_overlap(self) -> float:
         """On a plane that does not move, m: all of the energy has become work of the contact."""
         energy = 0.5 * self.mass * self.velocity**2
+
+        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
 
         def missing(overlap: float) -> float:
             return float(self.law.loading_work(np.array([overlap]))[0]) - energy

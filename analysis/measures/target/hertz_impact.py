@@ -22,8 +22,8 @@ from scipy.special import beta
 from granwave.lammps_inputs.contact.law import flat_contact
 
 if TYPE_CHECKING:
+    from granwave.lammps_inputs.case.boundary import Plate
     from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.supports import Plate
 
 Array = NDArray[np.float64]
 

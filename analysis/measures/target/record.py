@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.target.bare_target import bare_target_peak
 from granwave.analysis.result.sums import pairwise_sum
-from granwave.lammps_inputs.packing.bars import BAR
+from granwave.lammps_inputs.packing.bodies import BAR
 
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result
-    from granwave.lammps_inputs.case.supports import Plate
+    from granwave.lammps_inputs.case.boundary import Plate
 
 ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
 _NOISE = 1e-6  # of the force from before the impact: how exact a static stage is

@@ -14,7 +14,7 @@ import numpy as np
 from granwave.analysis.measures.signals import Array, width
 from granwave.analysis.measures.target.hertz_impact import after_impulse, largest_displacement
 from granwave.analysis.measures.target.record import Reached, period_of
-from granwave.lammps_inputs.case.supports import Plate
+from granwave.lammps_inputs.case.boundary import Plate
 
 _FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
 _MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle

@@ -6,8 +6,7 @@ import math
 
 from granwave.analysis.measures.target.hertz_impact import HertzImpact, after_impulse
 from granwave.analysis.measures.target.record import period_of
-from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.supports import Plate
+from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 _SHORT = 20.0  # periods in contact times from which on an impact is short
 _SLOW = 0.2  # and up to which it is slow

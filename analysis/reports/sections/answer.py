@@ -21,7 +21,7 @@ from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.reports.sections.setting import target_of
 from granwave.analysis.scans.keys import Key
 from granwave.analysis.scans.means import Means
-from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 _MOST_COLUMNS = 5  # of the table of means, keys and quantities together

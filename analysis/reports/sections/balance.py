@@ -61,8 +61,13 @@ def balance_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
             text = f"Poor energy balance, do not trust ({_errors(poor)}, more than {_share(largest)}): {_labels(poor)}."
             notes.append(Note(text, "bad", section))
     unknown = [run for run in runs if verdict(run)[0] == "not known"]
-    if unknown:
-        notes.append(Note(f"No energy balance is recorded: {_labels(unknown)}.", "note", section))
+    still = [run for run in unknown if run.number("energy_input_J") == 0]
+    for found, text in (
+        (still, "No energy came in before the end"),
+        ([run for run in unknown if run not in still], "No energy balance is recorded"),
+    ):
+        if found:
+            notes.append(Note(f"{text}: {_labels(found)}.", "note", section))
     beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
     for fitted, text in ((True, "the law, which was fitted up to an overlap of 0.2 R*"), (False, _BEYOND_SMALL)):
         counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond if _fitted(run) == fitted]

@@ -35,8 +35,8 @@ from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import SCAN_FIGURES, readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
-from granwave.lammps_inputs.case.figures import FILM_FORMATS
-from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.case.run import FILM_FORMATS
+from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
 
 SLUG = "figures"

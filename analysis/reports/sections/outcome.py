@@ -39,7 +39,7 @@ def in_words(run: Run) -> str:
     if force is not None:
         parts.append(f"The largest contact force was {_four(force)} N.")
     depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
-    if depth is not None and radius is not None:
+    if depth and radius is not None:
         parts.append(
             f"90 % of the energy of yielding stays within {1e3 * depth:.4g} mm below the impact and "
             f"{1e3 * radius:.4g} mm beside it."

@@ -13,10 +13,10 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.files import read_tables
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.packing.grain_words import in_grains
+from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.lammps_inputs.toml_files import read_tables
 
 _MOST_NAMED = 4  # inputs that the first line describes one by one
 _MOST_SYMBOLS = 12  # runs whose constants the symbols are taken from

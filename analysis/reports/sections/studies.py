@@ -160,12 +160,13 @@ def _read(run: Run) -> tuple[FinishedRun | SphereContactRun, ...]:
 
 
 def _group(study: Study, inputs: Inputs, new: bool) -> Group:
-    """A study; its text only where it is new."""
+    """A study; its text where it is new, or where there is nothing else."""
     blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
     blocks += row_tables(study)
     blocks += study.tables
     blocks += pictures_of(study, inputs, SLUG)
-    return Group(f"{study.title}: tables and figures" if study.verdict else study.title, tuple(blocks))
+    title = f"{study.title}: tables and figures" if study.verdict else study.title
+    return Group(title, tuple(blocks) or (Note(study.text),))
 
 
 def row_tables(study: Study) -> list[Table | Note]:

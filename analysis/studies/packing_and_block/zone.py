@@ -21,8 +21,7 @@ from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.zone.in_diameters import Zone, zone_in_diameters
 from granwave.analysis.measures.zone.marks import Mark, bounds_in_words
 from granwave.analysis.measures.zone.size import SHARES
-from granwave.analysis.scans.axes import log_ticks
-from granwave.analysis.scans.marks import draw_marks, marked_marker, marks_of
+from granwave.analysis.scans.axes import draw_marks, log_ticks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.curves import GRANULAR_ENERGY
 from granwave.analysis.studies.packing_and_block.impacts import SAME, Continuum, Granular, Impacts, energy_unit
 from granwave.analysis.studies.study import Sketch

@@ -13,7 +13,7 @@ from granwave.analysis.measures.target.record import Reached, reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but, rising
 from granwave.analysis.studies.titles import bottom_label
-from granwave.lammps_inputs.case.supports import Plate
+from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
 FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom

@@ -17,7 +17,7 @@ from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
 from granwave.analysis.studies.titles import impact_title, time_label
-from granwave.lammps_inputs.case.supports import Plate
+from granwave.lammps_inputs.case.boundary import Plate
 
 TEXT = (
     "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "

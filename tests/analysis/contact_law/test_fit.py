@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case
-from granwave.workflows.cli.fitting import fit
+from granwave.workflows.cli.contacts import fit
 from tests.helpers.twin import OTHER
 
 R = 0.005

@@ -13,7 +13,7 @@ from granwave.analysis.figures.run import packing3d, sections
 from granwave.analysis.figures.style import RESOLUTION, style
 from granwave.analysis.measures.geometry.planes import own_plane
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.figures import CutPlane, Figures
+from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers import synthetic
 

@@ -18,7 +18,7 @@ from granwave.analysis.figures.style import style
 from granwave.analysis.films.film import size_of, write_film
 from granwave.analysis.films.scenes import VIEWS, scene
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.figures import CutPlane, Figures
+from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from tests.conftest import PLAIN

@@ -23,14 +23,14 @@ from granwave.analysis.result.sums import pairwise_sum
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
 from granwave.lammps_inputs import write_deck
-from granwave.lammps_inputs.deck import data_file
+from granwave.lammps_inputs.deck import deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.records import written_in_parts
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import run_case
-from granwave.workflows.cli.tables import plan_table
+from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
@@ -273,12 +273,12 @@ def test_check_tells_what_a_rank_holds():
 
 
 def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(data_file, "_BATCH", 500)
+    monkeypatch.setattr(deck, "_BATCH", 500)
     peaks = []
     for layers in (20, 80):
         assembly = assemble(case_of(size=(10, 10, layers)))
         tracemalloc.start()
-        data_file.write_data(assembly, tmp_path / "data")
+        deck.write_data(assembly, tmp_path / "data")
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] == pytest.approx(peaks[0], rel=0.1)

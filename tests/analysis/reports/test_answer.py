@@ -235,3 +235,13 @@ def test_verdicts_begin_a_report_and_are_said_once():
     assert [[part.text for part in group.blocks] for group in verdicts([one, two])] == [["Second."], ["Second."]]
     many = [one] * 4
     assert leads(many) == () and len(verdicts(many)[0].blocks) == 2
+
+
+def test_a_run_that_ends_before_its_load_begins(tmp_path):
+    """Nothing yields and nothing comes in: no zone is told, and why there is no balance is."""
+    write_run(
+        tmp_path / "late", energy_input_J=0.0, energy_balance_error=None, zone_depth_90_m=0.0, zone_radius_90_m=0.0
+    )
+    page = write_report([tmp_path / "late"], tmp_path / "late.md").read_text()
+    assert "No energy came in before the end: late." in page
+    assert "90 % of the energy of yielding" not in page

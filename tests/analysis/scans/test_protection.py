@@ -9,8 +9,7 @@ import pytest
 from granwave.analysis.document.model import Beside, Note
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.means import means_of
-from granwave.analysis.scans.protection import protects
-from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.result import ScanResult, protects
 from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import grid, write_scan
 

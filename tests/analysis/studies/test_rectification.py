@@ -44,7 +44,7 @@ def test_small_motions_of_both_places():
     [[near, far]] = select(runs)
     assert (near.light, near.near, far.light, far.near) == (3, True, 18, False)
     for one in (near, far):
-        found, *_ = steady(one.case, None, drive=1, sensors=[20], frequency=np.array([20700.0]))
+        found, *_ = steady(one.case, None, drive=1, sensors=[20], frequencies=np.array([20700.0]))
         velocity = 2 * np.pi * 20700.0 * found.amplitude[0, 0]
         assert one.of_small == pytest.approx(DASHPOT * velocity**2 / 2, rel=1e-9)
         assert one.cut_off < one.frequency < one.mode

@@ -10,7 +10,7 @@ import pytest
 
 from granwave.analysis.studies.runs import SphereContactRun
 from granwave.analysis.studies.study import Study, make_studies
-from granwave.lammps_inputs.toml_files import read_toml
+from granwave.lammps_inputs.files import read_toml
 from tests.helpers.synthetic_contact import write_contact
 
 

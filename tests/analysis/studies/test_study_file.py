@@ -103,6 +103,16 @@ def test_a_file_that_is_no_study_is_refused_before_anything_runs(tmp_path: Path,
         assert says in str(caught.value) and "study.py" in str(caught.value)
 
 
+def test_studies_without_rows_stand_in_a_report(tmp_path: Path) -> None:
+    """Two of the same text, of which the second has nothing to show."""
+    paths = [tmp_path / "one.py", tmp_path / "two.py"]
+    for path in paths:
+        path.write_text(f'"""Study {path.stem}.\n\nNothing was found."""\n\ndef rows(runs):\n    return []\n')
+    run = write_run(tmp_path / "run")
+    text = write_report([run], tmp_path / "r.html", [str(path) for path in paths]).read_text(encoding="utf-8")
+    assert "Study one" in text and "Study two" in text and text.count("Nothing was found.") == 2
+
+
 @pytest.mark.failing_figures
 def test_a_study_that_fails_costs_no_report(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """It is named with the line of its fault."""

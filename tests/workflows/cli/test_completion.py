@@ -14,7 +14,7 @@ from granwave.workflows import library
 from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.cli.shells import SHELLS, SWITCH_ON
+from granwave.workflows.cli.terminal import SHELLS, SWITCH_ON
 from tests.conftest import BIN, PLAIN
 
 

@@ -39,7 +39,7 @@ def test_cases_in_one_screen(capsys):
     everything = capsys.readouterr().out.splitlines()
     assert all(any(entry.title in line for line in everything) for entry in library.entries())
     assert main(["cases", "switch"]) == 0
-    assert "with open gaps" in capsys.readouterr().out
+    assert "cylinders between plates open its gaps" in capsys.readouterr().out
 
 
 def test_help_in_groups(capsys):

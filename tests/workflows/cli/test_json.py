@@ -8,11 +8,11 @@ import re
 import pytest
 
 from granwave.workflows.cli import doctor
-from granwave.workflows.cli.as_json import print_json
 from granwave.workflows.cli.doctor import Finding
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.scan import outcome_values
+from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.driver import ScanOutcome
 from tests.helpers.synthetic_scan import grid, write_scan
 

@@ -8,15 +8,15 @@ import tomllib
 import pytest
 
 from granwave.analysis.inference.case import InferCase
+from granwave.lammps_inputs.case.case import case_keys, case_tables
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.case.tables import case_keys, case_tables
 from granwave.workflows.cli import keys
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
-from granwave.workflows.scanning.profile import Profile
+from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
 SECTIONS = {

@@ -3,7 +3,7 @@
 import pytest
 
 from granwave.lammps_inputs.errors import RunError
-from granwave.workflows.cli import commands
+from granwave.workflows.cli import package
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.run.lammps_engine import Engine
 
@@ -20,7 +20,7 @@ def test_one_line_and_the_status_of_a_failure(monkeypatch, capsys, error):
     def fail(*_):
         raise error
 
-    monkeypatch.setattr(commands, "keys", fail)
+    monkeypatch.setattr(package, "keys", fail)
     assert main(["keys"]) == FAILED
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1 and "there is not enough memory" in lines[0] and str(error) in lines[0]
@@ -30,7 +30,7 @@ def test_a_missing_module_is_not_taken_for_it(monkeypatch):
     def fail(*_):
         raise ImportError("no module named x")
 
-    monkeypatch.setattr(commands, "keys", fail)
+    monkeypatch.setattr(package, "keys", fail)
     with pytest.raises(ImportError):
         main(["keys"])
 

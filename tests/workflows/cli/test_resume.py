@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
@@ -16,13 +17,13 @@ LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set"
 LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
 
 
-def start(directory, *arguments, sets=LONG):
+def start(directory, *arguments, sets=LONG, name="fcc-small"):
     command = [
         sys.executable,
         "-m",
         "granwave.workflows",
         "run",
-        "fcc-small",
+        name,
         "-o",
         str(directory),
         *sets,
@@ -115,3 +116,46 @@ def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
     assert process.returncode == 130
     assert granwave("run", "fcc-small", "-o", tmp_path / "cut", *sets, "--no-figures", "--resume").returncode == 0
     compare(tmp_path / "whole", tmp_path / "cut")
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
+    """Dents that are forgotten at once keep the packing from balance for many minutes."""
+    sets = ["--set", "boundary.forget_gap=1e-9", "--np", str(ranks)]
+    process = start(tmp_path / "run", *sets, name="preconditioned-fcc", sets=[])
+    log = tmp_path / "run" / "log.lammps"
+    wait_for(lambda: log.exists() and "min_style" in log.read_text(errors="replace"), process)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130, errors
+    assert json.loads((tmp_path / "run" / "run.json").read_text())["state"] == "interrupted"
+
+
+LOST = """
+import sys, time, weakref
+from granwave.workflows.cli import main
+
+class Thing: pass
+
+def interrupted(_):
+    raise KeyboardInterrupt  # as if a signal came while an object is cleared up
+
+def wait(_):
+    thing = Thing()
+    weakref.ref(thing, interrupted)
+    kept = weakref.ref(thing, interrupted)
+    del thing
+    time.sleep(20)
+
+main._set_up_logging = lambda: None
+class Options:
+    class command: run = staticmethod(wait)
+main.make_parser = lambda: type("P", (), {"parse_args": lambda self, words: Options()})()
+sys.exit(main.main([]))
+"""
+
+
+def test_ctrl_c_while_python_clears_up_is_not_lost():
+    """Errors in callbacks of weak references are printed and dropped."""
+    done = subprocess.run([sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN)
+    assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")

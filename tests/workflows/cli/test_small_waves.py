@@ -8,7 +8,7 @@ import re
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.small_waves import small_waves, wave_rows
+from granwave.workflows.cli.plan_values import small_waves, wave_rows
 from granwave.workflows.library import find_for, load_case
 
 FORCE, DIAMETER = 20.0, 0.010

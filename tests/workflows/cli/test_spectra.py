@@ -103,7 +103,7 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
 
 def test_each_value_has_its_entry(row):
     case, tables = load_case("row.toml"), (OF_BANDS, OF_MODES, OF_TRANSMISSION)
-    found, state, _ = commands.steady(case, None, drive=[1, 2], sensors=[5], frequency=np.array([1e3]))
+    found, state, _ = commands.steady(case, None, drive=[1, 2], sensors=[5], frequencies=np.array([1e3]))
     values = (
         commands.bands(case, None, points=3)[0].summary(),
         commands.modes(case, None)[0].summary(),

@@ -7,7 +7,7 @@ import pytest
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.bars import echoes
+from granwave.lammps_inputs.packing.bodies import echoes
 from granwave.workflows import load_case, run_case
 from tests.helpers.chain_twin import Bar, Bead, Chain, rectangle
 

@@ -1,4 +1,4 @@
-"""A row of beads with rings of small spheres in a tube (thesis chapter 6), beside equations of symmetric motion."""
+"""A row of beads with rings of small spheres in a tube, beside equations of symmetric motion."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case
-from granwave.workflows.run.balance import Balance
+from granwave.workflows.run.checks import Balance
 
 PUSH = [[0, 0], [1e-6, 1e-5], [1e-3, 1e-5]]  # 10 m/s for 1 us, then held
 

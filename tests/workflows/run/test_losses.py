@@ -9,7 +9,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.contact.loss import dashpot_factor
+from granwave.lammps_inputs.contact.law import dashpot_factor
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_case, run_case
 

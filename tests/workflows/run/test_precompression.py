@@ -23,7 +23,7 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run import driver
-from granwave.workflows.run.balance import TOLERANCE
+from granwave.workflows.run.checks import TOLERANCE
 
 D = 0.01
 FORCE = 2.0  # N; first yield of the chain is at 5.5 N

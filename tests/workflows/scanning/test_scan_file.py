@@ -12,7 +12,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.scan import plan_text, plan_values
-from granwave.workflows.scanning.needs import check_points
+from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
@@ -333,12 +333,15 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     assert (scan.n_points, len(scan.points), scan.scale) == (100_000, 50, 2000)
     assert (scan.n_values_of("load.velocity"), scan.n_values_of("packing.diameter")) == (10_000, 10)
     assert len({point.labels["packing.diameter"] for point in scan.points}) > 5
-    shown = plan_text(scan, tmp_path / "out", None, 2, None)
+    values = plan_values(scan, tmp_path / "out", scan.points, None, 2, None)
+    shown = plan_text(scan, scan.points, values, None)
     assert "100000, planned from 50 of them" in shown and "load.velocity (10000)" in shown
-    values = plan_values(scan, tmp_path / "out", None, 2, None)
     assert (values["n_points"], values["n_planned"]) == (100_000, 50)
     assert values["disk_bytes"] == pytest.approx(2000 * sum(point.plan.disk for point in scan.points))
     with pytest.raises(InputError, match="the points need about"):
         check_points(scan, tmp_path, force=False)
     whole = load(SMALL + VELOCITIES, most=50)
-    assert (whole.n_points, whole.scale) == (2, 1) and "planned from" not in plan_text(whole, tmp_path, None, 2, None)
+    assert (whole.n_points, whole.scale) == (2, 1)
+    assert "planned from" not in plan_text(
+        whole, whole.points, plan_values(whole, tmp_path, whole.points, None, 2, None), None
+    )

@@ -10,6 +10,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_profile, load_scan
 from granwave.workflows.scanning.batches import make_batches
+from granwave.workflows.scanning.engine import resources_of
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
 
 
@@ -193,6 +194,6 @@ def test_options_that_snakemake_wants_as_resources(tmp_path: Path, load: Load) -
     (tmp_path / "p.toml").write_text('[slurm]\noptions = "--constraint=genoa -q long --exclusive"\n')
     points = list(load(SMALL + VELOCITIES).distinct.values())
     (batch, *_) = make_batches(points, workers=1, job_start=1.0, prefix="a", slowness=1.0)
-    found = load_profile(tmp_path / "p.toml").resources(batch)
+    found = resources_of(load_profile(tmp_path / "p.toml"), batch)
     assert (found["constraint"], found["qos"]) == ("genoa", "long")
     assert found["slurm_extra"].split()[1:] == ["--exclusive"]

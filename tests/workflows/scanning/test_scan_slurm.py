@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.scanning.ended_jobs import end_of
+from granwave.workflows.scanning.slurm import end_of
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
@@ -275,7 +275,7 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
 
 
 def test_jobs_of_another_scan_are_not_ours(scan, tmp_path):
-    from granwave.workflows.scanning.queue import jobs_of
+    from granwave.workflows.scanning.slurm import jobs_of
 
     subprocess.run(
         ["sbatch", "--parsable", "-D", str(tmp_path), "--comment=rule_serial_wildcards_abc", "--wrap", "sleep 60"],

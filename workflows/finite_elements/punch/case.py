@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal
 
+from granwave.lammps_inputs.case.hints import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, positive_or_auto
-from granwave.lammps_inputs.case.si_values import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.workflows.finite_elements.frame import ElementCase
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, read_table
-from granwave.lammps_inputs.case.si_values import DIAMETER
 from granwave.workflows.finite_elements.frame import ElementCase
 
 if TYPE_CHECKING:

@@ -1,1 +1,0 @@
-"""Rows of spheres with cylinders beside them."""

@@ -1,1 +1,0 @@
-"""Plane crystals of soft cylinders under a plate: what side walls do to a wave."""

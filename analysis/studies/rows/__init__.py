@@ -1,1 +1,0 @@
-"""Studies of rows and packings with other grains beside their spheres."""

@@ -1,0 +1,337 @@
+"""Output of LAMMPS: snapshots, histories, probes, walls in time, contacts at the end and after the static stage."""
+
+from __future__ import annotations
+
+from granwave.lammps_inputs import run_directory
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.columns import (
+    CONTACTS,
+    FORCES,
+    FORCES_AT_FRAMES,
+    FORCES_OF_ALL,
+    HISTORY,
+    LINES,
+    MOVING_WALL,
+    SNAPSHOT,
+    TURNING,
+    WALL_CONTACTS,
+    WALL_FORCES,
+    names,
+    recorded,
+    sources,
+)
+from granwave.lammps_inputs.deck.commands import column_names, command, first_or_append, id_ranges, joined, time_series
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, wall_fixes, walls
+from granwave.lammps_inputs.planning.schedule import Schedule
+from granwave.lammps_inputs.run_directory import DUMPS, of_each_rank
+
+
+def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands for the forces on walls, positive outwards."""
+    case, found, bars = assembly.case, walls(assembly), assembly.bars
+    if not found and not bars:
+        return []
+    columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
+    if support := moving_fix(assembly):
+        columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
+    if case.load.plate is not None:
+        columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
+    return [
+        "# Force of the spheres on each wall and bar, N, positive outwards.",
+        *(f"variable        {wall.name} equal {outward_force(assembly, wall)}" for wall in found),
+        *time_series(
+            "walls",
+            schedule.wall_every,
+            run_directory.WALLS_FILE,
+            "wall forces, N",
+            {"time": "v_time"} | columns,
+            resumed,
+        ),
+    ]
+
+
+def outward_force(assembly: Assembly, wall: Wall, prefix: str = "") -> str:
+    """Return the formula of the force of the spheres on a wall, positive outwards; ``prefix``: of its fixes."""
+    sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall_fixes(assembly, wall)]
+    sign = "-" if wall.outward < 0 else "+"
+    return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
+
+
+def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands of probes of spheres and contacts."""
+    if not case.probes:
+        return []
+    lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
+    if not case.precompression:
+        lines += displacements(case)[1:]
+    columns = {"time": "v_time"}
+    for n, probe in enumerate(case.probes, start=1):
+        if probe.contact is not None:
+            lines.append(f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}")
+            label = "contact_{}_{}".format(*probe.contact)
+            columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
+            continue
+        axes = list(enumerate("xyz", start=1))
+        moved = {f"u{axis}": f"C_probed[{probe.sphere}][{number}]" for number, axis in axes}
+        for quantity, source in (
+            moved | {f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for _, axis in axes}
+        ).items():
+            lines.append(f"variable        probe{n}{quantity} equal {source}")
+            columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
+    return lines + time_series(
+        "probes", schedule.probe_every, run_directory.PROBES_FILE, "probes, SI units", columns, resumed
+    )
+
+
+def displacements(case: Case) -> list[str]:
+    """Return the commands for displacements from the data file, of all spheres and of those probed."""
+    lines = ["compute         displacement all displace/atom"]
+    spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
+    if spheres:
+        lines.append(f"group           probes id {joined(dict.fromkeys(spheres))}")
+        lines.append("compute         probed probes displace/atom")
+    return lines
+
+
+_FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
+
+
+def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> list[str]:
+    """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed run."""
+    case, every = assembly.case, schedule.frame_every
+    chosen: list[str] = []
+    columns = sources(SNAPSHOT, *recorded(case))
+    if case.output.contact_forces:
+        force = names(WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
+        columns |= {f"wall_{fix}": f"f_{fix}[{force}]" for fix in plane_fixes(assembly)}
+    form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
+    text = case.output.dump_format == "text"
+    if not every:
+        every = schedule.n_steps
+        chosen = [
+            "# The next snapshot after each step, from the list of times.",
+            *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
+            "dump_modify     frames every v_frame",
+        ]
+    return [
+        "# Snapshots of all spheres.",
+        *([] if case.precompression else displacements(case)[:1]),
+        "compute         sphere all gran/hysteretic/atom",
+        "compute         contacts all gran/hysteretic/local",
+        *command(
+            "dump            frames all custom",
+            f"{every} {DUMPS}/{frames_file(assembly, restart_from)}",
+            *columns.values(),
+        ),
+        f"dump_modify     frames {first_or_append(bool(restart_from))} sort id{form if text else ''}",
+        *command("dump_modify     frames", *column_names(columns)),
+        *chosen,
+        *(_forces_of_all(every, bool(chosen), bool(restart_from)) if case.output.contact_forces else []),
+    ]
+
+
+def _forces_of_all(every: int, chosen: bool, resumed: bool) -> list[str]:
+    """Return the commands for the contact forces at every snapshot; ``chosen``: its steps come from a list."""
+    columns = sources(FORCES_AT_FRAMES, FORCES_OF_ALL)
+    form = f'"{joined(["%.17g"] * len(columns))}"'
+    return [
+        "# The forces of all contacts at every snapshot.",
+        f"dump            contact_forces all local {every} {DUMPS}/{run_directory.FRAME_FORCES_FILE} "
+        f"{joined(columns.values())}",
+        f"dump_modify     contact_forces {first_or_append(resumed)} format line {form}",
+        *(f"dump_modify     contact_forces {renamed}" for renamed in column_names(columns)),
+        *(["dump_modify     contact_forces every v_frame"] if chosen else []),
+    ]
+
+
+def frames_file(assembly: Assembly, restart_from: str = "") -> str:
+    """Return the name of the dump of snapshots, with "%" if each rank writes its own.
+
+    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own. So
+    does one that writes in parts, since it may have another number of ranks.
+    """
+    form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
+    name = run_directory.FRAMES_FILES[form]
+    if restart_from and (form == "binary" or parts):
+        prefix, suffix = run_directory.CHECKPOINT_FILE.split("{}")
+        name = run_directory.FRAMES_RESUMED[form].format(restart_from.removeprefix(prefix).removesuffix(suffix))
+    return of_each_rank(name) if parts else name
+
+
+def _next_frame(steps: tuple[int, ...]) -> str:
+    """Return a formula for the next of the steps after the present one; after the last, a step beyond the run.
+
+    It depends on the present step only, so that it also holds in a resumed run.
+    """
+    later = [*steps[1:], 2 * steps[-1]]
+    terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]
+    lines, line = [], str(steps[0])
+    for term in terms:
+        if len(line) + len(term) > 90:
+            lines.append(line)
+            line = ""
+        line += "+" + term
+    return " &\n                ".join([*lines, line])
+
+
+def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands for the history of a chain: displacements and velocities of all particles, contact forces."""
+    every = schedule.history_every
+    if not every:
+        return []
+    moved, forces = sources(HISTORY), sources(FORCES)
+    return [
+        "# The chain in time.",
+        *command(f"dump            history all custom {every} {DUMPS}/{run_directory.HISTORY_FILE}", *moved.values()),
+        f'dump_modify     history {first_or_append(resumed)} sort id format line "%d %.17g %.17g"',
+        *(f"dump_modify     history {renamed}" for renamed in column_names(moved)),
+        f"dump            forces all local {every} {DUMPS}/{run_directory.FORCES_FILE} {joined(forces.values())}",
+        f'dump_modify     forces {first_or_append(resumed)} format line "%.9g %.9g %.17g"',
+        *(f"dump_modify     forces {renamed}" for renamed in column_names(forces)),
+    ]
+
+
+def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
+    """Return the commands for the motion of lines of grains, and of the sums of the forces on each."""
+    case = assembly.case
+    if not case.line:
+        return []
+    columns = sources(LINES, *([TURNING] if case.has_rotation else []))
+    return [
+        "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
+        "compute         sums all gran/hysteretic/sums",
+        *command("group           lines id", id_ranges(all_line_ids(assembly))),
+        *command(
+            f"dump            lines lines custom {schedule.line_every} {DUMPS}/{run_directory.LINES_FILE}",
+            *columns.values(),
+        ),
+        f'dump_modify     lines {first_or_append(resumed)} sort id format line "%d{" %.12g" * (len(columns) - 1)}"',
+        *command("dump_modify     lines", *column_names(columns)),
+    ]
+
+
+def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
+    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank writes its own."""
+    return of_each_rank(name) if written_in_parts(assembly) else name
+
+
+def dumps_at_end(assembly: Assembly) -> list[str]:
+    """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
+    case = assembly.case
+    contacts = sources(CONTACTS, *recorded(case))
+    lines = [
+        "# The last snapshot, if the run did not end on one.",
+        "dump_modify     frames every 1",
+        *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
+        *(count_commands() if written_in_parts(assembly) else []),
+        "run             0 post no",
+        "",
+        "# Every contact there was, and every sphere that touched a wall.",
+        *command(
+            f"write_dump      all local {DUMPS}/{contacts_file(assembly)}",
+            *contacts.values(),
+            "modify format line",
+            f'"{joined(["%.17g"] * len(contacts))}"',
+            *column_names(contacts),
+        ),
+        *([count_written(run_directory.COUNT_FILE)] if written_in_parts(assembly) else []),
+    ]
+    for fix in plane_fixes(assembly):
+        columns = sources(WALL_CONTACTS, *recorded(case), of=fix)
+        lines += command(
+            f"write_dump      all custom {DUMPS}/{run_directory.WALL_CONTACTS_FILE.format(fix)} id",
+            *columns.values(),
+            f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
+            f'"%d {joined(["%.17g"] * len(columns))}"',
+            *column_names(columns),
+        )
+    return lines
+
+
+def count_commands() -> list[str]:
+    """Return the commands for the number of contacts, from the sum and the mean of a column that is never 0.
+
+    It is written to a file, as the dumps of all ranks but the first have no header that tells if they were cut.
+    """
+    column = names(CONTACTS).index("i") + 1
+    return [
+        f"compute         all_contacts all reduce sum c_contacts[{column}] inputs local",
+        f"compute         mean_contact all reduce ave c_contacts[{column}] inputs local",
+        'variable        n_contacts equal "round(c_all_contacts/(c_mean_contact+(c_mean_contact==0)))"',
+    ]
+
+
+def count_written(file: str) -> str:
+    """Return the command that writes the number of contacts to a file."""
+    return f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{file}'
+
+
+_COMPUTES = ("mean_contact", "all_contacts")  # of the number of contacts
+
+
+def contacts_of_stage(assembly: Assembly) -> list[str]:
+    """Return the compute of contacts, before the last step of the stage; `initial_forces` takes it back."""
+    return [
+        "compute         contacts all gran/hysteretic/local",
+        *(count_commands() if written_in_parts(assembly) else []),
+    ]
+
+
+def initial_forces(assembly: Assembly) -> list[str]:
+    """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
+    columns = sources(FORCES)
+    lines = command(
+        f"write_dump      all local {DUMPS}/{contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)}",
+        *columns.values(),
+        "modify format line",
+        f'"{joined(["%.17g"] * len(columns))}"',
+        *_names(columns),
+    )
+    lines += [count_written(run_directory.INITIAL_COUNT_FILE)] if written_in_parts(assembly) else []
+    for fix in plane_fixes(assembly):
+        columns = sources(WALL_FORCES, of=fix)
+        lines += command(
+            f"write_dump      all custom {DUMPS}/{run_directory.INITIAL_WALL_FORCES_FILE.format(fix)} id",
+            *columns.values(),
+            f'modify sort id thresh {columns["force"]} > 0.0 format line "%d %.17g"',
+            *_names(columns),
+        )
+    return [
+        "# The forces of all contacts under the static load.",
+        *lines,
+        *(f"uncompute       {name}" for name in (*(_COMPUTES if written_in_parts(assembly) else ()), "contacts")),
+    ]
+
+
+def _names(columns: dict[str, str]) -> list[str]:
+    """Return the names of columns, for a dump whose sources are none of them."""
+    return [f"colname {source} {name}" for name, source in columns.items()]
+
+
+def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
+    """Return the names of the files that LAMMPS writes to dumps/."""
+    case = assembly.case
+    planes = plane_fixes(assembly)
+    files = [
+        run_directory.ENERGY_FILE,
+        frames_file(assembly),
+        contacts_file(assembly),
+        *(run_directory.WALL_CONTACTS_FILE.format(fix) for fix in planes),
+    ]
+    files += [run_directory.COUNT_FILE] if written_in_parts(assembly) else []
+    files += [run_directory.WALLS_FILE] if wall_forces(assembly, schedule) else []
+    files += [run_directory.PROBES_FILE] if case.probes else []
+    files += [run_directory.HISTORY_FILE, run_directory.FORCES_FILE] if schedule.history_every else []
+    files += [run_directory.FRAME_FORCES_FILE] if case.output.contact_forces else []
+    files += [run_directory.LINES_FILE] if case.line else []
+    if case.precompression is None:
+        return files
+    files += [run_directory.MOVED_WALLS_FILE] if case.precompression.presses else []
+    files += [
+        contacts_file(assembly, run_directory.INITIAL_FORCES_FILE),
+        *(run_directory.INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes),
+    ]
+    files += [run_directory.INITIAL_COUNT_FILE] if written_in_parts(assembly) else []
+    return [*files, run_directory.STATIC_STAGE_FILE, run_directory.STATIC_FILE]

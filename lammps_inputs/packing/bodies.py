@@ -1,0 +1,270 @@
+"""Strikers and elastic bars in their places.
+
+A striker touches given spheres, outside of the packing, all at once. Where their diameters scatter there may be no such
+place: it then rests on as many of them as hold it. A misaligned striker is shifted across its way and brought up along
+it until it touches the first of its spheres; gaps to the others are left.
+
+A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E A / (element
+length). The node at the chain's end is its face: a particle without radius, which the contact law takes as a flat.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable, Sequence
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.packing.places import Layout
+
+_TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
+_FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
+_TELLING = 1e-6  # relative size below which a direction or a singular value counts as zero
+_OVERLAP = 1e-6  # diameters; largest overlap with other spheres
+
+
+def place_strikers(
+    lattice: Layout,
+    ids: NDArray[np.int64],
+    centres: NDArray[np.float64],
+    diameters: NDArray[np.float64],
+    middle: NDArray[np.float64],
+    strikers: Sequence[Striker],
+    shifts: Sequence[NDArray[np.float64]],
+    *,
+    scattered: bool,
+) -> list[NDArray[np.float64]]:
+    """Return the centres of the strikers: (3,) each, m.
+
+    If there are several positions in contact, a moving striker is placed on the side that it comes from, a resting one
+    away from the centre of the packing, or above it if both sides are equal.
+
+    Parameters
+    ----------
+    ids
+        Ids of the spheres of the packing: (n_spheres,).
+    centres
+        Centres of these spheres: (n_spheres, 3), m.
+    diameters
+        Diameters of these spheres: (n_spheres,), m.
+    middle
+        Mean of all sites of the lattice: (3,), m.
+    shifts
+        Shift of each striker: (3,), m; only what is across its way counts.
+    scattered
+        True if the diameters scatter, so that a striker may rest on some of its spheres.
+
+    Raises
+    ------
+    ValueError
+        No position of a striker touches its spheres, a shifted one misses them, or a striker overlaps another sphere.
+    """
+    radii = diameters / 2
+    placed = []
+    for number, (striker, shift) in enumerate(zip(strikers, shifts, strict=True), start=1):
+        radius = (striker.diameter or lattice.diameter) / 2
+        touched = np.searchsorted(ids, sorted(set(striker.touches)))
+        at, reach = centres[touched], radii[touched] + radius
+        side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
+        centre = _touching(at, reach, side)
+        if not _touches(centre, at, reach):
+            rested = _resting(at, reach, side) if scattered else None
+            if rested is None:
+                what = list(striker.touches)
+                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+            centre = rested
+        if shift.any():
+            way = np.array(striker.velocity) if any(striker.velocity) else -side
+            way = way / np.linalg.norm(way)
+            if np.linalg.norm(np.cross(shift, way)) <= _TELLING * np.linalg.norm(shift):
+                raise ValueError(f"striker {number}: its shift along its way has no effect; give a part across it")
+            centre = _brought_up(number, striker, centre + shift, at, reach, way)
+        gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
+        if gap.min() < -_OVERLAP * 2 * radius:
+            other = ids[gap.argmin()]
+            raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
+        placed.append(centre)
+        centres, radii = np.vstack([centres, centre]), np.append(radii, radius)
+        ids = np.append(ids, lattice.n_spheres + number)
+    return placed
+
+
+def _touches(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> bool:
+    """Return True if a striker at ``centre`` touches all spheres."""
+    return bool((np.abs(np.linalg.norm(at - centre, axis=1) / reach - 1) <= _TOLERANCE).all())
+
+
+def _resting(
+    at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
+    """Find the deepest place that touches as many of the spheres as hold it and overlaps none; None if there is none.
+
+    One more sphere holds it than there are dimensions between the spheres: two of a row, three of a layer.
+    """
+    spans = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
+    enough = 1 + int(np.count_nonzero(spans > _FLAT * spans[0]))
+    found = []
+    for some in combinations(range(len(at)), min(enough, len(at))):
+        rows = list(some)
+        centre = _touching(at[rows], reach[rows], side)
+        free = (np.linalg.norm(at - centre, axis=1) / reach - 1).min() >= -_TOLERANCE
+        if free and _touches(centre, at[rows], reach[rows]):
+            found.append(centre)
+    return min(found, key=lambda centre: float(side @ centre), default=None)
+
+
+def _brought_up(
+    number: int,
+    striker: Striker,
+    start: NDArray[np.float64],
+    at: NDArray[np.float64],
+    reach: NDArray[np.float64],
+    way: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Move a striker along the unit vector ``way`` until it touches the first of its spheres."""
+    apart = start - at
+    along = apart @ way
+    square = along**2 - (np.einsum("ij,ij->i", apart, apart) - reach**2)
+    if square.max() <= 0:
+        raise ValueError(
+            f"striker {number}: shifted by {np.linalg.norm(start - at.mean(axis=0) - way * along.mean()):.3g} m across "
+            f"its way it misses {list(striker.touches)}; make its offset or misalignment smaller"
+        )
+    met = square > 0
+    return np.asarray(start + way * float(np.min(-along[met] - np.sqrt(square[met]))))
+
+
+def _side(
+    striker: Striker, at: NDArray[np.float64], middle: NDArray[np.float64], uncertain: float
+) -> NDArray[np.float64]:
+    """Return the unit vector from the spheres at ``at`` to the side of the striker: (3,).
+
+    Parameters
+    ----------
+    uncertain
+        Distance from ``middle`` that scattered diameters may cause, m; 0: the spheres are at their sites.
+    """
+    away = at.mean(axis=0) - middle
+    if np.linalg.norm(away) < uncertain:
+        away = np.zeros(3)
+    above = np.array([0.0, 0.0, -1.0])
+    span, telling = at[1:] - at[0], _FLAT if uncertain else _TELLING
+    for guess in (-np.array(striker.velocity), away, above):
+        across = guess - np.linalg.pinv(span, rcond=_FLAT) @ (span @ guess) if len(span) else guess
+        # only the component across the line or plane of the spheres distinguishes the possible positions
+        size = np.linalg.norm(across)
+        if size > telling * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
+            return across / size
+    return above
+
+
+def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Find the point at distances ``reach`` from the points ``at``, in the space spanned by these and ``side``."""
+    middle = at.mean(axis=0)
+    if len(at) == 1:
+        return middle + reach[0] * side
+    from scipy.optimize import least_squares  # takes longer to load than most commands need
+
+    _, sizes, directions = np.linalg.svd(at - middle)
+    spanned = directions[: len(sizes)][sizes > _TELLING * sizes[0]]
+    axes = np.vstack([spanned, side])
+    start = np.append(np.zeros(len(spanned)), reach.mean())
+
+    def misses(place: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.linalg.norm(at - middle - place @ axes, axis=1) / reach - 1
+
+    found = least_squares(misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    return middle + found.x @ axes
+
+
+INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
+
+
+@dataclasses.dataclass(frozen=True)
+class PlacedBar:
+    """A bar in its place.
+
+    Attributes
+    ----------
+    name
+        ``incident_bar`` or ``bar``.
+    first, last
+        Ids of its nodes; z rises with the id.
+    face
+        Id of the node that touches the chain.
+    touches
+        Id of the sphere that the face touches.
+    position
+        Of the nodes along z: (n_nodes,), m.
+    mass
+        Of the nodes: (n_nodes,), kg.
+    """
+
+    name: str
+    section: Bar
+    material: Material
+    first: int
+    face: int
+    touches: int
+    position: NDArray[np.float64]
+    mass: NDArray[np.float64]
+
+    @property
+    def last(self) -> int:
+        """Id of the last node."""
+        return self.first + len(self.position) - 1
+
+    @property
+    def far(self) -> int:
+        """Id of the node at the end away from the chain."""
+        return self.first if self.face == self.last else self.last
+
+    @property
+    def pitch(self) -> float:
+        """Length of an element, m."""
+        return self.section.length / self.section.elements
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness of an element, N/m."""
+        return self.material.youngs_modulus * self.section.area / self.pitch
+
+    @property
+    def wave_speed(self) -> float:
+        """sqrt(E/rho), m/s."""
+        return math.sqrt(self.material.youngs_modulus / self.material.density)
+
+
+def place_bar(name: str, section: Bar, material: Material, first: int, face: float, touches: int) -> PlacedBar:
+    """Place the nodes of a bar, which ends at the chain or begins there.
+
+    Parameters
+    ----------
+    first
+        Id of the first node.
+    face
+        Where the bar touches the chain, along z, m.
+    touches
+        Id of the sphere that the face touches.
+    """
+    n, ahead = section.elements, name == INCIDENT_BAR
+    position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
+    mass = np.full(n + 1, material.density * section.area * section.length / n)
+    mass[[0, -1]] /= 2
+    return PlacedBar(name, section, material, first, first + n if ahead else first, touches, position, mass)
+
+
+def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
+    """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
+    found, arrival = {}, 0.0
+    for bar in bars:
+        crossing = bar.section.length / bar.wave_speed
+        if bar.name == INCIDENT_BAR:
+            arrival = crossing  # time at which the load reaches the chain
+        found[bar.name] = arrival + 2 * crossing
+    return found

@@ -1,0 +1,329 @@
+"""Estimates before a run: memory, disk space, wall time, and the plastic zone against the size of the packing.
+
+The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two ranks, with and
+without friction and static stage, and are rounded up. The analysis of a larger packing goes through parts of it, and
+holds a part and the layers next to it. So does the writer of the deck; only the sites of unlike spheres, and of
+strikers, are held all at once.
+
+Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core virtual machine (AMD
+EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine is up to 1.6 times as fast. Each is the
+difference between runs that differ in one property: fcc packings of 600 to 7000 brass spheres struck at 1 to 20 m/s,
+with and without yielding, friction and precompression, and chains of 1 to 510 beads and 20 beads on bars.
+
+For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y alpha_y) only, whatever
+material and size. Power laws were fitted to impacts on brass spheres in packings that were larger than the zone; all
+data lie within the factor `spread`:
+
+    kind      depth / D      radius / D     spread   fitted to
+    fcc, hcp  1.30 e^0.255   1.0 e^0.265    1.5      13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
+    bcc       1.30 e^0.32    2.2 e^0.26     1.4      4 impacts, e from 13 to 1.4e3
+    sc, chain 75             0              -        6 impacts, e from 3.4 to 5.4e5
+
+Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more yield, 240 to 350 of
+600 within 8 ms. Below e = 3 little more than the struck contacts yields. Friction, disorder and precompression are not
+considered. There is no estimate for a packing of one layer.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.disorder import has_gaps
+from granwave.lammps_inputs.packing.motion import struck_site
+from granwave.lammps_inputs.planning.encounters import expected_energy
+from granwave.lammps_inputs.planning.schedule import Schedule
+
+ANALYSED_AT_ONCE = 2**18  # spheres that the analysis holds at once, beside those of a few layers of them
+MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked for
+
+# bytes
+_PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
+_SPHERE, _PAIR, _ROUGH_PAIR = (
+    750.0,
+    135.0,
+    60.0,
+)  # of LAMMPS, and of the snapshot that is sorted; with friction in addition
+_STATIC_STAGE = 2.0  # times the memory of a run without one
+_ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 310.0  # of the analysis of a part, all contacts dented
+_LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
+_SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
+_PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
+_DRAWN = 2 * 600.0  # a sphere, in two processes that draw
+_DATA = 75.0  # a sphere in the data file
+_FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
+_DENT = 110.0  # a pair among the contacts at the end
+_INITIAL_FORCE = (
+    70.0  # a pair among the forces after the static stage: its row, in scratch files, its value in result.h5
+)
+_SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
+_CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
+_ROW = 400.0  # of the ledger
+_ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
+
+
+@dataclasses.dataclass(frozen=True)
+class Space:
+    """Memory and disk space of a run, bytes.
+
+    Attributes
+    ----------
+    first_rank
+        Memory of the first rank, which also writes the deck and makes the analysis.
+    other_rank
+        Memory of each other rank.
+    disk
+        Disk space.
+    disk_reserve
+        Space that must stay free during the run, for one more snapshot and checkpoint.
+    """
+
+    first_rank: float
+    other_rank: float
+    disk: float
+    disk_reserve: float
+
+    def memory(self, n_ranks: int) -> float:
+        """Return the memory of all ranks together, bytes."""
+        return self.first_rank + (n_ranks - 1) * self.other_rank
+
+
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
+    """Estimate the memory and the disk space of a run."""
+    case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
+    pair = _PAIR + (_ROUGH_PAIR if case.has_friction else 0.0)
+    steps = (n * _SPHERE + pairs * pair) * (_STATIC_STAGE if case.precompression else 1.0)
+    nx, ny, _ = assembly.lattice.shape
+    at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
+    analysis = at_once * (_ANALYSED_SPHERE + pairs / n * _ANALYSED_PAIR)
+    if n <= MOST_DRAWN:
+        analysis = max(analysis, n * _DRAWN)
+    scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
+    sites = (_SITE if assembly.sites is not None else 0.0) + (_PLACED_SITE if assembly.strikers else 0.0)
+    pair_on_disk = _DENT + (_INITIAL_FORCE if case.precompression else 0.0)
+    rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
+    if schedule.history_every:
+        rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
+    return Space(
+        first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
+        other_rank=_PROGRAM + steps / n_ranks,
+        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
+        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * _CHECKPOINT_PAIR,
+    )
+
+
+# s per step
+_STEP = 1.2e-6  # LAMMPS itself: one bead on a wall
+_PARTICLE = 20e-9  # each sphere and each node of a bar, with ledger and wall forces
+_TOUCHING_PAIR = 2e-9  # each touching pair
+_LOADED = 12.5e-9  # added for a loaded contact: fcc under 1 MPa
+_FRICTION = 25e-9  # added for a loaded contact with friction: 1.6 times a step of an impact, 2 under precompression
+_YIELDED = 30e-9  # added for a loaded contact that has yielded
+_SHARE_LOADED = 0.3  # mean share of loaded pairs during an impact on a packing at rest; 1 under precompression
+# The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an energy input of e F_y alpha_y per contact:
+# 24 impacts on fcc, e from 2e-3 to 350.
+_ENERGY_OF_HALF, _ENERGY_POWER = 20.0, 0.55
+
+# static stage
+_ITERATION = 3.0  # steps under load: 2 with periodic sides, 3 to 7 under uniform pressure
+_ITERATIONS = 1e3  # lattices of equal spheres: 330 to 2300 in chains of 100 and 150 and 20 packings
+_ITERATIONS_OF_DISORDER = 1e4  # with gaps: 1200 to 46 000 in 20 packings of 144 to 1152 spheres, without a clear trend
+_MOST_ITERATIONS_OF_DISORDER = 1e5
+
+# s in addition to the steps
+_START = 0.3  # set-up and analysis, independent of size
+_SNAPSHOT, _TEXT_SNAPSHOT = 1.5e-6, 6e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
+_HISTORY = 3e-6  # a particle at an instant of a chain's history
+_FIGURES_OF_CHAIN, _FIGURES = 1.7, 3.8  # all figures of a run as PNG, including the start of program and library
+_FORMAT = 0.45  # of that time for each further format
+
+# first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and chains, else 2 to 7
+_GAIN, _ELASTIC_GAIN = 3.0, 1.2
+
+_USUAL_BLOCKS = 8  # blocks of ``end_time = "auto"``: 2 in single collisions and layers, 7 to 15 in small packings
+
+
+@dataclasses.dataclass(frozen=True)
+class WallTime:
+    """Wall times of the parts of a run, s.
+
+    Attributes
+    ----------
+    static
+        Static stage; of typical length if the length cannot be predicted.
+    most_static
+        Static stage of the largest expected length.
+    steps
+        Time integration; with ``end_time = "auto"`` up to the typical end.
+    most_steps
+        Time integration of the largest possible number of steps.
+    rest
+        Set-up and analysis.
+    figures
+        Figures; 0 if none are drawn.
+    """
+
+    static: float
+    most_static: float
+    steps: float
+    most_steps: float
+    rest: float
+    figures: float
+
+    @property
+    def total(self) -> float:
+        """Total time, s."""
+        return self.static + self.steps + self.rest + self.figures
+
+    @property
+    def longest(self) -> float:
+        """Total time with the longest static stage and the largest number of steps, s."""
+        return self.most_static + self.most_steps + self.rest + self.figures
+
+
+def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
+    """Estimate the wall time of the run of a case.
+
+    Parameters
+    ----------
+    figures
+        True if figures are drawn.
+    """
+    case = assembly.case
+    n, part = assembly.n_particles, 1.0  # of the longest possible run
+    if schedule.block_steps:
+        blocks = _USUAL_BLOCKS if case.contact.yields or case.has_friction else 1
+        part = min(1.0, (blocks * schedule.block_steps + case.load.lasts / schedule.timestep) / schedule.n_steps)
+    most_steps = schedule.n_steps / schedule.first_step
+    gain = (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN) if schedule.adaptive else 1.0
+    each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
+    snapshot = _TEXT_SNAPSHOT if case.output.dump_format == "text" else _SNAPSHOT
+    records = snapshot * max(2.0, part * schedule.n_frames)
+    records += _HISTORY * part * schedule.n_steps / schedule.history_every if schedule.history_every else 0.0
+    an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, has_friction=False) / n_ranks
+    usual, most = (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else 2 * (_ITERATIONS,)
+    if case.precompression is None:
+        usual = most = 0.0
+    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
+    return WallTime(
+        static=usual * an_iteration,
+        most_static=most * an_iteration,
+        steps=part * most_steps / gain * each,
+        most_steps=most_steps * each,
+        rest=_START + n * records,
+        figures=as_png * (1 + _FORMAT * len(case.figures.formats)) if figures else 0.0,
+    )
+
+
+def _share_loaded(case: Case) -> float:
+    return _SHARE_LOADED if case.precompression is None else 1.0
+
+
+def seconds_per_step(assembly: Assembly) -> float:
+    """Estimate the time of a step on one core while contacts are elastic, s."""
+    case = assembly.case
+    return _seconds(assembly, loaded=_share_loaded(case), has_friction=case.has_friction)
+
+
+def _seconds(assembly: Assembly, *, loaded: float, has_friction: bool) -> float:
+    a_pair = _TOUCHING_PAIR + loaded * (_LOADED + has_friction * _FRICTION)
+    return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
+
+
+def _of_yielding(assembly: Assembly) -> float:
+    """Estimate the additional time of a step due to yielding, averaged over the run, s."""
+    case = assembly.case
+    if not case.contact.yields:
+        return 0.0
+    law, n = sphere_contact(case), max(assembly.n_neighbours, 1)
+    each = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / n
+    share = 1 / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 0.0
+    return _YIELDED * n * _share_loaded(case) * share
+
+
+_LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
+
+
+# factor and power of the depth, and of the radius, in diameters; factor of uncertainty
+_CLOSE_PACKED = (1.30, 0.255), (1.0, 0.265), 1.5
+_LINE = (75.0, 0.0), (0.0, 0.0), 1.0
+_GROWTH = {
+    "fcc": _CLOSE_PACKED, "hcp": _CLOSE_PACKED, "bcc": ((1.30, 0.32), (2.2, 0.26), 1.4), "sc": _LINE, "chain": _LINE,
+}  # fmt: skip
+
+
+@dataclasses.dataclass(frozen=True)
+class ExpectedZone:
+    """Expected size of the plastic zone, and the space for it.
+
+    Attributes
+    ----------
+    depth, radius
+        Depth below the struck sphere, and radius from the impact axis, m.
+    spread
+        Factor of uncertainty of both.
+    room
+        Distances from the struck sphere to the bottom and the sides, by name, m.
+    """
+
+    depth: float
+    radius: float
+    spread: float
+    room: dict[str, float]
+
+    @property
+    def reaches(self) -> tuple[str, ...]:
+        """Names of the boundaries that the zone is expected to reach."""
+        return self._reaching(1.0)
+
+    @property
+    def may_reach(self) -> tuple[str, ...]:
+        """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
+        return tuple(name for name in self._reaching(self.spread) if name not in self.reaches)
+
+    def _reaching(self, factor: float) -> tuple[str, ...]:
+        extent = {"bottom": self.depth, "sides": self.radius}
+        return tuple(name for name, room in self.room.items() if factor * extent[name] >= room)
+
+
+def expected_zone(assembly: Assembly) -> ExpectedZone | None:
+    """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
+    case = assembly.case
+    growth, law, lattice = _GROWTH.get(case.packing.kind), sphere_contact(case), assembly.lattice
+    if growth is None or not case.contact.yields or not isinstance(lattice, Lattice):
+        return None
+    room = _room(assembly, lattice)
+    if "bottom" not in room:
+        return None
+    energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
+    if energy < _LEAST:
+        return None
+    *sizes, spread = growth
+    depth, radius = (factor * energy**power * case.packing.diameter for factor, power in sizes)
+    return ExpectedZone(depth, radius, spread, room)
+
+
+def _room(assembly: Assembly, lattice: Lattice) -> dict[str, float]:
+    """Return the distances from the struck sphere to the last layer and to the nearest end of a row, m."""
+    case = assembly.case
+    nx, ny, nz = lattice.shape
+    sphere = struck_site(assembly) or 1
+    i, j, _ = lattice.indices(sphere)
+    (centre,) = lattice.positions(sphere, sphere)
+    found = {}
+    if nz > 1:
+        (last,) = lattice.positions(lattice.n_spheres, lattice.n_spheres)
+        found["bottom"] = float(last[2] - centre[2])
+    if case.boundary.sides == "periodic":
+        found["sides"] = min(lattice.lengths) / 2
+        return found
+    ends = []
+    for axis, place, n, stride in ((0, i, nx, 1), (1, j, ny, nx)):
+        for other in (sphere + (end - place) * stride for end in (0, n - 1) if n > 1):
+            ends.append(abs(float(lattice.positions(other, other)[0, axis] - centre[axis])))
+    if ends:
+        found["sides"] = min(ends)
+    return found

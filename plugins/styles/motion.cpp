@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-2.0-only
+#include "motion.h"
+
+#include "atom.h"
+#include "error.h"
+#include "fmt/format.h"
+#include "modify.h"
+
+#include <algorithm>
+#include <cmath>
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+// 0 times a finite number is 0; 0 times infinity or NaN is NaN
+bool finite(const double *vector) { return 0.0 * vector[0] + 0.0 * vector[1] + 0.0 * vector[2] == 0.0; }
+
+std::string printed(double value) { return std::isnan(value) ? "nan" : fmt::format("{:.6g}", value); }
+
+void require_finite(LAMMPS *lmp, int i, const double *vector, const char *name)
+{
+  if (finite(vector)) return;
+  lmp->error->one(FLERR,
+                  "The {} of sphere {} is not finite ({} {} {}): it was set so, the force on the sphere is not finite, or "
+                  "the timestep is far too large",
+                  name, lmp->atom->tag[i], printed(vector[0]), printed(vector[1]), printed(vector[2]));
+}
+
+}    // namespace
+
+void granwave::require_finite_motion(LAMMPS *lmp, int i)
+{
+  const Atom *atom = lmp->atom;
+  require_finite(lmp, i, atom->x[i], "position");
+  if (i >= atom->nlocal) return;
+  require_finite(lmp, i, atom->v[i], "velocity");
+  if (atom->omega_flag) require_finite(lmp, i, atom->omega[i], "angular velocity");
+}
+
+void granwave::require_finite_motion(LAMMPS *lmp)
+{
+  for (int i = 0; i < lmp->atom->nlocal; i++) require_finite_motion(lmp, i);
+}
+
+std::string granwave::causes_of_overlap(LAMMPS *lmp, double speed, double radius, const std::string &placed)
+{
+  constexpr double LARGE = 0.02;    // of the radius: a contact would be loaded in less than 50 steps
+  std::vector<std::string> causes = {"the load is too strong or the impact too fast for these materials", placed,
+                                     "the timestep is far too large"};
+  const int likely = lmp->update->setupflag ? 1 : speed * lmp->update->dt > LARGE * radius ? 2 : 0;
+  std::rotate(causes.begin(), causes.begin() + likely, causes.begin() + likely + 1);    // to the front
+  return fmt::format("{}, or {}, or {}", causes[0], causes[1], causes[2]);
+}
+
+double granwave::speed_of(LAMMPS *lmp, int i)
+{
+  if (i >= lmp->atom->nlocal) return 0.0;
+  const double *const v = lmp->atom->v[i];
+  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+int granwave::frozen_group(LAMMPS *lmp)
+{
+  const auto fixes = lmp->modify->get_fix_by_style("^freeze");
+  if (fixes.size() > 1)
+    lmp->error->all(FLERR, "A loss of contacts needs to know what is frozen: only one fix freeze can be in use, found {}",
+                    fixes.size());
+  return fixes.empty() ? 0 : fixes.front()->groupbit;
+}
+
+Fix *granwave::rigid_bodies(LAMMPS *lmp)
+{
+  Fix *found = nullptr;
+  for (auto *fix : lmp->modify->get_fix_list()) {
+    if (!fix->rigid_flag) continue;
+    if (found)
+      lmp->error->all(FLERR,
+                      "A loss of contacts needs the masses of rigid bodies: only one fix rigid can be in use, found {} "
+                      "and {}",
+                      found->id, fix->id);
+    found = fix;
+  }
+  return found;
+}
+
+void granwave::set_moved_masses(LAMMPS *lmp, Fix *rigid, std::vector<double> &masses)
+{
+  const Atom *atom = lmp->atom;
+  std::copy_n(atom->rmass, atom->nlocal, masses.begin());
+  int dim;
+  const auto *const body = static_cast<const int *>(rigid->extract("body", dim));
+  const auto *const total = static_cast<const double *>(rigid->extract("masstotal", dim));
+  if (!body || !total) return;
+  for (int i = 0; i < atom->nlocal; i++)
+    if (body[i] >= 0) masses[i] = total[body[i]];
+}
+
+double granwave::simulated_time(const Update &update)
+{
+  const double by_runs = update.atime + (update.ntimestep - update.atimestep) * update.dt;
+  const double at_once = update.ntimestep * update.dt;    // exact to rounding if the timestep is never changed
+  return std::fabs(at_once - by_runs) < 1e-3 * update.dt ? at_once : by_runs;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Motion of the spheres: checks that it is finite, the masses that they move with, and the time.
+
+   The checks of LAMMPS itself do not detect a NaN: every comparison with NaN is false, so that such an atom never counts as
+   moved, and the neighbor lists are not rebuilt. */
+
+#ifndef GRANWAVE_MOTION_H
+#define GRANWAVE_MOTION_H
+
+#include "fix.h"
+#include "update.h"
+
+#include <string>
+#include <vector>
+
+namespace granwave {
+
+/* Stop with an error if the motion of atom i is not finite (of a ghost atom only its position is checked). */
+void require_finite_motion(LAMMPS_NS::LAMMPS *, int i);
+
+/* Stop with an error at the first atom of this processor whose motion is not finite. */
+void require_finite_motion(LAMMPS_NS::LAMMPS *);
+
+/* Return the possible causes of an overlap as large as a radius, the likely one first: before the first step the bodies were
+   placed so (`placed` says it); later the load, unless their speed is a large part of the radius in one timestep. */
+std::string causes_of_overlap(LAMMPS_NS::LAMMPS *, double speed, double radius, const std::string &placed);
+
+/* Return the speed of an atom of this processor, and 0 for a ghost. */
+double speed_of(LAMMPS_NS::LAMMPS *, int i);
+
+// Dashpots need the masses that spheres move with: frozen spheres do not move, and those of rigid bodies move with the mass of the
+// body, as in the granular styles of LAMMPS.
+
+/* Bit of the group of fix freeze; 0 if there is none. */
+int frozen_group(LAMMPS_NS::LAMMPS *);
+
+/* The fix of rigid bodies; null if there is none. */
+LAMMPS_NS::Fix *rigid_bodies(LAMMPS_NS::LAMMPS *);
+
+/* Set the masses that the owned spheres move with; the vector has at least as many elements. */
+void set_moved_masses(LAMMPS_NS::LAMMPS *, LAMMPS_NS::Fix *rigid, std::vector<double> &masses);
+
+/* Simulation time of a force evaluation, bitwise identical for any division of a simulation into runs. */
+double simulated_time(const LAMMPS_NS::Update &);
+
+}    // namespace granwave
+
+#endif

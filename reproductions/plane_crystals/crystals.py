@@ -1,0 +1,135 @@
+"""Plane crystals of soft cylinders under a plate.
+
+A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between rigid walls,
+struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate, nor density, friction, loss, the
+mass of the plate, nor how many grains there are: 70 MPa, 1130 kg/m3, 0.3, 12 us, 20 kg/m, 88 and 105 grains are
+chosen. What it does print is compared; values of our second program for the same crystals test the code."""
+
+import math
+
+from crystal import CHECK, SOURCE, Crystal, by_name
+from matplotlib.figure import Figure
+from motion import Motion
+
+import granwave as gw
+
+WIDE = 40  # grains a row: the sides do not reach the middle line
+SOFT = (
+    "There the tangential spring stays as stiff as at P = 0.01 E* R, here it follows the contact; with that a "
+    "second solver gives 8.8 and 4.5 1/m for BCC."
+)
+SIZES = {
+    f"crystals of {WIDE} a row and more": "BCC bears less, and line contacts are the softer for it: 2 %.",
+    "of the sizes here": "In BCC the sides slow the front on the middle line below W/2; in HCP hardly.",
+}
+
+
+def measured(runs):
+    """Crystals of which all grains are recorded, with walls and with free sides; and the wide ones; by name."""
+    crystals = [Crystal(run) for run in runs]
+    whole = [one for one in crystals if "all" in one.lines]
+    wide = [one for one in crystals if one.count >= WIDE]
+    return [by_name(some) for some in ([c for c in whole if c.walls], [c for c in whole if not c.walls], wide)]
+
+
+def long_waves(stiffness, friction):
+    """Speed of long waves in BCC over that in HCP.
+
+    Rows approach each other without moving sideways. Contacts lie 45 degrees (BCC) and 30 degrees (HCP) off the way of
+    the wave; where they stick, tangential over normal force is the ratio of stiffnesses, tangential over normal, times
+    the tangent of that angle.
+    """
+
+    def speed(angle):
+        tangential = min(stiffness * math.tan(angle), friction)
+        return math.cos(angle) * math.sqrt(2 * math.cos(angle) * (math.cos(angle) + tangential * math.sin(angle)))
+
+    return speed(math.pi / 4) / speed(math.pi / 6)
+
+
+def rows(runs):
+    walls, free, wide = measured(runs)
+    motions = {name: Motion(one) for name, one in walls.items()}
+    case, fig9 = walls["BCC"].case, f"{SOURCE}, Fig. 9"
+    stuck = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio)
+    theory = "Theory: long waves, whose contacts slide in both; if they stuck it were"
+    theory += f" {long_waves(stuck, math.inf):.3f}, without friction 2/3."
+    # fmt: off
+    for (size, remark), both in zip(SIZES.items(), (wide, walls), strict=True):
+        yield gw.Row(f"Front speed of BCC over that of HCP, {size}", "", 1.0,
+                     both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
+                     theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
+    for name, motion in motions.items():
+        yield gw.Row(f"Second, small peak of the speed in deep grains, {name}", "ms", 4.0, 1e3 * motion.later_peak(),
+                     fig9, "After the start of the impact; the zero of the source's camera is not known.", digits=2)
+    for name, motion in motions.items():
+        low, high = motion.seen_by_camera(8000.0)
+        yield gw.Row(f"Largest speeds as 8000 frames/s show them over the true ones, least, {name}", digits=2,
+                     ours=low, where=f"{SOURCE}, camera",
+                     remark=f"Up to {high:.2f}; the source's largest speeds are low by this.")
+    for which, (name, one) in enumerate(walls.items()):
+        for quantity, unit, ours, second, digits, remark in verified(one, motions[name]):
+            if second[which] is not None:
+                yield gw.Row(f"{quantity}, {name}", unit, ours=ours, where=CHECK, remark=remark, theory=second[which],
+                             verification=True, digits=digits)
+    for name, one in walls.items():
+        speeds, fig10 = one.lines["all"].distribution, f"{SOURCE}, Fig. 10"
+        yield gw.Row(f"Largest speeds of all grains, p that they are Gaussian, {name}", ours=speeds.normal_p, digits=1,
+                     where=fig10, remark="The source: Gaussian. Of the test of Shapiro and Wilk.")
+        yield gw.Row(f"Largest speeds of all grains, standard deviation over mean, {name}", digits=2, where=fig10,
+                     ours=speeds.deviation / speeds.mean, remark="The source: HCP is narrower.")
+        yield gw.Row(f"Largest rotation of a grain that is not at a side wall, {name}", "degrees", where=SOURCE,
+                     ours=motions[name].turned()[1], digits=2,
+                     remark="The source: huge rotations in HCP, at its walls, and none in BCC.")
+        yield gw.Row(f"Left half of the second row, inwards at 0.9 ms, {name}", "um", digits=2,
+                     ours=-motions[name].row_shift(0.9e-3), where=f"{SOURCE}, Fig. 4",
+                     remark="The source: the upper rows move outwards, then inwards.")
+        yield gw.Row(f"Largest deviation from mirror symmetry over a diameter, {name}", ours=motions[name].mirrored(),
+                     where=SOURCE, remark="The source: almost perfect.", digits=1)
+    for name, one in free.items():
+        last = (one.peak > 0).nonzero()[0].size - 1
+        yield gw.Row(f"Last peak down the line without side walls over that with them, {name}", where=SOURCE, digits=2,
+                     ours=one.peak[last] / walls[name].peak[last], remark=f"At a depth of {one.depth[last]:.1f} D.")
+    # fmt: on
+
+
+def verified(one, motion):
+    """Quantity, unit, ours, those of our second program (BCC, HCP), digits, and remark."""
+    line, decay, speeds = one.down, one.decay, one.lines["all"].distribution
+    lateral, run = line.lateral_force / one.case.packing.length, one.run
+    # fmt: off
+    return (
+        ("Front speed along the middle line", "m/s", line.front_speed, (120.0, 204.0), 4, ""),
+        ("Decay of the peak speed, first region, all grains", "1/m", decay.first, (8.8, 3.0), 2, SOFT),
+        ("Decay of the peak speed, second region, all grains", "1/m", decay.second, (4.7, 10.7), 2, SOFT),
+        ("Border of the two regions, all grains", "D", one.border, (7.1, 7.9), 2, ""),
+        ("Half width of the pulse at the first grain", "ms", 1e3 * line.width[0], (0.98, 0.68), 2, ""),
+        ("Half width of the pulse at the last grain", "ms", 1e3 * line.width[-1], (0.25, 0.22), 2, ""),
+        ("Lateral force at the peak, second grain", "N/m", lateral[1], (6848.0, 3432.0), 3, ""),
+        ("Lateral force at the peak, last grain but one", "N/m", lateral[-2], (4425.0, 2683.0), 3, SOFT),
+        ("Largest speeds, mean", "m/s", speeds.mean, (4.08, 4.65), 3, ""),
+        ("Largest speeds, standard deviation", "m/s", speeds.deviation, (1.51, 1.12), 3, ""),
+        ("Dissipated by friction over the input", "", run["friction_fraction"], (0.52, 0.32), 2, SOFT),
+        ("Dissipated by the loss of contacts over the input", "", run["viscous_fraction"], (0.08, 0.14), 2, ""),
+        ("Largest rotation of a grain at a side wall", "degrees", motion.turned()[0], (45.0, 22.0), 2, ""),
+        ("Left half of the second row, outwards at 0.3 ms", "um", motion.row_shift(0.3e-3), (59.0, None), 2, ""),
+        ("Speed at which the plate rebounds", "m/s", -run["plate_velocity_m_s"], (3.4, 4.0), 2, ""),
+    )
+    # fmt: on
+
+
+def pictures(runs):
+    walls, free, _ = measured(runs)
+    figure, data = Figure((7, 2.5), layout="constrained"), {}
+    panels = figure.subplots(1, 3)
+    for crystals, line, word in ((walls, "o-", "walls"), (free, "^--", "free")):
+        for colour, (name, one) in enumerate(crystals.items()):
+            curves = (one.peak, one.down.lateral_force / one.case.packing.length, 1e3 * one.down.width)
+            for axes, values in zip(panels, curves, strict=True):
+                axes.plot(one.depth, values, line, markersize=3, color=f"C{colour}", label=f"{name}, {word}")
+            names = ("depth_diameters", "peak_m_s", "lateral_N_per_m", "width_ms")
+            data |= {f"{name}_{word}_{key}": v for key, v in zip(names, (one.depth, *curves), strict=True)}
+    for axes, quantity in zip(panels, ("Peak speed (m/s)", "Lateral force (N/m)", "Half width (ms)"), strict=True):
+        axes.set(xlabel="Depth (diameters)", ylabel=quantity, ylim=(0, None))
+    panels[0].legend(fontsize=7)
+    yield gw.Picture("lateral_crystals", "Middle line of both crystals, with side walls and without", figure, data)

@@ -1,0 +1,68 @@
+"""Motion of all grains of a crystal: rotations, rows that move out and in, symmetry, and what a camera sees."""
+
+import numpy as np
+from scipy.signal import find_peaks
+from scipy.spatial import cKDTree
+
+SAME, IN_ROW = 1e-6, 0.01  # diameters
+QUIET, SMALL = 0.25, 0.05  # of the first peak: speed before a second pulse, and its least prominence
+
+
+class Motion:
+    """Motion of a crystal, places and times in m and s."""
+
+    def __init__(self, crystal):
+        self.crystal, self.diameter = crystal, crystal.case.packing.diameter
+        self.time, self.position, self.displacement, self.rate = (
+            crystal.run.result[f"lines/all/{name}"] for name in ("time", "position", "displacement", "angular_velocity")
+        )
+        self.x = self.position[:, 0]
+        self.middle = 0.5 * (self.x.min() + self.x.max())
+
+    def turned(self):
+        """Largest rotations of the grains at side walls, and of the others, degrees."""
+        rate = self.rate[:, :, 1]
+        angle = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(self.time)[:, None], axis=0)
+        largest = np.degrees(np.abs(angle).max(axis=0))
+        at_walls = (self.x < self.x.min() + SAME) | (self.x > self.x.max() - SAME)
+        return largest[at_walls].max(), largest[~at_walls].max()
+
+    def row_shift(self, when):
+        """Mean way of the left half of the second row outwards by a time, um."""
+        depth = self.position[:, 2] / self.diameter
+        second = np.abs(depth - np.unique(np.round(depth, 3))[1]) < IN_ROW
+        aside = -self.displacement[:, second & (self.x < self.middle - SAME), 0]
+        return np.interp(when, self.time, 1e6 * aside.mean(axis=1))
+
+    def mirrored(self):
+        """Largest difference of displacements of grains that mirror each other, over a diameter."""
+        image = self.position.copy()
+        image[:, 0] = 2 * self.middle - image[:, 0]
+        partner, moved = cKDTree(self.position).query(image)[1], self.displacement
+        across, down = moved[:, :, 0] + moved[:, partner, 0], moved[:, :, 2] - moved[:, partner, 2]
+        return max(np.abs(across).max(), np.abs(down).max()) / self.diameter
+
+    def seen_by_camera(self, rate):
+        """Least and largest ratio of the largest speeds that frames, rate a second, show to the true ones, of the line.
+
+        A camera sees displacements: between two frames the mean velocity.
+        """
+        time, moved = (self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "displacement"))
+        frames = np.arange(0.0, time[-1], 1 / rate)
+        moved = moved[:, :, ::2].transpose(1, 2, 0)  # sideways and down, in the plane
+        places = np.array([[np.interp(frames, time, one) for one in grain] for grain in moved])
+        shown = np.linalg.norm(np.diff(places, axis=2) * rate, axis=1).max(axis=1)
+        ratio = shown / self.crystal.down.largest_speed
+        return ratio.min(), ratio.max()
+
+    def later_peak(self):
+        """Time of the second pulse's peak in the deepest grains that the floor does not hold, s."""
+        time, velocity = (self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity"))
+        speed, found = np.linalg.norm(velocity, axis=2), []
+        for one in speed.T[len(self.crystal.depth) // 2 : self.crystal.down.fitted.stop]:
+            first = one.argmax()
+            low = np.flatnonzero(one[first:] < QUIET * one[first])
+            rest = first + low[0] if low.size else len(one)
+            peaks = rest + find_peaks(one[rest:], prominence=SMALL * one[first])[0]
+            found += [time[peaks[one[peaks].argmax()]]] if len(peaks) else []
+        return np.median(found)

@@ -1,0 +1,120 @@
+"""Region 1 of a plane crystal ends where its sides begin to be felt.
+
+Crystals of 4 to 16 grains a row beside one of 40, with the same mass of the plate per width, with side walls and with
+free sides. Peak speed of the first pulse down the middle line over that of the wide crystal; the two part where it
+differs by 3 %. The source holds that reflected waves compress the upper part laterally (region 1), as deep as the
+crystal is wide. The front and what the top corners send run down together along the close-packed lines and meet on the
+middle line at W/2 (45 degrees) and sqrt(3)/2 W (30 degrees): above, nothing of the sides has arrived, and free sides
+part at the same depth."""
+
+import numpy as np
+from crystal import CHECK, NAMES, SOURCE, Crystal
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import parted_at
+
+# depth where crystals part with walls and without by number of grains a row, D, by our second program
+TRIAL = {
+    "BCC": {4: (2.8, 2.8), 6: (2.8, 4.2), 8: (5.7, 5.7), 10: (5.7, 7.1), 12: (7.1, 8.5), 16: (9.9, 11.3)},
+    "HCP": {4: (1.7, 1.7), 6: (3.5, 3.5), 8: (6.9, 5.2), 10: (8.7, 8.7), 12: (10.4, 10.4), 16: (np.nan, 13.9)},
+}
+# layers of region 1, grains a row inferred from them, decay in region 1 (1/m), as the source has them; layers a D
+PRINTED = {"BCC": (7.0, 7, 1.6, np.sqrt(2)), "HCP": (8.5, 8, 1.8, 2 / np.sqrt(3))}
+
+
+class Widths:
+    """Crystals of one kind by width, with walls and with free sides, each with its depth of parting from the wide one.
+
+    The depth is NaN if they do not part.
+    """
+
+    def __init__(self, name, crystals):
+        *narrow, self.wide = sorted(crystals, key=lambda one: one.width)
+        self.name, self.pairs = name, ([one for one in narrow if one.walls], [one for one in narrow if not one.walls])
+        for one in narrow:
+            n = min(one.down.fitted.stop, self.wide.down.fitted.stop)
+            found = parted_at(one.depth[:n], one.peak[:n], self.wide.peak[:n])
+            one.parted = np.nan if found is None else found
+        self.width, *self.parted = np.array([(walls.width, walls.parted, free.parted)
+                                             for walls, free in zip(*self.pairs, strict=True)]).T  # fmt: skip
+        self.law = self.wide.meeting / self.wide.width
+
+
+def select(runs):
+    crystals = [Crystal(run) for run in runs]
+    return [Widths(name, [one for one in crystals if one.name == name]) for name in NAMES.values()]
+
+
+def name(group):
+    return f"lateral-width-{group.name.lower()}"
+
+
+def title(group):
+    return f"Region 1 of a plane crystal ends where its sides begin to be felt: {group.name}"
+
+
+def rows(group):
+    crystal, (layers, count, decay, a_diameter) = group.name, PRINTED[group.name]
+    known = np.isfinite(group.parted[0])
+    slope = np.sum(group.width[known] * group.parted[0][known]) / np.sum(group.width[known] ** 2)
+    width = (count - 1) * np.sqrt(2) + 1 if crystal == "BCC" else count
+    line = group.wide.down
+    alpha = -np.polyfit(line.distance[line.fitted], np.log(line.peak_speed[line.fitted]), 1)[0]
+    # fmt: off
+    yield gw.Row(f"Layers of region 1, {crystal}", "layers", layers, slope * width * a_diameter, digits=2,
+                 where=f"{SOURCE}, Fig. 4 to 7", remark="Not a test: the source does not print how wide its crystals "
+                 f"are. {count} a row was inferred from these layers, which it then explains.")
+    yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
+                 where=f"{SOURCE}, conclusions",
+                 remark="Theory: where the signals of both top corners meet on the middle line.")
+    yield gw.Row(f"Decay of the peak speed in region 1, {crystal}", "1/m", decay, alpha, f"{SOURCE}, Fig. 7", digits=2,
+                 remark="In the wide crystal, by one exponential; plate and loss are not printed: the size alone "
+                 "tells.")
+    for which, word in enumerate(("walls", "free sides")):
+        for one in group.pairs[which]:
+            if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
+                yield gw.Row(f"Depth where {one.count} a row part from 40, {word}, {crystal}", "D", ours=one.parted,
+                             where=CHECK, theory=trial, verification=True, digits=2)
+    away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
+    yield gw.Row(f"Depth where crystals part less that of the law, at most, {crystal}", "grains",
+                 ours=np.nanmax(away), where=SOURCE, digits=2,
+                 remark="Of all widths, with walls and with free sides; they can only part at a grain.")
+    # fmt: on
+
+
+def pictures(group):
+    figure, data = Figure((7, 2.8), layout="constrained"), {}
+    left, right = figure.subplots(1, 2)
+    for crystals, parted, word, line, mark, colour in zip(
+        group.pairs, group.parted, ("walls", "free"), ("-", "--"), "o^", ("C0", "C1"), strict=True
+    ):
+        for one in crystals:
+            n = min(len(one.depth), len(group.wide.depth))
+            place, ratio = one.depth[:n] / one.meeting, one.peak[:n] / group.wide.peak[:n]
+            left.plot(place, ratio, line, color=colour, alpha=0.25 + 0.75 * one.width / group.width[-1], linewidth=0.9)
+            data |= {f"{word}_{one.count}_depth_diameters": one.depth[:n], f"{word}_{one.count}_over_wide": ratio}
+        right.plot(group.width, parted, mark, markersize=4, color=colour, label=word)
+        data |= {"width_diameters": group.width, f"{word}_parted_diameters": parted}
+    widths = np.array([0.0, group.width[-1]])
+    right.plot(widths, widths * group.law, color="0.5", label="sides are felt from here")
+    right.plot(widths, widths, ":", color="0.5", label="depth = width (source)")
+    left.axvline(1.0, color="0.5", linestyle=":", linewidth=0.8)
+    left.set(xlabel="Depth / depth where the sides' signals meet", ylabel="Peak speed / that of the wide")
+    left.set(xlim=(0, 3), ylim=(0, 1.3))
+    right.set(xlabel="Width (diameters)", ylabel="Depth where they part (diameters)", xlim=(0, None), ylim=(0, None))
+    right.legend()
+    caption = f"Where the sides of a crystal are felt, {group.name}"
+    yield gw.Picture(f"lateral_width_{group.name.lower()}", caption, figure, data)
+
+
+def tables(group):
+    walls, free = group.parted
+    columns = {
+        "Grains a row": [one.count for one in group.pairs[0]],
+        "W (D)": group.width,
+        "Signals of the sides meet (D)": group.width * group.law,
+        "Part, walls (D)": walls,
+        "Part, free (D)": free,
+    }
+    yield f"Depth of region 1 by width, {group.name}", columns

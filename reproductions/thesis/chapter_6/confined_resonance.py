@@ -1,0 +1,74 @@
+"""Confined row: resonances in the density of 6 small spheres.
+
+n = 6, a = 0; the density of the small spheres alone varies. Where they still swing when the wave has passed, it loses
+energy to them: resonances with rapid decay, and anti-resonances between them at which the wave is nearly solitary. The
+source draws (1/F) dF/dx, which is minus the decay, between -7e-3 and 1e-3, with several peaks and troughs. Theory: the
+equations of symmetric motion, over the same contacts.
+"""
+
+import numpy as np
+from confined_rows import DENSITY, WHERE, ConfinedRun, decay_of
+from matplotlib.figure import Figure
+from symmetric_motion import waves_of
+
+import granwave as gw
+from granwave.measures import maxima
+
+RESONANCES = {0.10: 6.4e-3, 0.24: 2.8e-3, 5.0: 2.7e-3}  # by density ratio: decay of the source's model
+ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
+SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
+FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
+
+
+class Densities:
+    """Rows by rising density of the small spheres: ratio to that of the beads, decays of runs and equations."""
+
+    def __init__(self, runs):
+        found = sorted(map(ConfinedRun, runs), key=lambda run: run.rows.density[0])
+        self.ratio = np.array([run.rows.density[0] / DENSITY for run in found])
+        self.decay = np.array([run.decay for run in found])
+        forces, _ = waves_of(found)
+        self.theory = np.array([decay_of(force[: run.passed]) for run, force in zip(found, forces, strict=True)])
+
+
+def select(runs):
+    return [Densities(runs)]
+
+
+def remark(ratio):
+    """Say what the source's model has at this density."""
+    words = FORGETS if ratio > SETTLED else ""
+    if round(ratio, 6) in RESONANCES:
+        words += f" A resonance of the source's model in our second program: {RESONANCES[round(ratio, 6)]:g}."
+    elif round(ratio, 6) in ANTI_RESONANCES:
+        words += " An anti-resonance of the source's model."
+    return words.strip()
+
+
+def rows(found):
+    # fmt: off
+    for ratio, decay, theory in zip(found.ratio, found.decay, found.theory, strict=True):
+        yield gw.Row(f"Decay per contact, density ratio {ratio:.3g}", ours=decay, theory=theory, where=WHERE,
+                     remark=remark(ratio), verification=True, digits=3)
+    worst = found.decay[found.ratio <= SETTLED].argmax()
+    yield gw.Row("Density ratio of the most rapid decay", ours=found.ratio[worst], where="thesis figure 6.7", digits=3,
+                 remark="Of the densities that were run.")
+    yield gw.Row("Largest decay per contact", ours=found.decay[worst], where="thesis figure 6.7", digits=3)
+    # fmt: on
+
+
+def verdict(found):
+    high, low = (", ".join(f"{one:g}" for one in found.ratio[maxima(sign * found.decay, -1)]) for sign in (1, -1))
+    yield f"The wave decays most at density ratios near {high}, and is nearly solitary near {low}."
+
+
+def pictures(found):
+    figure = Figure((5, 2.6), layout="constrained")
+    axes = figure.subplots()
+    axes.semilogx(found.ratio, 1e3 * found.theory, "0.6", label="equations")
+    axes.plot(found.ratio, 1e3 * found.decay, "o", label="simulation", markersize=4)
+    axes.set(xlabel="Density of small spheres over that of beads", ylabel=r"Decay per contact $\times 10^3$")
+    axes.legend()
+    data = {"density_ratio": found.ratio, "decay_theory": found.theory, "decay": found.decay}
+    caption = "Decay of the wave against the density of the small spheres: resonances and valleys (thesis figure 6.7)"
+    yield gw.Picture("confined_resonance", caption, figure, data)

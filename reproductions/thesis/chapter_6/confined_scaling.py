@@ -1,0 +1,54 @@
+"""Confined rows: similar waves.
+
+Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the precompression a,
+forces v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source strikes at 2 m/s with the same a and with
+one that goes along. The moving geometry has a length, and breaks the similarity by some 1e-3.
+"""
+
+import math
+
+from confined_rows import FORCE, VELOCITY, ConfinedRun
+from matplotlib.figure import Figure
+
+import granwave as gw
+
+
+def measured(runs):
+    """n = 8: at 1 m/s, at 2 m/s with the same a, and with one that goes along."""
+    found = sorted((run for run in map(ConfinedRun, runs) if run.n == 8), key=lambda run: (run.impact, run.a))
+    same, similar = found[-2:]
+    return next(run for run in found if math.isclose(run.a, same.a)), same, similar
+
+
+def rows(runs):
+    first, same, similar = measured(runs)
+    figure, where = {"where": "thesis figure 6.8"}, {"where": "thesis 6.11"}
+    # fmt: off
+    yield gw.Row("Velocity v of the smaller impact in the legend", source=2.56e-8, theory=1 / VELOCITY, **figure,
+                 remark="v D sqrt(m_b/k_bb) of 1 m/s in place of v/D sqrt(m_b/k_bb): multiplied by D.")
+    yield gw.Row("a that goes along with 2 m/s", source=8.4e-4, ours=similar.a, theory=2**0.8 * 4.8e-4, **figure,
+                 remark="Theory: 2^0.8 times 4.8e-4.")
+    for contact in (100, 200):
+        yield gw.Row(f"Power of the peak force with the velocity, contact {contact}, n = 8", source=1.2, theory=6 / 5,
+                     ours=math.log2(similar.peaks[contact - 1] / first.peaks[contact - 1]), **where)
+    yield gw.Row("Power of the speed with the velocity, n = 8", source=0.2, ours=math.log2(similar.speed / first.speed),
+                 theory=1 / 5, **where)
+    yield gw.Row("F/v^1.2 at contact 200 with a kept: lower by", "%", **figure,
+                 ours=100 * (1 - same.peaks[199] / first.peaks[199] / 2**1.2),
+                 remark="The source: the curves do not coincide. For the faster wave the same a is less.")
+    # fmt: on
+
+
+def pictures(runs):
+    figure, data = Figure((5, 2.6), layout="constrained"), {}
+    axes = figure.subplots()
+    for run, look in zip(measured(runs), ("-", "-.", "--"), strict=True):
+        contact, force = run.profile
+        scaled = force * FORCE / run.impact**1.2
+        axes.plot(contact, scaled, look, label=f"{run.impact:g} m/s, a = {run.a:.3g}")
+        name = f"{run.impact:g}_m_s_a_{run.a:.3g}"
+        data |= {f"contact_{name}": contact, f"force_{name}": scaled}
+    axes.set(xlabel="Contact", ylabel=r"$F/v^{6/5}$ (N (m/s)$^{-1.2}$)", ylim=(0, None))
+    axes.legend()
+    caption = "Peak force over the power 6/5 of the velocity: one curve if a goes along with it (thesis figure 6.8)"
+    yield gw.Picture("confined_scaling", caption, figure, data)

@@ -1,0 +1,83 @@
+"""Confined rows that yield: two equal pulses.
+
+Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the contacts, among beads
+and in the rings; the second finds them stiffer, and some of them with gaps. Peak forces of contacts of beads, of the
+first pulse and of the second, of a row that yields and of an elastic one, where the second runs into what still swings
+behind the first. Decay: over the contacts named.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import GrainRow, decay_rate, largest_of_pulses, push_starts
+
+COMPARED = (25, 45, 65)  # contacts
+DECAY = (35, 65)
+PULSES = ("First", "Second")
+
+
+class Pushed(GrainRow):
+    """A row pushed twice; ``pulses``: largest force of each pulse at the recorded contacts, N."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        stage = self.case.precompression
+        self.a = 2 * stage.tube / self.case.packing.diameter if stage else 0.0
+        self.yields = self.case.contact.yields
+        self.words = f"{'yielding' if self.yields else 'elastic'}, a = {self.a:.3g}"
+        first, second = push_starts(self.load.table)
+        self.contacts = np.array(list(self.contact_forces))
+        forces, time = self.contact_forces.values(), self.array("probes/time")
+        self.pulses = np.array([largest_of_pulses(time, force, second - first) for force in forces]).T
+
+    def at(self, contact):
+        """Largest forces of both pulses at a contact, N."""
+        return self.pulses[:, self.contacts == contact][:, 0]
+
+
+def select(runs):
+    return [sorted(map(Pushed, runs), key=lambda run: (run.a, run.yields))]
+
+
+def rows(runs):
+    # fmt: off
+    law = runs[1].law_between(1, 2)
+    yield gw.Row("Force at which a contact of beads yields", "N", ours=law.yield_force, where="ours")
+    for run in runs:
+        fitted = (run.contacts >= DECAY[0]) & (run.contacts <= DECAY[1])
+        for k, which in enumerate(PULSES):
+            for contact in COMPARED:
+                yield gw.Row(f"{which} pulse at contact {contact}, {run.words}", "N", ours=run.at(contact)[k],
+                             where="ours", digits=4)
+            yield gw.Row(f"Decay per contact of the {which.lower()} pulse, contacts {DECAY[0]} to {DECAY[1]}, "
+                         f"{run.words}", ours=decay_rate(run.contacts[fitted], run.pulses[k, fitted]), where="ours",
+                         digits=2)
+        if run.yields:
+            yield gw.Row(f"Energy dissipated, {run.words}", "%", ours=100 * run.value("dissipated_fraction"),
+                         where="ours", digits=3)
+    # fmt: on
+
+
+def verdict(runs):
+    last = COMPARED[-1]
+    for elastic, yielding in zip(runs[::2], runs[1::2], strict=True):
+        (mine, second), theirs = yielding.at(last), elastic.at(last)[0]
+        yield (
+            f"a = {yielding.a:.2g}: at contact {last} yielding leaves {100 * mine / theirs:.3g} % of the first pulse "
+            f"({mine:.3g} N) and {second:.3g} N of the second, after {theirs:.3g} N in the elastic row."
+        )
+
+
+def pictures(runs):
+    figure, data = Figure((6, 2.8), layout="constrained"), {}
+    axes = figure.subplots()
+    for n, run in enumerate(runs):
+        for which, force, look in zip(PULSES, run.pulses, ("o-", "o--"), strict=True):
+            label = f"{run.words}, {which.lower()}"
+            axes.semilogy(run.contacts, force, look, color=f"C{n}", label=label, markersize=3.5)
+            data |= {"contact": run.contacts, f"{label.replace(', ', '_').replace(' = ', '_')}_N": force}
+    axes.set(xlabel="Contact", ylabel="Peak force (N)")
+    figure.legend(loc="outside right upper", fontsize="small")
+    caption = "Peak forces of two equal pulses along elastic rows and rows that yield, which leave little of the first"
+    yield gw.Picture("confined_yielding", caption, figure, data)

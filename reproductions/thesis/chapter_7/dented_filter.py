@@ -1,0 +1,95 @@
+"""Filter after a strong pulse.
+
+Beyond the source, whose contacts are elastic: a sphere of the pressed row is pushed weakly, in a row that is whole,
+and in one through which a strong pulse has gone. Yielding takes from the weak pulse far more than the filter does; a
+strong pulse dents the contacts, which are then elastic up to larger forces, and slackens the walls. In the elastic row
+the weak pulse runs into what still swings behind the strong one, so that its peaks are those of both. Grains rattle in
+rows that yield: with other timesteps single peaks there change by up to a quarter, the decay by 2 %. Contact n is that
+of spheres n and n + 1; the decay is that of ln(peak force) over the contacts named.
+"""
+
+import numpy as np
+from filter_row import column
+from matplotlib.figure import Figure
+
+import granwave as gw
+from granwave.measures import GrainRow, decay_rate, largest_of_pulses, push_starts
+
+COMPARED, DECAY = (26, 41, 61), (26, 61)  # contacts
+BEFORE = 2e-5  # s: what the walls bear is averaged over this time before the weak push
+
+
+class PushedFilter(GrainRow):
+    """A row pushed weakly at the end, and strongly before it or not."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        starts, time, forces = push_starts(self.load.table), self.array("probes/time"), self.contact_forces
+        self.yields, self.after = self.case.contact.law != "hertz", len(starts) == 2
+        state = "after a strong pulse" if self.after else "whole"
+        self.words = f"{'yielding' if self.yields else 'elastic'}, {state}"
+        apart = starts[-1] - starts[0]
+        self.contacts = np.array(list(forces))
+        self.strong, self.weak = np.array(
+            [largest_of_pulses(time, force, apart) if self.after else (0.0, force.max()) for force in forces.values()]
+        ).T
+        fitted = (self.contacts >= DECAY[0]) & (self.contacts <= DECAY[1])
+        self.decay = decay_rate(self.contacts[fitted], self.weak[fitted])
+        time, wall = self.array("walls/xlo/time"), self.array("walls/xlo/force")
+        self.pressed = wall[(time >= starts[-1] - BEFORE) & (time <= starts[-1])].mean() / wall[0]
+
+    def at(self, contact):
+        """Largest force of the strong and of the weak pulse at a contact, N."""
+        k = list(self.contacts).index(contact)
+        return self.strong[k], self.weak[k]
+
+
+def measured(runs):
+    return sorted(map(PushedFilter, runs), key=lambda row: (row.yields, row.after))
+
+
+def number(value):
+    return f"{float(f'{value:.3g}'):g}"
+
+
+def rows(runs):
+    found, where = measured(runs), {"where": "not in the source"}
+    *_, whole, dented = found
+    # fmt: off
+    for row in found:
+        for contact in COMPARED:
+            strong, weak = row.at(contact)
+            yield gw.Row(f"Weak pulse at contact {contact}, {row.words}", "N", ours=weak, digits=2 if row.yields else 4,
+                         remark=f"Of the strong pulse before: {number(strong)} N." if row.after else "", **where)
+        if row.yields or not row.after:
+            yield gw.Row(f"Decay per contact of the weak pulse, contacts {DECAY[0]} to {DECAY[1]}, {row.words}",
+                         ours=row.decay, digits=2 if row.yields else 3, **where)
+        if row.after:
+            yield gw.Row(f"Force of a wall before the weak pulse over that at the start, {row.words}", digits=3,
+                         ours=row.pressed, remark="" if row.yields else "Spheres that still swing push the cylinders "
+                         "out.", **where)
+    yield gw.Row("Decay of the weak pulse in the dented row over that in the whole one",
+                 ours=dented.decay / whole.decay, digits=2,
+                 remark="What is left of the filter, with all that yielding takes.", **where)
+    # fmt: on
+
+
+def verdict(runs):
+    *_, whole, dented = measured(runs)
+    last = COMPARED[-1]
+    yield (
+        f"The strong pulse leaves {100 * dented.pressed:.0f} % of the force of the walls; at contact {last} the weak "
+        f"pulse then has {number(dented.at(last)[1])} N, after {number(whole.at(last)[1])} N in the whole row."
+    )
+
+
+def pictures(runs):
+    figure, data = Figure((3.4, 2.8), layout="constrained"), {}
+    axes = figure.subplots()
+    for row, mark in zip(measured(runs), "os^D", strict=True):
+        axes.semilogy(row.contacts, row.weak, f"{mark}-", markersize=3.5, label=row.words)
+        data |= {"contact": row.contacts, f"{column(row.words)}_N": row.weak}
+    axes.set(xlabel="Contact", ylabel="Peak force (N)")
+    axes.legend(fontsize=7)
+    caption = "A weak pulse along rows with cylinders, whole and after a strong pulse"
+    yield gw.Picture("filter_dented", caption, figure, data)

@@ -1,0 +1,41 @@
+"""A row of spheres with a cylinder on either side of every gap, between two rigid walls (thesis 7.1).
+
+gamma and eta are the diameter and the length of the cylinders over the diameter of the spheres, a is the approach of
+the walls over it. Contact n is that of spheres n and n + 1. The decay is that of ln(peak force) per contact.
+"""
+
+import numpy as np
+
+from granwave.measures import GrainRow, decay_rate
+
+DENSITY, PRINTED_DENSITY = 2700.0, 2100.0  # of the cylinders, kg/m^3: what Fig. 7.4 needs, and what is printed
+SOLVER = "Against a second solver (symmetric motion)."
+WHERE, KILO = "thesis 7.1", 1e3
+
+
+class FilterRow(GrainRow):
+    """A row, and the numbers of the thesis."""
+
+    def __init__(self, run):
+        super().__init__(run)
+        case, grains = self.case, self.case.packing.grains
+        diameter, moved = case.packing.diameter, case.precompression.moves["x"] if case.precompression else 0.0
+        self.gamma, self.eta = (round(x / diameter, 9) for x in (grains.diameter[-1], grains.shape[-1].length))
+        self.a = round(2 * moved / diameter, 12)
+        self.density = case.named_material(grains.material[-1]).density
+        self.speed, self.yields = case.load.velocity, case.contact.law != "hertz"
+        self.peaks = self.of_contacts("peak_force")
+        density = "" if self.density == DENSITY else f", density {self.density:g} kg/m3"
+        self.name = f"gamma {self.gamma:g}, a = {self.a:g}{density}"
+        if self.a:
+            wall = self.array("walls/xlo/force")
+            self.wall_force, self.kept = wall[0] / (len(self.beside) / 2), wall[-1] / wall[0]
+
+    def decay(self, first=71, last=201):
+        """Decay of the peak force between two contacts."""
+        return decay_rate(np.arange(first, last + 1), self.peaks[first - 1 : last])
+
+
+def column(name):
+    """Name of a column from words: ``a = 0.0008`` becomes ``a_0_0008``."""
+    return "_".join("".join(letter if letter.isalnum() else " " for letter in name).split())

@@ -1,0 +1,79 @@
+"""Filter: peak forces along rows with cylinders (thesis Fig. 7.4).
+
+Sphere 20 of a row of steel spheres with aluminium cylinders beside its gaps is struck at 1 m/s; walls that press the
+cylinders, or just touch them. gamma is the diameter of the cylinders over that of the spheres, a the approach of the
+walls over it. Contact n is that of spheres n and n + 1; the second solver, one of symmetric motion, counts them from
+0.
+"""
+
+import numpy as np
+from filter_row import DENSITY, KILO, PRINTED_DENSITY, SOLVER, WHERE, FilterRow, column
+from matplotlib.figure import Figure
+
+import granwave as gw
+
+CONTACTS = (21, 31, 61, 101, 151, 201)
+#: What the source says of the curve, and the second solver's peak forces, N; by density, gamma and a.
+PEAKS = {
+    (DENSITY, 0.56, 0.0): ("near solitary", 158.9, 91.9, 89.5, 89.2, 88.7, 88.3),
+    (DENSITY, 0.56, 8e-4): ("decays rapidly", 140.6, 93.3, 70.0, 49.1, 32.5, 22.9),
+    (DENSITY, 0.90, 0.0): ("oscillating, decreasing", 168.6, 120.7, 88.9, 75.6, 64.9, 63.9),
+    (DENSITY, 0.90, 8e-4): ("almost constant", 129.0, 66.5, 56.7, 56.6, 56.4, 56.2),
+    (PRINTED_DENSITY, 0.56, 0.0): ("near solitary: not with this density", 164.4, 100.9, 96.0, 90.4, 83.7, 77.6),
+    (PRINTED_DENSITY, 0.56, 8e-4): ("decays rapidly", 149.5, 115.4, 90.6, 68.9, 52.1, 41.5),
+    (PRINTED_DENSITY, 0.90, 0.0): ("oscillating, decreasing", 169.2, 115.5, 66.7, 66.9, 65.3, 64.5),
+    (PRINTED_DENSITY, 0.90, 8e-4): ("almost constant: not with this density", 132.0, 62.4, 61.1, 58.2, 54.4, 50.7),
+}
+LARGEST, AXIS = 207.0, 300.0  # N: of the second solver at gamma 0.56, a = 0; end of the figure's axis
+DECAY = 8.0  # 1e-3 a contact: of the second solver at gamma 0.56, a = 8e-4
+PROBED, NEAR, FOOT = 121, 60, 0.01  # contact; contacts on either side for the speed; of the peak
+
+
+def measured(runs):
+    """Rows by density, gamma and a."""
+    found = {(row.density, row.gamma, row.a): row for row in map(FilterRow, runs)}
+    return {key: found[key] for key in PEAKS}
+
+
+def span(row):
+    """Length of the wave at the probed contact, by the time above the foot of its peak, in spheres."""
+    time, force = row.array("probes/time"), row.contact_forces[PROBED]
+    low = np.flatnonzero(force < FOOT * force.max())
+    end = np.searchsorted(low, force.argmax())
+    passed = np.arange(PROBED - NEAR + 1, PROBED + NEAR)
+    speed = np.polyfit(row.of_contacts("time_peak")[passed - 1], passed, 1)[0]
+    return speed * (time[low[end]] - time[low[end - 1]])
+
+
+def rows(runs):
+    found = measured(runs)
+    figure = {"where": "thesis Fig. 7.4"}
+    # fmt: off
+    for key, (said, *known) in PEAKS.items():
+        for contact, theory in zip(CONTACTS, known, strict=True):
+            yield gw.Row(f"Peak force at contact {contact}, {found[key].name}", "N", ours=found[key].peaks[contact - 1],
+                         theory=theory, verification=True, remark=f"{SOLVER} The source says: {said}.", **figure)
+    solitary, decaying, spread, _ = own = [row for key, row in found.items() if key[0] == DENSITY]
+    yield gw.Row(f"Largest force of two spheres, {solitary.name}", "N", ours=solitary.peaks.max(), theory=LARGEST,
+                 verification=True, remark=SOLVER, **figure)
+    for row in own:
+        yield gw.Row(f"Largest force of two spheres, {row.name}, at most", "N", AXIS, row.peaks.max(), bound=True,
+                     remark="By the end of the axis.", **figure)
+    yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(), theory=DECAY,
+                 verification=True, digits=3, remark=f"{SOLVER} Printed there with two digits.", **figure)
+    yield gw.Row(f"Beads that the leading wave spans at contact {PROBED}, {spread.name}", source=10.0,
+                 ours=span(spread), where=WHERE, remark="Where its force is above 1 % of its peak.", digits=3)
+    # fmt: on
+
+
+def pictures(runs):
+    figure, contacts = Figure((3.4, 2.8), layout="constrained"), np.arange(20, 202)
+    axes, data = figure.subplots(), {"contact": contacts}
+    for (density, *_), row in measured(runs).items():
+        if density == DENSITY:
+            axes.semilogy(contacts, row.peaks[contacts - 1], label=row.name)
+            data[f"{column(row.name)}_N"] = row.peaks[contacts - 1]
+    axes.set(xlabel="Contact", ylabel="Peak force (N)")
+    axes.legend(fontsize=7)
+    caption = "Peak force along rows with cylinders between walls (thesis Fig. 7.4)"
+    yield gw.Picture("filter_peaks", caption, figure, data)

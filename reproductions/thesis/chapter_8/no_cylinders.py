@@ -1,0 +1,41 @@
+"""Switch: the row without cylinders (thesis 8.3 and 8.4).
+
+27 steel spheres on an aluminium block, the first struck at 0.8 m/s, or by its fall from 33 and 42 mm; and a row of 60,
+in which a wave moves a sphere as far as it will. A sensor in a sphere reads the mean of its two contact forces.
+"""
+
+from switch_row import SENSORS, SOLVER, SwitchRow
+
+import granwave as gw
+
+FALLS = {0.907766: ("42 mm", 120.7), 0.804649: ("33 mm", 104.4)}  # m/s: height, peak of the second solver, N
+AXIS = 120.0  # N: end of Figs 8.4 and 8.6
+CONTACT = 13  # far from both ends
+
+
+def rows(runs):
+    found = {(len(row.ids), row.speed): row for row in map(SwitchRow, runs) if not row.n}
+    row, long = found[27, 0.8], found[60, 0.8]
+    time, force = row.first
+    at_end, solver = {"remark": "By the end of the axis.", "bound": True}, {"where": "thesis 8", "verification": True}
+    # fmt: off
+    yield gw.Row("First peak at sphere 21, no cylinders, at most", "N", AXIS, force, "thesis Fig. 8.6", **at_end)
+    for what, unit, ours, theory, remark in (
+        ("First peak at sphere 21", "N", force, 103.69, ""),
+        ("Its time", "us", 1e6 * time, 300.2, ""),
+        ("First peak at sphere 6", "N", row.first_peak_at(SENSORS[0])[1], 103.71, ""),
+        (f"Force of contact {CONTACT} in the wave", "N", row.of_contacts("peak_force")[CONTACT - 1], 146.6,
+         " A sensor's mean of two contacts is less."),
+    ):
+        yield gw.Row(f"{what}, no cylinders", unit, ours=ours, theory=theory, remark=f"{SOLVER}{remark}", **solver)
+    for velocity, (height, theory) in FALLS.items():
+        name = f"Peak at sphere 6 of a sphere that fell {height} ({velocity:.3f} m/s)"
+        peak = found[27, velocity].first_peak_at(SENSORS[0])[1]
+        yield gw.Row(name, "N", ours=peak, theory=theory, remark=SOLVER, **solver)
+        yield gw.Row(f"{name}, at most", "N", AXIS, peak, "thesis Fig. 8.4",
+                     "By the end of the axis. Ours falls freely, the source's along rails.", bound=True)
+    yield gw.Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0,
+                 1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8", "The source says about 13. The wave itself "
+                 "moves spheres by 13.24 um; those near the struck one less.", 13.12)
+    yield gw.Row("Mass of a sphere", "g", 3.0, 1e3 * row.mass, "thesis 8.4", "The source: around 3 g.")
+    # fmt: on

@@ -1,0 +1,76 @@
+"""Switch: distance of the plates, and what the source does not state (thesis 8.1 and 8.4).
+
+Where the plates put the cylinders, and how wide these open the gaps; first peaks at sphere 21 with 10 cylinders, open
+gaps and friction, with cylinders of other lengths, rigid plates, and plates 15.95 and 16 mm apart.
+"""
+
+import math
+
+import numpy as np
+from switch_row import CYLINDER, FRICTION, SPHERE, STATES, SwitchRow
+
+import granwave as gw
+
+APART = 15.975e-3  # m: distance of the plates of the other rows
+TOUCHING = (SPHERE + CYLINDER) / 2  # m: distance of the centres
+ERRATA = (
+    ("8.2, 8.3", "k u max(u, 0)", "k max(u, 0), by its dimension; and the sign of the axial velocity, not of w"),
+    ("8.3, text", "uc, wc axial, lateral", "uc is lateral, wc axial"),
+    ("8.4, text, and Fig. 8.9", "first state, tilted downward: cylinders on the sphere downstream, decays",
+     "exchanged: cylinders on the sphere upstream take from the wave (as the caption of 8.10 says), those downstream "
+     "do nothing (rows of the first peaks)"),
+    ("H0", "not given", "16.279 mm; 15.95 to 16 mm opens the gaps, 16.5 mm closes them: consistent"),
+)  # fmt: skip
+
+
+def difference(row):
+    """Difference from the other rows; empty for these."""
+    length, parts = row.case.packing.grains.shape[-1].length, []
+    if not math.isclose(length, SPHERE):
+        parts.append(f"cylinders {1e3 * length:g} mm long")
+    if row.case.boundary.sides_material is None:
+        parts.append("rigid plates")
+    if not math.isclose(row.height, APART, abs_tol=1e-6):
+        parts.append(f"plates {1e3 * row.height:.4g} mm apart")
+    return ", ".join(parts)
+
+
+def rows(runs):
+    found = [row for row in map(SwitchRow, runs) if row.n]
+    opened = {round(row.height, 6): row for row in found if row.state == STATES[1]}
+    loose = next(row for row in found if row.state == STATES[2])
+    by_geometry, not_stated = {"where": "thesis 8.4", "verification": True}, {"where": "thesis 8"}
+    # fmt: off
+    for height, row in sorted(opened.items()):
+        formula = math.sqrt(4 * TOUCHING**2 - (row.height - CYLINDER) ** 2) - SPHERE
+        yield gw.Row(f"Width of the open gaps, plates {1e3 * height:.5g} mm apart", "mm", where="thesis 8.1",
+                     ours=1e3 * (np.diff(row.spheres).max() - SPHERE), theory=1e3 * formula, verification=True,
+                     remark="Formula 8.1, which is right.")
+    across = np.abs(loose.cylinders[0, 0])
+    near, far = np.sort(np.abs(loose.spheres - loose.cylinders[0, 2]))[:2]
+    along = math.sqrt(TOUCHING**2 - ((loose.height - CYLINDER) / 2) ** 2)
+    for name, ours, theory in (
+        ("Distance of a loose cylinder from its sphere, along the row", near, along),
+        ("Gap of it to the other sphere", math.hypot(far, across) - TOUCHING,
+         math.hypot(SPHERE - along, (loose.height - CYLINDER) / 2) - TOUCHING),
+    ):
+        yield gw.Row(f"{name}, plates 16.5 mm apart", "mm", ours=1e3 * ours, theory=1e3 * theory,
+                     remark="By its geometry.", **by_geometry)
+    yield gw.Row("Distance H0 of the plates at which all just touches", "mm", where="thesis 8.1", theory=16.279,
+                 ours=1e3 * (math.sqrt(4 * TOUCHING**2 - SPHERE**2) + CYLINDER), verification=True,
+                 remark="From the packing's diameters; not given in the source.")
+    alike = [row for row in found if (row.state, row.n, row.friction) == (STATES[1], 10, FRICTION)]
+    usual = next(row for row in alike if not difference(row))
+    for row in alike:
+        if what := difference(row):
+            yield gw.Row(f"First peak at sphere 21, {row.name}, {what}", "N", ours=row.first[1],
+                         remark="Not stated in the source.", **not_stated)
+            yield gw.Row(f"The same over that of the other rows, {row.name}, {what}",
+                         ours=row.first[1] / usual.first[1],
+                         remark="Those: cylinders 9.5 mm long, plates of aluminium, 15.975 mm apart.", **not_stated)
+    # fmt: on
+
+
+def tables(runs):
+    columns = zip(("where", "printed", "right, and why"), zip(*ERRATA, strict=True), strict=True)
+    yield "Errata of the source, chapter 8", dict(columns)

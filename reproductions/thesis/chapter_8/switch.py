@@ -1,0 +1,101 @@
+"""Switch: cylinders that open the gaps of a row, or lie loose beside them (thesis 8).
+
+27 steel spheres on an aluminium block, the first struck at 0.8 m/s, and 0 to 10 aluminium cylinders between two
+aluminium plates. Plates 15.975 mm apart: the cylinders open gaps behind spheres 14 to 18, and carry the wave across.
+Plates 16.5 mm apart: the gaps are closed, and the cylinders lie loose on the sphere before (upstream) or behind them.
+A sensor in a sphere reads the mean of its two contact forces. Plates rub with 0.185, the source's fit; here by
+Mindlin's spring and Coulomb's limit, in the second solver by the sign of the velocity: that is the difference of up to
+0.5 % in these rows. Cylinders do not turn.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+from switch_row import FRICTION, SENSORS, SOLVER, STATES, SwitchRow
+
+import granwave as gw
+
+NUMBERS = (2, 4, 6, 8, 10)
+NONE, OPEN, UPSTREAM, DOWNSTREAM = STATES
+#: First peak at sphere 21, N, of the second solver, by state and friction, for the numbers of cylinders.
+FIRST = {
+    (OPEN, 0.0): (85.73, 79.56, 75.30, 76.22, 74.33),
+    (OPEN, FRICTION): (66.72, 47.04, 34.29, 26.46, 19.81),
+    (UPSTREAM, 0.0): (87.77, 74.19, 62.58, 52.69, 44.29),
+    (UPSTREAM, FRICTION): (86.40, 71.93, 59.73, 49.50, 40.95),
+    (DOWNSTREAM, 0.0): (103.69,) * 5,
+    (DOWNSTREAM, FRICTION): (103.69,) * 5,
+}
+TIMES = {0.0: (323.4, 347.2, 371.0, 394.6, 418.2), FRICTION: (327.8, 356.2, 383.2, 414.6, 444.2)}  # us, open gaps
+LARGEST = (67.57, 59.34, 42.54, 37.01, 26.92)  # N, until 0.8 ms, open gaps with friction
+AXES = {2: (70.0, "8.7a"), 4: (60.0, "8.7b"), 8: (30.0, "8.8b"), 10: (30.0, "8.8c")}  # ends, N, of the same; figure
+SHEARED = "Mindlin's spring here, the sign of the velocity there."
+
+
+def measured(runs):
+    """Rows by state and friction, by the number of cylinders; and the row without them."""
+    found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
+             if len(row.ids) == 27 and row.speed == 0.8}  # fmt: skip
+    return {key: [found[*key, n] for n in NUMBERS] for key in FIRST}, found[NONE, 0.0, 0]
+
+
+def rows(runs):
+    found, _ = measured(runs)
+    checked = {"where": "thesis 8", "verification": True}
+    # fmt: off
+    for (state, friction), peaks in FIRST.items():
+        remark = f"{SOLVER} {SHEARED}" if friction else SOLVER
+        for k, (row, theory) in enumerate(zip(found[state, friction], peaks, strict=True)):
+            time, force = row.first
+            yield gw.Row(f"First peak at sphere 21, {row.name}", "N", ours=force, theory=theory, remark=remark,
+                         **checked)
+            if state != OPEN:
+                continue
+            yield gw.Row(f"Its time, {row.name}", "us", ours=1e6 * time, theory=TIMES[friction][k], remark=SOLVER,
+                         **checked)
+            if friction:
+                yield gw.Row(f"Largest force at sphere 21, {row.name}", "N", ours=row.sensor(SENSORS[1])[1].max(),
+                             theory=LARGEST[k], remark=remark, **checked)
+            if friction and row.n in AXES:
+                end, figure = AXES[row.n]
+                yield gw.Row(f"First peak at sphere 21, {row.name}, at most", "N", end, force, bound=True,
+                             where=f"thesis Fig. {figure}", remark="By the end of the axis.")
+    loose = [row.first[1] for row in found[DOWNSTREAM, 0.0]]
+    yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
+                 max(loose) - min(loose), "thesis 8.4, Fig. 8.10b", "The source: independent of it.")
+    # fmt: on
+
+
+def verdict(runs):
+    found, _ = measured(runs)
+    peak = {key: [row.first[1] for row in of] for key, of in found.items()}
+    rubbed, loose = peak[OPEN, FRICTION], peak[DOWNSTREAM, 0.0] + peak[DOWNSTREAM, FRICTION]
+    yield (
+        f"Open gaps with friction: the first peak falls from {rubbed[0]:.1f} N ({NUMBERS[0]} cylinders) to "
+        f"{rubbed[-1]:.1f} N ({NUMBERS[-1]}), without it to {peak[OPEN, 0.0][-1]:.1f} N only: the source's fit of the "
+        "friction is what makes its decay."
+    )
+    yield (
+        f"Loose cylinders downstream change nothing ({min(loose):.2f} to {max(loose):.2f} N, whatever their number); "
+        "upstream each pair takes its share. The source has the two states exchanged."
+    )
+
+
+def pictures(runs):
+    found, none = measured(runs)
+    figure, data = Figure((7, 2.8), layout="constrained"), {"cylinders": np.array([0, *NUMBERS])}
+    left, right = figure.subplots(1, 2)
+    for k, ((state, friction), of) in enumerate(found.items()):
+        peak = np.array([row.first[1] for row in (none, *of)])
+        line = f"{'os^'[k // 2]}{'--' if friction else '-'}"
+        left.plot(data["cylinders"], peak, line, markersize=3.5, label=f"{state}, friction {friction:g}")
+        data[f"{state}_friction_{friction:g}_N".replace(", ", "_").replace(" ", "_").replace(".", "_")] = peak
+    for row in (none, *found[OPEN, FRICTION]):
+        time, force = row.sensor(SENSORS[1])
+        right.plot(1e3 * time, force, label=f"{row.n} cylinders")
+        data |= {f"open_{row.n}_time_s": time, f"open_{row.n}_N": force}
+    left.set(xlabel="Cylinders", ylabel="First peak at sphere 21 (N)", ylim=(0, None))
+    right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
+    for axes in (left, right):
+        axes.legend(fontsize=6)
+    caption = "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10)"
+    yield gw.Picture("switch_peaks", caption, figure, data)

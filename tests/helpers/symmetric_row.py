@@ -1,0 +1,222 @@
+"""Second solver: symmetric motion of a row of spheres with two cylinders beside some of its gaps, between two walls.
+
+The two cylinders of a gap move alike, so one of them is followed: its place along the row and its distance from the
+axis. Spheres move along the row alone. Contacts are elastic, and act along the present line of centres:
+
+    sphere - sphere, sphere - cylinder   F = K alpha^1.5
+    cylinder - wall                      F = alpha L / (V |W(-alpha d/(2 e L^2))|), W: lower branch of Lambert's W
+
+(Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). A wall rubs with f F against the
+velocity of a cylinder along the row; cylinders do not turn. It shares no code with granwave.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from granwave.lammps_inputs.case.case import Case
+
+Array = NDArray[np.float64]
+
+
+def elliptic_stiffness(modulus: float, small: float, large: float) -> float:
+    """K of F = K alpha^1.5 of an elliptic Hertz contact, N/m^1.5, of E* (Pa) and relative principal curvatures (1/m)."""
+
+    def excess(m: float) -> float:
+        k, e = ellipk(m), ellipe(m)
+        return float((e / (1 - m) - k) / (k - e) - large / small)
+
+    m = float(brentq(excess, 1e-9, 1 - 1e-12, xtol=1e-15))
+    k, e = float(ellipk(m)), float(ellipe(m))
+    return 2 * math.pi * modulus / 3 * k**-1.5 * math.sqrt((k - e) / (m * small / 2))
+
+
+@njit
+def line_force(overlap: float, compliance: float, length: float, diameter: float) -> float:
+    """Force of a cylinder on a wall, N; compliance V is the sum over both bodies of (1 - nu^2)/(pi E), 1/Pa."""
+    if overlap <= 1e-25:  # the logarithm of the foot of a wave, some 1e-300 m, would overflow
+        return 0.0
+    level = -math.log(overlap * diameter / (2.0 * math.e * length * length))
+    t = level + math.log(level)  # of t - ln t = level, t = -W
+    for _ in range(8):
+        step = (t - math.log(t) - level) / (1.0 - 1.0 / t)
+        t -= step
+        if abs(step) < 1e-15 * t:
+            break
+    return overlap * length / (compliance * t)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class SymmetricRow:
+    """A row at rest before its walls move in.
+
+    Attributes
+    ----------
+    place
+        Of the spheres along the row, rising: (n,), m.
+    along, across
+        Places of one cylinder of each pair, along the row and from its axis: (m,), m.
+    gap
+        Number of the gap of each pair: it may touch the spheres gap and gap + 1, from 0: (m,).
+    radius, small, length
+        Of spheres and cylinders, m.
+    mass, small_mass
+        Of a sphere and a cylinder, kg.
+    sphere_stiffness, side_stiffness
+        K between spheres, and between sphere and cylinder, N/m^1.5.
+    compliance
+        V of cylinder and wall, 1/Pa.
+    wall
+        Distance of a wall from the axis, after it moved in, m.
+    friction
+        f of the walls.
+    """
+
+    place: Array
+    along: Array
+    across: Array
+    gap: NDArray[np.int64]
+    radius: float
+    small: float
+    length: float
+    mass: float
+    small_mass: float
+    sphere_stiffness: float
+    side_stiffness: float
+    compliance: float
+    wall: float
+    friction: float
+
+    @classmethod
+    def of(cls, case: Case) -> SymmetricRow:
+        """Equations of a case like the built-in ``filter-row``, whose first and last sphere are held, from its values."""
+        grains = case.packing.grains
+        assert grains is not None
+        shape = grains.shape[-1]
+        assert shape is not None
+        steel, light = case.material, case.materials[0]
+        spheres = np.array([one != "cylinders" for one in grains.group])
+        place, beside = grains.position[spheres, 2], np.flatnonzero(~spheres)[::2]
+        radius, small = case.packing.diameter / 2, float(grains.diameter[-1]) / 2
+        own = [one.youngs_modulus / (1 - one.poisson_ratio**2) for one in (steel, light)]
+        across = np.abs(grains.position[beside, 0])
+        return cls(
+            place=place, along=grains.position[beside, 2], across=across,
+            gap=np.searchsorted(place, grains.position[beside, 2]) - 1,
+            radius=radius, small=small, length=shape.length,
+            mass=steel.density * math.pi / 6 * (2 * radius) ** 3,
+            small_mass=light.density * math.pi * small**2 * shape.length,
+            sphere_stiffness=4 / 3 * own[0] / 2 * math.sqrt(radius / 2),
+            side_stiffness=elliptic_stiffness(1 / (1 / own[0] + 1 / own[1]), 1 / radius, 1 / radius + 1 / small),
+            compliance=1 / (math.pi * own[1]),
+            wall=float(across.max()) + small - (case.precompression.moves["x"] if case.precompression else 0.0),
+            friction=case.boundary.friction or 0.0,
+        )  # fmt: skip
+
+    def at_rest(self) -> Array:
+        """Distances of the cylinders from the axis in balance between wall and spheres: (m,), m."""
+        found = self.across.copy()
+        for pair, (gap, along, across) in enumerate(zip(self.gap, self.along, self.across, strict=True)):
+            steps = np.abs(self.place[gap : gap + 2] - along)
+            if self.wall >= across + self.small:
+                continue
+
+            def outward(y: float, steps: Array = steps) -> float:
+                apart = np.hypot(steps, y)
+                push = self.side_stiffness * np.maximum(self.radius + self.small - apart, 0.0) ** 1.5 * y / apart
+                wall = line_force(y + self.small - self.wall, self.compliance, self.length, 2 * self.small)
+                return float(push.sum() - wall)
+
+            found[pair] = brentq(outward, self.wall - self.small - 1e-12, across + 1e-12, xtol=1e-18, rtol=1e-14)
+        return found
+
+    def wall_force(self) -> Array:
+        """Forces on a wall in balance, by pair: (m,), N."""
+        return np.array(
+            [
+                line_force(y + self.small - self.wall, self.compliance, self.length, 2 * self.small)
+                for y in self.at_rest()
+            ]
+        )
+
+    def struck(self, sphere: int, velocity: float, end: float, step: float = 5e-8) -> tuple[Array, Array]:
+        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity (velocity Verlet)."""
+        n_steps = math.ceil(end / step)
+        moving = np.ones(len(self.place))
+        moving[[0, -1]] = 0.0
+        force = _integrate(
+            self.place, self.along, self.at_rest(), self.gap, moving, sphere, velocity, n_steps, end / n_steps,
+            np.array([self.radius, self.small, self.length, self.mass, self.small_mass, self.sphere_stiffness,
+                      self.side_stiffness, self.compliance, self.wall, self.friction]),
+        )  # fmt: skip
+        return force.max(axis=0), force.argmax(axis=0) * _EVERY * end / n_steps
+
+
+_EVERY = 4  # steps between instants that are kept
+
+
+@njit
+def _integrate(  # type: ignore[no-untyped-def]
+    place, along, across, gap, moving, sphere, velocity, n_steps, step, constants
+):
+    radius, small, length, mass, small_mass, k_big, k_side, compliance, wall, friction = constants
+    n, m, reach = len(place), len(along), radius + small
+    z, w, y = place.copy(), along.copy(), across.copy()
+    vz, vw, vy = np.zeros(n), np.zeros(m), np.zeros(m)
+    az, aw, ay = np.zeros(n), np.zeros(m), np.zeros(m)
+    vz[sphere] = velocity
+    kept = np.zeros((n_steps // _EVERY + 1, n - 1))
+    present = np.zeros(n - 1)
+    for count in range(n_steps + 1):
+        if count:
+            for i in range(n):
+                vz[i] += 0.5 * step * az[i]
+                z[i] += step * vz[i]
+            for b in range(m):
+                vw[b] += 0.5 * step * aw[b]
+                vy[b] += 0.5 * step * ay[b]
+                w[b] += step * vw[b]
+                y[b] += step * vy[b]
+        az[:] = 0.0
+        for i in range(n - 1):
+            # displacements first: overlaps of the foot of a wave are far below the rounding of places
+            overlap = 2 * radius - (place[i + 1] - place[i]) + ((z[i] - place[i]) - (z[i + 1] - place[i + 1]))
+            push = k_big * overlap * math.sqrt(overlap) if overlap > 0.0 else 0.0
+            present[i] = push
+            az[i] -= push
+            az[i + 1] += push
+        for b in range(m):
+            along_row, outward = 0.0, 0.0
+            for i in range(gap[b], gap[b] + 2):
+                dz = w[b] - z[i]
+                apart = math.hypot(dz, y[b])
+                overlap = reach - apart
+                if overlap > 0.0:
+                    push = k_side * overlap * math.sqrt(overlap) / apart
+                    along_row += push * dz
+                    outward += push * y[b]
+                    az[i] -= 2.0 * push * dz
+            pressed = line_force(y[b] + small - wall, compliance, length, 2.0 * small)
+            rub = 0.0
+            if friction > 0.0 and pressed > 0.0:
+                rub = friction * pressed * (1.0 if vw[b] > 0.0 else -1.0 if vw[b] < 0.0 else 0.0)
+            aw[b] = (along_row - rub) / small_mass
+            ay[b] = (outward - pressed) / small_mass
+        for i in range(n):
+            az[i] *= moving[i] / mass
+        if count:
+            for i in range(n):
+                vz[i] += 0.5 * step * az[i]
+            for b in range(m):
+                vw[b] += 0.5 * step * aw[b]
+                vy[b] += 0.5 * step * ay[b]
+        if count % _EVERY == 0:
+            kept[count // _EVERY] = present
+    return kept

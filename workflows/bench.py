@@ -1,0 +1,331 @@
+"""Speed of the styles, of packings, and of the reference study, measured on this machine: ``granwave bench``."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.deck import write_data
+from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.places import struck_spheres
+from granwave.lammps_inputs.planning.timestep import auto_timestep
+from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
+from granwave.workflows import library
+from granwave.workflows.run import mpi
+from granwave.workflows.run.lammps_engine import Engine, open_engine
+
+STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
+SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
+STEPS, WARM = 100, 20  # timed, and run before them
+IMPACT_TIME = 3e-4  # s after impact at which the styles are compared
+STUDY_PARTS = ("start", "steps", "analysis", "figures")
+_MOST_RUNS = 3  # of the reference study; each takes half a minute
+_RATTLE, _RATTLE_STEPS = 0.02, 200  # m/s, below first yield of two brass spheres; until contacts have formed
+_ROUNDING = 1e-9  # of the diameter: overlaps at rest
+_BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
+_STATE = ("x", "v", "omega")
+
+OURS, BASELINE = "gran/hysteretic elastoplastic", "gran/hertz/history"
+ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
+_ELASTOPLASTIC = "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"
+_HERTZ_MATERIAL = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0"
+#: Commands of each style, with names of constants in braces, its integrating fix, and the style that it stands beside.
+STYLES = {
+    OURS: (_ELASTOPLASTIC, "nve", BASELINE),
+    "gran/hysteretic hertz": (
+        "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}", "nve", BASELINE
+    ),
+    BASELINE: ("pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *", "nve", BASELINE),
+    "granular hertz/material": (_HERTZ_MATERIAL, "nve", BASELINE),
+    f"{OURS}, friction 0.3": (f"{_ELASTOPLASTIC} friction 0.3", "nve/sphere", ROUGH_BASELINE),
+    ROUGH_BASELINE: (
+        "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.3 0\npair_coeff * *", "nve/sphere", ROUGH_BASELINE
+    ),
+}  # fmt: skip
+
+
+def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
+    """Make and print the measurements of these parts; return them as plain values, each with all its repeats.
+
+    Parameters
+    ----------
+    parts
+        Some of styles, sizes, ranks and study.
+    repeats
+        Number of timings of each.
+    """
+    cores = len(os.sched_getaffinity(0))
+    results: dict[str, Any] = {"cores": cores, "repeats": repeats, "load_before": os.getloadavg()}
+    print(f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios hold, the rates do not")
+    ways = {
+        "styles": lambda: compare_styles(repeats),
+        "sizes": lambda: compare_sizes(repeats),
+        "ranks": lambda: compare_ranks(repeats),
+        "study": lambda: time_study(repeats, min(2, cores)),
+    }
+    results |= {part: measure() for part, measure in ways.items() if part in parts}
+    results["triad_GB_per_s"] = triad()
+    results["load_after"] = os.getloadavg()
+    print(
+        f"\nmemory bandwidth of one core (triad): {results['triad_GB_per_s']:.1f} GB/s; "
+        f"load now {results['load_after'][0]:.2f}"
+    )
+    return results
+
+
+def triad(megabytes: int = 256, repeats: int = 5) -> float:
+    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the caches."""
+    n = megabytes * 2**20 // 8
+    a, b, c = np.empty(n), np.ones(n), np.ones(n)
+    best = np.inf
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        np.multiply(c, 3.0, out=a)
+        np.add(a, b, out=a)
+        best = min(best, time.perf_counter() - begin)
+    return 5 * 8 * n / best / 1e9  # two passes: read c write a, read a and b write a
+
+
+# ---------------------------------------------------------------------- styles
+
+
+def compare_styles(repeats: int) -> dict[str, Any]:
+    """Time all styles on the reference packing: struck, where most contacts bear nothing, and rattling, where most do.
+
+    They run in one process, interleaved, and from the same states: positions and velocities are restored before each
+    timing. Ratios are formed within a repeat, so that both timings see the same load of the machine.
+
+    Returns
+    -------
+    dict
+        ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and ``table`` with rates,
+        ratios and memory of each style.
+    """
+    from mpi4py import MPI
+
+    case = load_case(library.find(STUDY))
+    n = assemble(case).lattice.n_spheres
+    results: dict[str, Any] = {"n_spheres": n}
+    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch, contextlib.ExitStack() as opened:
+        data, engines = Path(scratch) / "data.granwave", {}
+        logs = {style: Path(scratch) / f"log.{k}" for k, style in enumerate(STYLES)}
+        write_data(assemble(case), data)
+        for style, log in logs.items():
+            engines[style] = opened.enter_context(open_engine(MPI.COMM_SELF, log=str(log)))
+            engines[style].commands(_script(case, data, style))
+        ours = engines[OURS]
+        print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
+        ours.commands(f"run {round(IMPACT_TIME / auto_timestep(case))} post no")
+        for name in ("struck", "rattling"):
+            if name == "rattling":
+                _rattle(ours, seed=0)
+            state = _state(ours)
+            pairs = cKDTree(state[0]).query_pairs((1 - _ROUNDING) * case.packing.diameter, output_type="ndarray")
+            print(f"\n{name}, {len(pairs) / n:.2f} loaded contacts a sphere:")
+            rates: dict[str, list[float]] = {style: [] for style in engines}
+            for _ in range(repeats):
+                for style, engine in engines.items():
+                    _restore(engine, state)
+                    rates[style].append(n * STEPS / _seconds(engine))
+            memory = {style: _memory(log) / n for style, log in logs.items()}
+            results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": _table(rates, memory)}
+            _restore(ours, state)
+    return results
+
+
+def _table(rates: dict[str, list[float]], memory: dict[str, float]) -> dict[str, Any]:
+    print(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
+    table = {}
+    for name, values in rates.items():
+        ratios = [value / base for value, base in zip(values, rates[STYLES[name][2]], strict=True)]
+        table[name] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory[name]}
+        print(f"{name:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory[name]:>14.0f}")
+    return table
+
+
+def _script(case: Case, data: Path, style: str) -> str:
+    """Return the LAMMPS commands of a struck packing under a pair style."""
+    material, gap = case.material, 0.1 * case.packing.diameter
+    lines, motion, _ = STYLES[style]
+    coefficients = lines.format(
+        gap=gap,
+        E=material.youngs_modulus,
+        nu=material.poisson_ratio,
+        yield_strength=material.yield_strength,
+        kn=2 / 3 * material.youngs_modulus / (1 - material.poisson_ratio**2),
+    )
+    totals = "compute contact all pair gran/hysteretic\nthermo_style custom step c_contact[2]"
+    return f"""units si
+atom_style sphere
+atom_modify map yes sort 0 0
+newton off
+comm_modify vel yes
+boundary m m m
+read_data {data}
+neighbor {gap} bin
+neigh_modify delay 0 every 10 check yes
+{coefficients}
+fix motion all {motion}
+timestep {auto_timestep(case)}
+group struck id {struck_spheres(assemble(case).lattice, 1)[0]}
+velocity struck set 0.0 0.0 {case.load.velocity} units box
+thermo 1000000
+{totals if "hysteretic" in lines else ""}
+"""
+
+
+def _rattle(engine: Engine, seed: int) -> None:
+    """Give all spheres of this rank random velocities, and run until contacts have formed."""
+    speeds = engine.lammps.numpy.extract_atom("v")
+    speeds[:] = np.random.default_rng(seed).uniform(-_RATTLE, _RATTLE, speeds.shape)
+    engine.commands(f"run {_RATTLE_STEPS} post no")
+
+
+def _seconds(engine: Engine) -> float:
+    """Measure the wall time of `STEPS` steps, without set-up and the steps before."""
+    engine.commands(f"run {WARM} post no")
+    begin = time.perf_counter()
+    engine.commands(f"run {STEPS} pre no post no")
+    return time.perf_counter() - begin
+
+
+def _state(engine: Engine) -> list[np.ndarray]:
+    order = np.argsort(engine.lammps.numpy.extract_atom("id"))
+    return [engine.lammps.numpy.extract_atom(name)[: len(order)][order].copy() for name in _STATE]
+
+
+def _restore(engine: Engine, state: list[np.ndarray]) -> None:
+    ids = engine.lammps.numpy.extract_atom("id")
+    for name, values in zip(_STATE, state, strict=True):
+        engine.lammps.numpy.extract_atom(name)[: len(ids)] = values[ids - 1]
+
+
+def _memory(log: Path) -> float:
+    """Return the memory that LAMMPS reports, bytes."""
+    lines = [line for line in log.read_text().splitlines() if line.startswith("Per MPI rank memory allocation")]
+    return float(lines[-1].split("=")[1].split("|")[1]) * 2**20
+
+
+def _spread(values: list[float], unit: float = 1.0) -> str:
+    """Return the median and the range as text."""
+    low, middle, high = min(values) / unit, statistics.median(values) / unit, max(values) / unit
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+
+
+# ---------------------------------------------------------------------- sizes and ranks
+
+
+def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
+    """Time the elasto-plastic style on all ranks; all spheres rattle, so that equal shares of contacts are loaded.
+
+    Returns
+    -------
+    dict
+        ``n_spheres``, ``n_ranks``, ``rates`` (sphere-steps per second of all ranks together, one value a repeat), and
+        ``ghosts``, the largest number of copies of its neighbours' spheres that a rank gets in each step.
+    """
+    comm = mpi.world()
+    case = load_case(library.find(STUDY), {"packing.size": size})
+    n = assemble(case).lattice.n_spheres
+    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
+        data = Path(mpi.on_first(comm, lambda: scratch)) / "data.granwave"
+        mpi.on_first(comm, lambda: write_data(assemble(case), data))
+        with open_engine(comm, log="none") as engine:
+            engine.commands(_script(case, data, OURS))
+            _rattle(engine, seed=comm.rank)
+            rates = [n * STEPS / _seconds(engine) for _ in range(repeats)]
+            ghosts = max(comm.allgather(engine.lammps.extract_setting("nghost")))
+    return {"n_spheres": n, "n_ranks": comm.size, "rates": rates, "ghosts": ghosts}
+
+
+def compare_sizes(repeats: int) -> list[dict[str, Any]]:
+    """Time packings of several sizes on one rank."""
+    print("\ncost against size, all spheres rattling, one rank:")
+    found = []
+    for size in SIZES:
+        found.append(time_rattling(size, repeats))
+        n, rates = found[-1]["n_spheres"], found[-1]["rates"]
+        print(f"{n:>10} spheres{_spread(rates, 1e6):>22} M/s   {1e9 / statistics.median(rates):6.1f} ns a sphere-step")
+    return found
+
+
+def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
+    """Time one rank and two: the same packing (strong scaling), and as many spheres on each rank (weak scaling)."""
+    longer = [SIZES[1][0], SIZES[1][1], 2 * SIZES[1][2]]
+    one, two, weak = (_on_ranks(n, size, repeats) for n, size in ((1, SIZES[1]), (2, SIZES[1]), (2, longer)))
+    found = {"strong": [one, two], "weak": [one, weak]}
+    for name, timings in found.items():
+        print(f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):")
+        for timing in timings:
+            n_ranks, rates = timing["n_ranks"], timing["rates"]
+            efficiency = statistics.median(rates) / statistics.median(one["rates"]) / n_ranks
+            exchanged = _BYTES_OF_GHOST * timing["ghosts"]
+            print(
+                f"{timing['n_spheres']:>10} spheres on {n_ranks} ranks  {_spread(rates, 1e6):>22} M/s"
+                f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB a rank and step"
+            )
+    return found
+
+
+def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
+    """Run `time_rattling` on ranks of its own."""
+    program = (
+        "import json; from granwave.workflows import bench; from granwave.workflows.run import mpi; "
+        f"found = bench.time_rattling({size}, {repeats}); "
+        "print(json.dumps(found)) if mpi.world().rank == 0 else None"
+    )
+    command = [str(Path(sys.prefix) / "bin" / "mpiexec"), "-n", str(n_ranks), *mpi.PYTHON, "-m", "mpi4py", "-c"]
+    done = subprocess.run([*command, program], capture_output=True, text=True, check=True)
+    found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+    return found
+
+
+# ---------------------------------------------------------------------- reference study
+
+
+def time_study(repeats: int, ranks: int) -> dict[str, Any]:
+    """Run the reference study as users do, at most thrice, and time its parts.
+
+    Returns
+    -------
+    dict
+        ``ranks``, ``n_steps``, and lists of wall times, s: ``start`` (program, packing, deck, set-up of LAMMPS),
+        ``steps``, ``analysis`` (with the start of the program) and ``figures``.
+    """
+    print(f"\nreference study ({TIMED}) on {ranks} ranks, wall time of its parts, s:")
+    times: dict[str, list[float]] = {part: [] for part in STUDY_PARTS}
+    n_steps = 0
+    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
+        directory = Path(scratch) / "run"
+        for _ in range(min(repeats, _MOST_RUNS)):
+            whole = _timed("run", TIMED, "-o", str(directory), "--np", str(ranks), "--force", "--no-figures")
+            steps = float(json.loads((directory / RECORD_FILE).read_text(encoding="utf-8"))["wall_time_s"])
+            n_steps = int(json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))["n_steps"])
+            analysis = _timed("analyse", str(directory), "--no-figures")
+            figures = _timed("analyse", str(directory)) - analysis
+            for part, value in zip(STUDY_PARTS, (whole - steps - analysis, steps, analysis, figures), strict=True):
+                times[part].append(value)
+    for part, values in times.items():
+        print(f"{part:>10} {_spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else ""))
+    return {"ranks": ranks, "n_steps": n_steps, **times}
+
+
+def _timed(*words: str) -> float:
+    """Run a command of granwave; return its wall time, s."""
+    begin = time.perf_counter()
+    subprocess.run([*mpi.PYTHON, "-m", "granwave.workflows", *words], check=True, capture_output=True)
+    return time.perf_counter() - begin

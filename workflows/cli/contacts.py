@@ -1,0 +1,146 @@
+"""Commands about single contacts: laws, fits, and forces inferred from measurements; each returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
+from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.ownership import refuse_foreign, results_in
+from granwave.workflows import inference
+from granwave.workflows.cli.parser import chosen
+from granwave.workflows.cli.results import as_wrong_input
+from granwave.workflows.cli.terminal import columns, print_json
+from granwave.workflows.run.directory import held
+
+if TYPE_CHECKING:
+    from granwave.analysis.contact_law.fit import Fit
+
+
+def law(options: argparse.Namespace) -> int:
+    """Execute ``granwave law``."""
+    output = options.output or Path("restitution.png" if options.restitution else "law.png")
+    _at_most_two(options)
+    if output.suffix not in (".png", ".pdf", ".csv"):
+        raise InputError(f"-o {output}: expected a name that ends in .png, .pdf or .csv")
+    if not output.absolute().parent.is_dir():
+        raise InputError(f"-o {output}: there is no directory {output.absolute().parent}")
+    if not all(0 < radius < float("inf") for radius in options.radius):
+        raise InputError("--radius: expected positive lengths in m")
+    if not 0 < options.max_overlap < float("inf"):
+        raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
+    if options.restitution and not LAWS[options.law].yields:
+        raise InputError(f"--restitution: a contact of law {options.law} gives all back; choose another --law")
+    materials = [material(name) for name in options.material]
+    (_write_restitution if options.restitution else _write_law)(options, materials, output)
+    print(output)
+    return 0
+
+
+def _write_law(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
+    from granwave.analysis.contact_law.curves import write_law
+
+    contact = contact_of(materials, options.radius, options.law, options.variant)
+    write_law(contact, output, max_overlap=options.max_overlap, title=" on ".join(options.material))
+
+
+def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
+    from granwave.analysis.contact_law.curves import write_restitution
+
+    masses = [
+        sphere_mass(m, r)
+        for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
+    ]
+    spheres = contact_of(materials, options.radius, options.law, options.variant)
+    wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
+    contacts = {
+        "two spheres": (spheres, masses[0] * masses[1] / (masses[0] + masses[1])),
+        "sphere and rigid wall": (wall, masses[0]),
+    }
+    write_restitution(
+        contacts, output, max_overlap=options.max_overlap, title=f"{' on '.join(options.material)}, {options.law}"
+    )
+
+
+def _at_most_two(options: argparse.Namespace) -> None:
+    for name, values in (("--material", options.material), ("--radius", options.radius)):
+        if len(values) > 2:
+            raise InputError(f"{name}: found {len(values)} values, expected one or two")
+
+
+def fit(options: argparse.Namespace) -> int:
+    """Execute ``granwave fit``."""
+    from granwave.analysis.contact_law.fit import fit_law
+    from granwave.analysis.contact_law.fit_output import WRITTEN, pair_toml, write_fit
+    from granwave.analysis.contact_law.measured_curve import read_curve
+
+    _at_most_two(options)
+    if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
+        raise InputError("--radius: expected positive lengths in m (the second may be inf, a plane)")
+    pair: list[str] | None = options.pair
+    directory: Path = options.directory or Path("fit")
+    if not results_directory(directory, force=options.force).parent.is_dir():
+        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
+    if not options.force and set(WRITTEN) & set(results_in(directory)):
+        raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")
+    refuse_foreign(directory, WRITTEN)
+    materials = [_material(text) for text in options.material]
+    found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
+    with held(directory.absolute()):
+        written = write_fit(found, directory, pair)
+    print(fit_summary(found))
+    if pair:
+        print(f"\n{pair_toml(found, pair)}")
+    print(f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}")
+    return 0
+
+
+def fit_summary(found: Fit) -> str:
+    """Format the constants with their uncertainties, and the misfits, for the terminal."""
+    from granwave.analysis.contact_law.fit_output import constants_table
+
+    rows = [["constant", "value", "+-", "published", ""]]
+    for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
+        rows.append([name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how])
+    fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
+    for here, there in zip(found.misfit, found.published_misfit, strict=True):
+        numbers = (here.rms, here.largest, there.rms, there.largest)
+        fits.append([here.part, str(here.rows), *(f"{number:.3g}" for number in numbers)])
+    text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
+    text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
+    if found.correlation:
+        text += (
+            f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
+        )
+    return text
+
+
+def _material(text: str) -> Material:
+    """Return a preset, or the material FILE.toml:NAME from a file of the user."""
+    path, colon, name = text.rpartition(":")
+    if not colon:
+        return material(text)
+    known = load_materials(path)
+    if name not in known:
+        raise InputError(f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}")
+    return known[name]
+
+
+@as_wrong_input()
+def infer(options: argparse.Namespace) -> int:
+    """Execute ``granwave infer``."""
+    from granwave.analysis.inference.tables import in_words
+
+    directory = inference.results_place(options.directory or "infer", force=options.force)
+    how = chosen(options, inference.infer)
+    found = inference.infer(options.measurement, options.case, progress=True, **how)
+    inference.save(found, directory, figures=options.figures)
+    print_json(found.summary) if options.json else print(f"{in_words(found.summary)}\n\nresults in {directory}")
+    return 0

@@ -1,0 +1,92 @@
+"""Commands about the package: built-in studies, keys, speed and help; each returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import shutil
+import sys
+import textwrap
+
+from granwave.lammps_inputs.directories import refuse_other_file
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
+from granwave.workflows import library
+from granwave.workflows.cli.terminal import BOLD, coloured, print_json
+
+_USUAL_WIDTH = 120  # characters of a line where there is no terminal
+
+
+def cases(options: argparse.Namespace) -> int:
+    """Execute ``granwave cases``."""
+    wanted = [word.lower() for word in options.words]
+    found = [
+        entry for entry in library.entries() if all(word in f"{entry.name} {entry.title}".lower() for word in wanted)
+    ]
+    if not found:
+        raise InputError(
+            f"{' '.join(options.words)}: no built-in case or scan has these words; granwave cases lists all"
+        )
+    if options.json:
+        print_json([entry._asdict() for entry in found])
+        return 0
+    name_width = max(len(entry.name) for entry in found)
+    on_terminal = sys.stdout.isatty()
+    most = shutil.get_terminal_size().columns if on_terminal else sys.maxsize
+    briefly = not (options.all or wanted)
+    for group in dict.fromkeys(entry.group for entry in found):
+        print(coloured(f"{group}:", BOLD, sys.stdout))
+        here = [entry for entry in found if entry.group == group]
+        lines = [f"{entry.kind}  {entry.name:{name_width}}  {entry.title}" for entry in here]
+        if briefly:
+            width = most if on_terminal else _USUAL_WIDTH
+            lines = textwrap.wrap(
+                "  ".join(entry.name for entry in here), width - 2, break_on_hyphens=False, break_long_words=False
+            )
+            lines = [f"  {line}" for line in lines]
+        for line in lines:
+            print(line if len(line) <= most else f"{line[: most - 1]}…")
+    if briefly:
+        print(
+            "granwave cases WORD tells what those with this word are, --all what each is; granwave show NAME prints one"
+        )
+    return 0
+
+
+def show(options: argparse.Namespace) -> int:
+    """Execute ``granwave show``."""
+    sys.stdout.write(library.text(options.name))
+    return 0
+
+
+def keys(options: argparse.Namespace) -> int:
+    """Execute ``granwave keys``."""
+    from granwave.workflows.cli.keys import as_text, find, overview, tables
+
+    found = find(*options.table) if options.table else None
+    if options.json:
+        print_json([dataclasses.asdict(one) for one in found or tables()])
+    else:
+        print(overview() if found is None else "\n\n\n".join(map(as_text, found)))
+    return 0
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Execute ``granwave bench``."""
+    from granwave.workflows.bench import bench as run_bench
+
+    if options.json and not options.json.absolute().parent.is_dir():
+        raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
+    if options.json:
+        refuse_other_file(options.json, rb'"triad_GB_per_s"')
+    results = run_bench(options.parts, options.repeats)
+    if options.json:
+        replace_text(options.json, json.dumps(results, indent=2) + "\n")
+    return 0
+
+
+def show_help(options: argparse.Namespace) -> int:
+    """Execute ``granwave help``."""
+    print(options.parsers[options.name].format_help(), end="")
+    return 0

@@ -1,0 +1,195 @@
+"""Commands that show finished runs: reports, figures, films, pages and exports; each returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import difflib
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
+from granwave.lammps_inputs.case.schema import ValidationError
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
+from granwave.workflows.cli.parser import FIGURE_KEYS, FILM_KEYS
+from granwave.workflows.run.directory import held
+
+
+@contextlib.contextmanager
+def as_wrong_input() -> Iterator[None]:
+    """Raise InputError for results that are missing or damaged."""
+    from granwave.analysis.errors import MissingOutputError, OutputFormatError
+
+    try:
+        yield
+    except (MissingOutputError, OutputFormatError) as error:
+        raise InputError(str(error)) from None
+
+
+def existing(directory: Path, expected: str = "run a case into it first") -> Path:
+    """Return a directory; raise InputError if there is none."""
+    if not directory.is_dir():
+        raise InputError(f"{directory}: no such directory; {expected}")
+    return directory
+
+
+def report(options: argparse.Namespace) -> int:
+    """Execute ``granwave report``."""
+    from granwave.analysis.reports.report import write_report
+
+    print(write_report(options.directories, options.output, options.study))
+    return 0
+
+
+def export(options: argparse.Namespace) -> int:
+    """Execute ``granwave export``."""
+    from granwave.analysis.exports.export import export as export_directory
+
+    output = options.output or options.directory / EXPORT_DIRECTORY
+    existing(options.directory, "expected that of a run or a scan")
+    with held(results_directory(output)):
+        placed = export_directory(options.directory, options.to, options.output)
+    for path in placed:
+        print(path)
+    return 0
+
+
+def figures(options: argparse.Namespace) -> int:
+    """Execute ``granwave figures``."""
+    from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
+
+    wanted = options.only
+    if unknown := [name for name in wanted or () if name not in FIGURE_NAMES]:
+        near = difflib.get_close_matches(unknown[0], FIGURE_NAMES, n=1)
+        hint = f"; did you mean {near[0]}?" if near else f", expected some of {', '.join(FIGURE_NAMES)}"
+        raise InputError(f"--only: found {unknown[0]}{hint}")
+    with (
+        held(existing(options.directory).absolute(), way=""),
+        as_wrong_input(),
+        helpers(len(wanted) if wanted else USUAL_FIGURES) as others,
+    ):
+        # loaded while the helpers load them too
+        from granwave.analysis.figures.run_figures import draw_figures
+        from granwave.analysis.figures.style import FigureFolder
+        from granwave.analysis.result.reader import Result
+
+        with Result(options.directory) as result:
+            changed = apply_options(options, result.figure_options)
+        drawn = draw_figures(options.directory, names=wanted, helpers=others, options=changed)
+    for path in drawn:
+        print(path)
+    failed = FigureFolder(options.directory).not_drawn()
+    if failed.keys() & set(wanted or failed):
+        return 1
+    if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
+        raise InputError(f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind")
+    return 0
+
+
+def film(options: argparse.Namespace) -> int:
+    """Execute ``granwave film``."""
+    from tqdm import tqdm
+
+    from granwave.analysis.films.film import size_of, write_film
+    from granwave.analysis.result.reader import Result
+
+    with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
+
+        def report(done: int, of: int) -> None:
+            bar.total = of
+            bar.update(done - bar.n)
+
+        chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
+        size = None if options.size is None else size_of(options.size)
+        if options.plane is not None and options.view is None:
+            chosen["view"] = "section"
+        with as_wrong_input():
+            with Result(options.directory) as result:
+                colours = apply_options(options, result.figure_options, *FILM_KEYS)
+            path = write_film(options.directory, options.output, progress=report, size=size, options=colours, **chosen)
+    print(path)
+    return 0
+
+
+def view(options: argparse.Namespace) -> int:
+    """Execute ``granwave view``."""
+    from granwave.analysis.view.page import MOST_SPHERES, write_view
+
+    spheres = sys.maxsize if options.all else options.spheres or MOST_SPHERES
+    frames = sys.maxsize if options.all and options.frames is None else options.frames
+    with held(existing(options.directory).absolute(), way=""), as_wrong_input():
+        page = write_view(options.directory, options.output, spheres=spheres, frames=frames)
+    print(page.path)
+    print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} {page.called}, {page.n_frames} snapshots")
+    if page.note:
+        print(f"granwave: {page.note}; --all shows all", file=sys.stderr)
+    return 0
+
+
+# ---------------------------------------------------------------------- options of figures and films
+
+
+def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> Figures:
+    """Return the options of figures with the changes of the command line, in keys ``names``, by default `FIGURE_KEYS`.
+
+    Raises
+    ------
+    InputError
+        A value is wrong; the message lists all faults.
+    """
+    fields = {field.name: field for field in dataclasses.fields(Figures)}
+    changes, faults = {}, []
+    for name in names or FIGURE_KEYS:
+        text, through = getattr(options, name), options.through
+        if text is None:
+            continue
+        try:
+            changes[name] = fields[name].metadata["parse"](_value(name, text, through))
+        except ValidationError as error:
+            option = FIGURE_KEYS[name].names[0]
+            if name == "plane" and through is not None:
+                option, text = f"{option} --through", f"{text} and {through}"
+            faults.append(f"{option}: found {text}, expected {_in_words(name, str(error))}")
+    if options.through is not None and options.plane is None:
+        faults.append("--through: it is a point of the plane of --plane, which is not given")
+    if faults:
+        raise InputError(faults)
+    return dataclasses.replace(given, **changes)
+
+
+def _value(name: str, text: str, through: str | None) -> Any:
+    """Return the value of a key as in a case file."""
+    if name == "formats":
+        return [] if text == "none" else text.split(",")
+    value = _toml(text) if name != "colour_map" else text
+    if name == "plane" and isinstance(value, list):
+        value = {"normal": value}
+    if name == "plane" and through is not None:
+        if isinstance(value, str) and value in "xyz":
+            value = {"normal": [float(value == axis) for axis in "xyz"]}
+        value = {**value, "through": _toml(through)} if isinstance(value, dict) else value
+    return value
+
+
+def _toml(text: str) -> Any:
+    """Read a number, or numbers with commas between them; other texts stay as they are."""
+    try:
+        values = tomllib.loads(f"value = [{text}]")["value"]
+    except ValueError:
+        return text
+    return values[0] if len(values) == 1 else values
+
+
+def _in_words(name: str, expected: str) -> str:
+    """Return what a key expects, as the command line writes it."""
+    if name == "plane" and expected.startswith('"x"'):
+        return "x, y, z, or the three numbers of a normal, as 1,1,0; --through takes three numbers in m"
+    if name.endswith("limits"):
+        return f"{expected}, as 0.1,100"
+    return expected

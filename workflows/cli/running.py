@@ -1,0 +1,146 @@
+"""Commands that run cases: ``granwave run``, ``continuum``, ``write`` and ``analyse``; each returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from granwave.analysis.measures.zone.marks import zone_warning
+from granwave.analysis.summary_table import continuum_table, summary_table
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
+from granwave.lammps_inputs.deck.deck import deck_files, write_deck
+from granwave.lammps_inputs.directories import refuse_source, results_directory
+from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
+from granwave.lammps_inputs.run_state import restore_case
+from granwave.workflows import library
+from granwave.workflows.cli.results import as_wrong_input, existing
+from granwave.workflows.cli.terminal import print_json, warn
+from granwave.workflows.run import mpi, record
+from granwave.workflows.run.directory import decide, held, run_files
+from granwave.workflows.solvers import CONTINUUM, solver_of
+
+
+def run(options: argparse.Namespace) -> int:
+    """Execute ``granwave run``."""
+    starts_ranks = options.ranks > 1 and not mpi.launched()
+    if starts_ranks:
+        mpi.check_cores(options.ranks)
+        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
+    case = library.load_case(options.case, options.overrides)
+    directory = results_directory(options.directory or case.name)
+    how = _how(options)
+    if starts_ranks:
+        decide(case, directory, n_ranks=options.ranks, **how)
+        return mpi.launch(options.ranks, _without_ranks(options.given))
+
+    from granwave.workflows.run.driver import run_case  # loads the analysis, which starting ranks does without
+
+    comm = mpi.world()
+    outcome = run_case(case, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how)
+    if comm.rank == 0:
+        summary = outcome.summary
+        print_json(summary) if options.json else print(f"{summary_table(summary)}\n\nresults in {outcome.directory}")
+        _warn_of_zone(summary)
+        if beyond := summary.get("contacts_beyond_law"):
+            warn(
+                f"{beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
+                "figures draw a ring around them"
+            )
+        if outcome.state == record.INTERRUPTED:
+            print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+        if outcome.state == record.REFUSED:
+            error = summary.get("energy_balance_error")
+            misses = "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
+            automatic = case.run.timestep == "auto"
+            mend = "give run.energy_tolerance a smaller value" if automatic else "leave out run.timestep"
+            print(
+                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most 1e-5 "
+                f"or run.energy_tolerance, whichever is larger: {mend}, and run it again with --force",
+                file=sys.stderr,
+            )
+    return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
+
+
+def _how(options: argparse.Namespace) -> dict[str, bool]:
+    return {name: getattr(options, name) for name in ("resume", "force", "figures")}
+
+
+def _without_ranks(arguments: Sequence[str]) -> list[str]:
+    kept, skip = [], False
+    for argument in arguments:
+        if skip or argument == "--np" or argument.startswith("--np="):
+            skip = not skip and argument == "--np"
+        else:
+            kept.append(argument)
+    return kept
+
+
+def continuum(options: argparse.Namespace) -> int:
+    """Execute ``granwave continuum``."""
+    path = library.find_for(options.case, CONTINUUM.verb)
+    kind = solver_of(read_toml(path))
+    case = kind.load(path, options.overrides)
+    directory = results_directory(options.directory or case.name)
+    if not options.resume:  # a finished run needs no resources
+        kind.check(case, kind.cost(case, 1, options.figures), directory)
+    assert kind.run is not None  # of continuum cases
+    with held(directory):
+        summary = kind.run(case, directory, progress=True, **_how(options))
+    print_json(summary) if options.json else print(f"{continuum_table(summary)}\n\nresults in {directory}")
+    _warn_of_zone(summary)
+    return 0
+
+
+def write(options: argparse.Namespace) -> int:
+    """Execute ``granwave write``."""
+    case = library.load_case(options.case, options.overrides)
+    expected = plan(case)
+    check_run(case, expected)
+    directory = results_directory(options.directory, force=options.force)
+    with held(directory, mpi.world()):
+        refuse_other_kind(directory, RUN)
+        if not options.force:
+            refuse_results(directory, "--force removes them all")
+        refuse_foreign(directory, run_files(case, expected.schedule))
+        refuse_source(directory, case.name, earlier_result(case))
+        earlier = results_in(directory)
+        deck = write_deck(case, options.directory)  # whole or not at all; only then is removed what was there
+        clear(directory, set(earlier) - set(deck.written))
+        deck.dumps.mkdir(exist_ok=True)
+        claim(directory, deck_files(assemble(case), deck.schedule))
+    schedule = deck.schedule
+    steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
+    if schedule.adaptive:
+        steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
+    assembly = assemble(deck.case)
+    print(f"{deck.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
+    print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
+    return 0
+
+
+def analyse(options: argparse.Namespace) -> int:
+    """Execute ``granwave analyse``."""
+    from granwave.analysis.pipeline import analyse as analyse_directory
+
+    with held(existing(options.directory).absolute(), way=""):
+        refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
+        if restore_case(options.directory):
+            print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+        with as_wrong_input():
+            summary = analyse_directory(options.directory, progress=True, figures=options.figures)
+    print_json(summary) if options.json else print(summary_table(summary))
+    _warn_of_zone(summary)
+    return 0
+
+
+def _warn_of_zone(summary: Mapping[str, Any]) -> None:
+    """Print a warning if the size of the packing or block limits the plastic zone."""
+    if warning := zone_warning(summary):
+        warn(f"{summary['name']}: {warning}")

@@ -1,0 +1,56 @@
+"""Output on terminals and for programs: colours, tables, JSON, and lines of shells that switch tab completion on."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Container, Sequence
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.files import plain
+
+BOLD, RED, GREEN, YELLOW = "1", "31", "32", "33"  # ANSI codes
+
+SHELLS = ("bash", "zsh", "fish")
+#: Lines that switch completion on, by shell, and the file that they belong into.
+SWITCH_ON = {
+    "bash": ('eval "$(granwave completion bash)"', "~/.bashrc"),
+    "zsh": ('eval "$(granwave completion zsh)"', "~/.zshrc, after compinit"),
+    "fish": ("granwave completion fish | source", "~/.config/fish/config.fish"),
+}
+
+
+def coloured(text: str, code: str, stream: Any) -> str:
+    """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not set."""
+    shows = stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    return f"\033[{code}m{text}\033[0m" if shows else text
+
+
+def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
+    """Format a table; the columns ``left`` are aligned left, the others right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    aligned = [
+        [f"{text:{'<' if k in left else '>'}{width}}" for k, (text, width) in enumerate(zip(row, widths, strict=True))]
+        for row in rows
+    ]
+    return "\n".join("  ".join(row).rstrip() for row in aligned)
+
+
+def warn(text: str) -> None:
+    """Print a warning on standard error."""
+    print(f"granwave: warning: {text}", file=sys.stderr)
+
+
+def print_json(values: Any) -> None:
+    """Print one JSON document, and nothing else, on standard output; NaN and infinity become null."""
+    print(json.dumps(plain(values), indent=2, allow_nan=False, default=_as_text))
+    sys.stdout.flush()
+
+
+def _as_text(value: Any) -> str:
+    """Return a path as text."""
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{type(value).__name__} has no JSON form")

@@ -1,0 +1,183 @@
+"""Checks of a run: energy balance, static equilibrium, contacts at the start."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+from granwave.analysis.result.balance import misfit, work_on_packing
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
+from granwave.workflows.run.lammps_engine import Engine
+
+TOLERANCE = 1e-5  # largest accepted error at any row of the ledger over the energy input
+
+
+@dataclasses.dataclass
+class Balance:
+    """Ledger up to its last complete line.
+
+    Attributes
+    ----------
+    accepted
+        Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
+    error
+        Largest error so far over the largest input, see `granwave.analysis.result.balance`; NaN if any value is NaN.
+    moved
+        Mass of the grains whose displacement is prescribed, kg.
+    row
+        Last row, by column.
+    """
+
+    path: Path
+    accepted: float = TOLERANCE
+    moved: float = 0.0
+    error: float = 0.0
+    _missed: float = 0.0
+    _input: float = 0.0
+    row: dict[str, float] = dataclasses.field(default_factory=dict)
+    _offset: int = 0
+    _columns: tuple[str, ...] = ()
+
+    def read(self) -> Balance:
+        """Read the rows that LAMMPS has written since the last call."""
+        try:
+            with self.path.open("rb") as stream:
+                stream.seek(self._offset)
+                block = stream.read()
+        except FileNotFoundError:
+            return self
+        whole = block[: block.rfind(b"\n") + 1]
+        self._offset += len(whole)
+        for line in whole.decode("ascii").splitlines():
+            self._take(line)
+        return self
+
+    def _take(self, line: str) -> None:
+        if line.startswith("#"):
+            words = tuple(line.lstrip("#").split())
+            self._columns = words if words[:1] == ("step",) else self._columns
+            return
+        self.row = dict(zip(self._columns, map(float, line.split()), strict=True))
+        missed = misfit(self.row)
+        self._missed = missed if math.isnan(missed) else max(self._missed, missed)
+        self._input = max(self._input, work_on_packing(self.row, self.moved))
+        if self._missed != 0:  # NaN too
+            self.error = self._missed / self._input if self._input else math.inf
+
+    @property
+    def closed(self) -> bool:
+        """True if the balance has closed so far."""
+        return self.error <= self.accepted  # false for NaN
+
+
+LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
+
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
+
+_ADVICE = (
+    'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
+    "friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
+)
+_SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
+
+
+def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
+    """Read and check the record of the static stage.
+
+    Returns
+    -------
+    dict
+        Values by column, see `granwave.lammps_inputs.deck.static_stage.RECORD`; SI units.
+
+    Raises
+    ------
+    RunError
+        The packing is not in equilibrium, or has rearranged.
+    """
+    title, values = (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+    found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
+    advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
+    moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(assemble(case))))
+    if not moved <= limit:
+        raise RunError(
+            f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
+        )
+    if not found["residual"] <= LARGEST_RESIDUAL:
+        raise RunError(
+            f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
+            f"{found['residual']:.1e} of the largest contact force is left, expected at most {LARGEST_RESIDUAL:.0e}; "
+            f"{advice}"
+        )
+    for name, asked in (case.precompression.presses if case.precompression else {}).items():
+        force = found[f"force_{name}"]
+        if not abs(force / asked - 1) <= FORCE_TOLERANCE:
+            raise RunError(
+                f"precompression: the {name} walls bear {force:.6g} N after the static stage, expected {asked:.6g} N: "
+                "their distance is found with elastic contacts, and under this force some yield, or the walls press "
+                f"on nothing; take a smaller {name}_force, or give the distance {name}"
+            )
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Neighbours:
+    """Neighbours at the start.
+
+    Attributes
+    ----------
+    kind
+        Kind of the packing.
+    pairs
+        Number of pairs of spheres at neighbouring sites.
+    reach
+        Distance within which LAMMPS must find them, m.
+    """
+
+    kind: str
+    pairs: int
+    reach: float
+
+
+def expected_neighbours(case: Case) -> Neighbours | None:
+    """Return the neighbours that LAMMPS must find at the start; None if no one distance tells them.
+
+    Packings of unlike spheres hold an array of all sites for this; one rank does it for all.
+    """
+    packing, assembly = case.packing, assemble(case)
+    sites = assembly.sites
+    unlike = sites is not None and (sites.stacked is not None or packing.grains is not None)
+    if assembly.strikers or assembly.bars or unlike:
+        return None  # one cutoff does not tell contacts of unlike bodies
+    # The sites are one diameter apart, whatever the diameters of the spheres there.
+    forget_gap = case.boundary.forget_gap
+    reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
+    if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
+        return None  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
+    return Neighbours(packing.kind, assembly.n_neighbours, reach)
+
+
+def check_coordination(expected: Neighbours | None, engine: Engine) -> None:
+    """Check that LAMMPS sees every contact of the lattice, none lost to rounding of positions.
+
+    Raises
+    ------
+    RunError
+        It finds another number.
+    """
+    if expected is None:
+        return
+    engine.commands(
+        f"compute start_coordination all coord/atom cutoff {expected.reach!r}\n"
+        "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
+    )
+    found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
+    engine.commands("uncompute start_contacts\nuncompute start_coordination")
+    if round(found) != expected.pairs:
+        raise RunError(
+            f"{expected.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected.pairs}"
+        )

@@ -1,0 +1,259 @@
+"""A cluster with Slurm: the profile that `granwave scan --profile FILE` reads, the queue, and how jobs ended."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, Literal
+
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    custom,
+    number,
+    read_table,
+    text,
+    whole,
+)
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import read_toml
+from granwave.workflows.scanning import layout
+
+
+def _positive(value: Any) -> int:
+    return whole(value, "a whole number from 1 up")
+
+
+def _lines(value: Any) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and all(isinstance(line, str) for line in value):
+        return "\n".join(value)
+    raise ValidationError("shell commands, a string or a list of strings")
+
+
+#: Options that are keys of the profile, and options that granwave sets.
+_KEYS = {
+    "--partition": "partition", "-p": "partition", "--account": "account", "-A": "account", "--time": "time",
+    "-t": "time", "--mem": "memory", "--mem-per-cpu": "memory", "--nodes": "nodes", "-N": "nodes",
+}  # fmt: skip
+_OURS = (
+    "--job-name", "-J", "--output", "-o", "--error", "-e", "--parsable", "--export", "--comment", "--workdir",
+    "--chdir", "-D", "--ntasks", "-n", "--cpus-per-task", "-c", "--signal", "--wrap",
+)  # fmt: skip
+
+
+def _options(value: Any) -> str:
+    """Parse options of sbatch; refuse those of `_KEYS` and `_OURS`."""
+    if not isinstance(value, str):
+        raise ValidationError("options of sbatch, a string")
+    try:
+        words = shlex.split(value)
+    except ValueError:  # unbalanced quotation mark
+        raise ValidationError("options of sbatch, as in a shell") from None
+    for name in (word.partition("=")[0] for word in words):
+        if name in _KEYS:
+            raise ValidationError(f"no {name}: it is the key slurm.{_KEYS[name]}")
+        if name in _OURS:
+            raise ValidationError(f"no {name}: granwave gives it to each job")
+    return value
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Profile:
+    """``[slurm]`` of a profile file."""
+
+    partition: str | None = text("partition to submit to", default=None)
+    account: str | None = text("account to charge", default=None)
+    time: int | None = custom(
+        "time limit of a job, minutes; default: thrice the expected time", _positive, default=None
+    )
+    memory: int | None = custom("memory of a job, MB; default: what its points need", _positive, default=None)
+    jobs: int = custom("jobs at once, where --jobs is not given", _positive, default=100)
+    nodes: int = custom("nodes that the ranks of a point are spread over", _positive, default=1)
+    launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
+    before: str = custom("shell commands before each job, such as module load ...", _lines, default="")
+    options: str = custom("further options for sbatch, such as --constraint=...", _options, default="")
+    job_start: float = number("time that it takes to start a job, s", above=0, default=15.0)
+    status: Literal["squeue", "sacct"] = choice(
+        "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
+    )
+
+
+def load_profile(path: str | Path) -> Profile:
+    """Read a profile file.
+
+    Raises
+    ------
+    InputError
+        The file is wrong; the message lists all faults.
+    """
+    data = read_toml(path)
+    errors = ErrorList(str(path))
+    if set(data) != {"slurm"}:
+        errors.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
+        raise InputError(errors.lines)
+    profile = read_table(Profile, data["slurm"], "slurm", errors)
+    if profile is None:
+        raise InputError(errors.lines)
+    return profile
+
+
+_BATCH = re.compile(r"rule_(?:serial|parallel)_wildcards_(\w+)")  # in the comment that Snakemake gives a job
+_ANSWER = 60.0  # s, time limit for an answer of Slurm
+
+
+@dataclasses.dataclass(frozen=True)
+class QueuedJob:
+    """A pending or running job; ``reason``: why it is pending, as Slurm gives it."""
+
+    id: str
+    pending: bool
+    points: tuple[str, ...]
+    reason: str = ""
+
+
+def check_slurm() -> None:
+    """Raise InputError if Slurm is not installed on this machine, or does not answer."""
+    for command in ("sbatch", "squeue", "srun"):
+        if shutil.which(command) is None:
+            raise InputError(
+                f"--executor slurm: there is no {command} here; run it on a login node of the cluster, "
+                "or take --executor local"
+            )
+    try:
+        ask(["squeue", "--me", "--noheader", "--format=%i"])
+    except RunError as error:
+        raise InputError(f"--executor slurm: {error}") from None
+
+
+def jobs_of(directory: Path) -> list[QueuedJob]:
+    """Return the pending and running jobs of a scan, including those of earlier drivers.
+
+    Raises
+    ------
+    RunError
+        Slurm does not answer, so that its jobs are unknown.
+    """
+    jobs = []
+    for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
+        name, state, reason, comment, place = line.split("|", 4)
+        batch = _BATCH.search(comment)
+        if batch and os.path.realpath(place) == os.path.realpath(directory):
+            points = _points(directory / layout.BATCHES / f"{batch[1]}.json")
+            jobs.append(QueuedJob(name, state == "PENDING", points, reason))
+    return jobs
+
+
+def cancel(jobs: list[QueuedJob]) -> None:
+    """Cancel jobs; running ones get SIGTERM and some seconds to stop."""
+    if jobs:
+        ask(["scancel", *(job.id for job in jobs)])
+
+
+def _points(batch: Path) -> tuple[str, ...]:
+    try:
+        return tuple(point["id"] for point in json.loads(batch.read_text(encoding="utf-8"))["points"])
+    except FileNotFoundError:
+        return ()
+
+
+def ask(command: list[str]) -> str:
+    """Return the output of a command of Slurm; raise RunError with its message on failure."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False)
+    except OSError as error:
+        raise RunError(f"{command[0]} cannot be run: {error.strerror}") from None
+    except subprocess.TimeoutExpired:
+        raise RunError(f"{command[0]} does not answer; is the Slurm controller up?") from None
+    if done.returncode:
+        raise RunError(f"{command[0]} failed: {' '.join(done.stderr.split())}")
+    return done.stdout
+
+
+_OF_ITSELF = ("", "COMPLETED", "COMPLETING", "RUNNING", "PENDING", "CONFIGURING", "SUSPENDED")
+_SLURM_ERROR = re.compile(r"slurmstepd[^:]*: error: (.+)")  # in the log of a job
+_REMEDIES = {
+    r"OUT_OF_MEMORY|oom|memory limit": "give more slurm.memory in the profile",
+    r"TIMEOUT|TIME LIMIT": "give a longer slurm.time in the profile",
+}
+
+
+def note_refused(directory: Path, points: Iterable[str], reason: str) -> None:
+    """Mark points whose jobs could not be submitted as failed, for this reason."""
+    for point in points:
+        record = {"state": layout.FAILED, "reason": f"Slurm did not run the job: {reason}"}
+        layout.write_state(layout.unfinished(directory, point), **{**layout.state(directory, point), **record})
+
+
+def note_ended(directory: Path, points: Iterable[str]) -> None:
+    """Record why Slurm ended the jobs of unfinished points; a point fails with the second such job."""
+    with contextlib.suppress(RunError):  # if Slurm does not answer, only its reasons are missing
+        live = {name for job in jobs_of(directory) for name in job.points}
+        for point in points:
+            if point not in live and not layout.is_done(directory, point):
+                _note(directory, point)
+
+
+def _note(directory: Path, point: str) -> None:
+    state = layout.state(directory, point)
+    job = state.get("job")
+    if not job or state.get("asked") == job or not (reason := end_of(directory, job)):
+        return
+    in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
+    record = {
+        "state": layout.FAILED if in_work and last else state.get("state"),
+        "reason": reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
+        "asked": job,
+    }
+    layout.write_state(layout.unfinished(directory, point), **{**state, **record})
+
+
+def end_of(directory: Path, job: str) -> str:
+    """Return why Slurm ended a job of a scan, with a remedy; empty if it did not, or has no record of the job.
+
+    An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
+    """
+    state = _state_of(job)
+    lines = [line for log in (directory / layout.LOGS).glob(f"rule_*/*/{job}.log") for line in _lines_of(log)]
+    errors = "; ".join(dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line))))
+    if not state:
+        return ""
+    remedy = next((text for sign, text in _REMEDIES.items() if re.search(sign, f"{state} {errors}", re.IGNORECASE)), "")
+    return f"Slurm ended job {job}: {state}{f': {errors}' if errors else ''}{f'; {remedy}' if remedy else ''}"
+
+
+def _state_of(job: str) -> str:
+    """Return Slurm's state of an ended job, with its reason; empty if it ended by itself, or has not ended."""
+    try:
+        found = ask(["scontrol", "--oneliner", "show", "job", job])
+        state, reason, status = (re.search(rf"\b{key}=(\S+)", found) for key in ("JobState", "Reason", "ExitCode"))
+        words = [match[1] if match else "" for match in (state, reason, status)]
+    except RunError:  # scontrol has no record of old jobs
+        if shutil.which("sacct") is None:
+            return ""
+        try:
+            lines = ask(["sacct", "-X", "-n", "-P", "-j", job, "-o", "State,Reason,ExitCode"]).splitlines()
+        except RunError:  # there is no accounting
+            return ""
+        words = lines[-1].split("|") if lines else ["", "", ""]
+    state_word, reason_word, code = words
+    if state_word in _OF_ITSELF or (state_word == "FAILED" and code.endswith(":0")):
+        return ""
+    return state_word if reason_word in ("None", "") else f"{state_word} ({reason_word})"
+
+
+def _lines_of(log: Path) -> list[str]:
+    try:
+        return log.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return []
