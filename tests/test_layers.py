@@ -175,7 +175,7 @@ def test_no_circle_of_includes():
     for path in sources:
         found = re.findall(r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE)
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
-    assert len(graph) > 40
+    assert len(graph) > 30
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
 
 
