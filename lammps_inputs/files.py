@@ -1,4 +1,10 @@
-"""Files: atomic replacement, system errors that name their file, rows of CSV, TOML with absolute paths; free memory."""
+"""Files: atomic replacement, system errors that name their file, rows of CSV, TOML with absolute paths; free memory.
+
+Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths that cases and scans
+name are made absolute as soon as they are read: one in a file is relative to the folder of that file (`read_toml`), one
+in ``--set`` or in a Python mapping to the working directory (`parse_overrides`, `case_from_dict`). Code that opens the
+file need not know.
+"""
 
 from __future__ import annotations
 

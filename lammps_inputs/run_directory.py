@@ -159,7 +159,13 @@ _EXPORTS = re.compile(
 
 
 def recognise(directory: Path) -> Marker | None:
-    """Return the marker that version 0.1.0 would have written; None if granwave wrote nothing."""
+    """Return the marker that version 0.1.0 would have written; None if granwave wrote nothing.
+
+    Names prove nothing: other programs may write a ``case.toml`` or a ``figures``. Deck and output of LAMMPS are
+    recognised by the header of ``in.granwave`` or the table ``[resolved]`` of ``case.toml``; ``run.json``,
+    ``summary.json``, ``result.h5`` and the files of a scan by their keys, or, if damaged, by other files of granwave
+    beside them; figures by a PDF of matplotlib without a date.
+    """
     case = ""
     if found := _scan(directory):
         kind = SCAN

@@ -179,8 +179,10 @@ def test_no_circle_of_includes():
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
 
 
-#: Citations of the origin of values.
-NAME_A_SOURCE = ("lammps_inputs/case/materials.toml",)
+#: May name a source.
+NAME_A_SOURCE = (
+    "lammps_inputs/case/materials.toml",  # cites the origin of its values
+)  # fmt: skip
 
 
 def test_the_packages_name_no_source() -> None:

@@ -47,7 +47,7 @@ class Inputs:
     energy_continuum
         Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
     velocity_normalised
-        As in a packing's summary.json.
+        In units in which materials fall on one curve.
     """
 
     energy: float
@@ -58,23 +58,10 @@ class Inputs:
 
 @dataclasses.dataclass(frozen=True)
 class Counterpart:
-    """Case of equal input, as a command; without words if there is none.
+    """Case of equal input, as a command to be pasted into a shell; or the reason why there is none."""
 
-    Attributes
-    ----------
-    words
-        Command and arguments.
-    reason
-        Reason why there is none.
-    """
-
-    words: tuple[str, ...] = ()
+    command: str = ""
     reason: str = ""
-
-    @property
-    def command(self) -> str:
-        """The command, to be pasted into a shell."""
-        return shlex.join(self.words)
 
 
 def energy_unit(material: Material, diameter: float) -> float | None:
@@ -194,7 +181,7 @@ def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> C
     words = ["granwave", verb, base]
     for key, value in changes.items():
         words += ["--set", f"{key}={_written(value)}"]
-    return Counterpart((*words, "-o", directory))
+    return Counterpart(shlex.join([*words, "-o", directory]))
 
 
 def _written(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""Bands, modes and transmission of a case or of a finished run, with their files."""
+"""Bands, modes and transmission of a case or of a finished run: computed, and written to a directory."""
 
 from __future__ import annotations
 
@@ -31,11 +31,69 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import RESULT_FILE, SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
-_BANDS, _MODES, _TRANSMISSION = "bands", "modes", "transmission"
-_FREQUENCIES = 400  # between the lowest and highest mode, where none are given
 _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
 _LOWEST_MODES = 2  # of a large packing: whether it buckles
 _LOG = logging.getLogger("granwave")
+
+Figures = Mapping[str, Callable[[], Drawing | None]]
+
+
+def check_place(directory: Path | None, name: str, source: Case | Path, *, force: bool) -> Path | None:
+    """Return the absolute path of a directory for results of this name; None if there is none.
+
+    Raises
+    ------
+    InputError
+        It holds such results already, those of another case or kind, or files that granwave did not write.
+    """
+    if directory is None:
+        return None
+    if isinstance(source, Case):
+        case = source.to_toml()
+    else:
+        with Result(source) as result:
+            case = result.case.to_toml()
+    place = results_directory(directory, force=force)
+    refuse_other_kind(place, SPECTRA)
+    names = [f"{name}.csv", f"{name}.json"]
+    others = [one for one in results_in(place) if one not in names and one.endswith((".csv", ".json"))]
+    if not force and others and case_in(place / SPECTRA_FILE) not in ("", case):
+        raise InputError(
+            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, or choose "
+            "another directory with -o"
+        )
+    if not force and (there := sorted(set(names) & set(results_in(place)))):
+        raise InputError(
+            f"{place}: already holds results ({there[0]}); --force replaces them, or choose another directory with -o"
+        )
+    refuse_foreign(place, [*names, SPECTRA_FILE])
+    return place
+
+
+def write_output(
+    directory: Path,
+    name: str,
+    state: State,
+    tables: Mapping[str, Table],
+    columns: Columns,
+    summary: Mapping[str, Any],
+    figures: Figures,
+) -> list[Path]:
+    """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
+    with held(directory):
+        names = [f"{name}.csv", f"{name}.json"]
+        if case_in(directory / SPECTRA_FILE) not in ("", state.case.to_toml()):
+            clear(directory)  # with --force: tables of the other case would lie beside those of this one
+        claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
+        write_spectra(directory / SPECTRA_FILE, state, tables)
+        with replacing(directory / names[0]) as scratch:
+            write_csv(columns, scratch)
+        replace_text(directory / names[1], json.dumps(plain(dict(summary)), indent=1, allow_nan=False) + "\n")
+        folder = FigureFolder(directory)
+        with style():
+            for figure, draw in figures.items():
+                folder.draw(draw, figure)
+    return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -47,17 +105,17 @@ class Finite:
 
     def summary(self) -> dict[str, Any]:
         """Return the values of modes.json."""
-        frequency = self.modes.frequency
+        frequency, network = self.modes.frequency, self.state.network
         above = frequency[frequency > 0]
         return {
             "name": self.state.name,
             "kind": "modes",
             "source": self.state.source,
-            "n_grains": self.state.network.n_grains,
-            "n_contacts": len(self.state.network.springs),
-            "n_wall_contacts": len(self.state.network.supports),
-            "n_left_out": len(self.state.network.left_out),
-            "n_freedoms": self.state.network.n_freedoms,
+            "n_grains": network.n_grains,
+            "n_contacts": len(network.springs),
+            "n_wall_contacts": len(network.supports),
+            "n_left_out": len(network.left_out),
+            "n_freedoms": network.n_freedoms,
             "n_modes": len(frequency),
             "n_floppy": self.modes.n_floppy,
             "lowest_frequency_Hz": float(above.min()) if len(above) else None,
@@ -93,7 +151,7 @@ def bands(
     BandStructure, list of Path
         The bands, and the files.
     """
-    place = None if directory is None else check_place(directory, _BANDS, force=force, case=_text(source))
+    place = check_place(directory, "bands", source, force=force)
     found = band_structure(
         source,
         path,
@@ -122,7 +180,7 @@ def bands(
             "mode_shapes": lambda: draw.mode_shapes(found),
         }
     tables = files.tables_of_bands(found)
-    return found, write_output(place, _BANDS, found.state, tables, columns, found.summary(), drawn)
+    return found, write_output(place, "bands", found.state, tables, columns, found.summary(), drawn)
 
 
 def modes(
@@ -151,7 +209,7 @@ def modes(
     InputError
         The packing bears no load, or is not rigid.
     """
-    place = None if directory is None else check_place(directory, _MODES, force=force, case=_text(source))
+    place = check_place(directory, "modes", source, force=force)
     state = _finite(source, directions)
     found = Finite(state, solve_modes(stiffness_of(state.network), n_modes))
     if found.modes.n_floppy and not allow_floppy:
@@ -175,7 +233,7 @@ def modes(
             "participation": lambda: draw.participation(found.modes),
         }
     tables = files.tables_of_modes(state, found.modes)
-    return found, write_output(place, _MODES, state, tables, columns, found.summary(), drawn)
+    return found, write_output(place, "modes", state, tables, columns, found.summary(), drawn)
 
 
 def steady(
@@ -204,7 +262,7 @@ def steady(
     axis
         Direction of drive and sensors; empty for z, or x in a packing of one layer.
     """
-    place = None if directory is None else check_place(directory, _TRANSMISSION, force=force, case=_text(source))
+    place = check_place(directory, "transmission", source, force=force)
     if not len(frequencies) or not np.isfinite(frequencies).all() or (frequencies < 0).any():
         raise InputError("--frequencies: expected numbers from 0 up (Hz)")
     if frequencies.max() > _HIGHEST:
@@ -239,7 +297,7 @@ def steady(
         drawn = {"transmission": lambda: draw.transmission_curve(found)}
     tables = files.tables_of_transmission(state, found)
     summary = transmission_summary(state, found)
-    return found, state, write_output(place, _TRANSMISSION, state, tables, columns, summary, drawn)
+    return found, state, write_output(place, "transmission", state, tables, columns, summary, drawn)
 
 
 def _note_buckling(state: State) -> None:
@@ -276,14 +334,6 @@ def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
     }
 
 
-def _text(source: Case | Path) -> str:
-    """Return the text of the case that a state is of."""
-    if isinstance(source, Case):
-        return source.to_toml()
-    with Result(source) as result:
-        return result.case.to_toml()
-
-
 def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
     """Return the case of this name or file, or the directory of a finished run.
 
@@ -311,66 +361,3 @@ def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> St
     if not directions:
         return state
     return dataclasses.replace(state, network=state.network.turned_off(directions))
-
-
-Figures = Mapping[str, Callable[[], Drawing | None]]
-
-
-def check_place(directory: Path, name: str, *, force: bool, case: str | None = None) -> Path:
-    """Return the absolute path of a directory for results of this name.
-
-    Parameters
-    ----------
-    case
-        Text of the case; None where it is known later alone.
-
-    Raises
-    ------
-    InputError
-        It holds such results already, those of another case or kind, or files that granwave did not write.
-    """
-    place = results_directory(directory, force=force)
-    refuse_other_kind(place, SPECTRA)
-    names = _names(name)
-    others = [one for one in results_in(place) if one not in names and one.endswith((".csv", ".json"))]
-    if not force and case is not None and others and case_in(place / SPECTRA_FILE) not in ("", case):
-        raise InputError(
-            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, or choose "
-            "another directory with -o"
-        )
-    if not force and (there := sorted(set(names) & set(results_in(place)))):
-        raise InputError(
-            f"{place}: already holds results ({there[0]}); --force replaces them, or choose another directory with -o"
-        )
-    refuse_foreign(place, [*names, SPECTRA_FILE])
-    return place
-
-
-def write_output(
-    directory: Path,
-    name: str,
-    state: State,
-    tables: Mapping[str, Table],
-    columns: Columns,
-    summary: Mapping[str, Any],
-    figures: Figures,
-) -> list[Path]:
-    """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
-    with held(directory):
-        names = _names(name)
-        if case_in(directory / SPECTRA_FILE) not in ("", state.case.to_toml()):
-            clear(directory)  # with --force: tables of the other case would lie beside those of this one
-        claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
-        write_spectra(directory / SPECTRA_FILE, state, tables)
-        with replacing(directory / names[0]) as scratch:
-            write_csv(columns, scratch)
-        replace_text(directory / names[1], json.dumps(plain(dict(summary)), indent=1, allow_nan=False) + "\n")
-        folder = FigureFolder(directory)
-        with style():
-            for figure, draw in figures.items():
-                folder.draw(draw, figure)
-    return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
-
-
-def _names(name: str) -> Sequence[str]:
-    return [f"{name}.csv", f"{name}.json"]

@@ -87,12 +87,6 @@ SUITES = {
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "lateral": Suite("Plane crystals between walls", "scan", ("lateral",)),
-    "filter": Suite("A row that filters waves", "scan", ("filter",)),
-    "filter-maps": Suite("The filter over diameter, length and approach", "scan", ("filter-maps",)),
-    "switch": Suite("A row that switches", "scan", ("switch",)),
-    "interstitial-fcc": Suite("Small grains in the holes of a packing", "scan", ("interstitial-fcc",)),
-    "bands": Suite("Waves in frequency", "scan", ("bands",)),
 }
 
 
@@ -195,12 +189,13 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
 
 
 def _code(file: Path) -> str:
-    """Return the lines of a module without comments, docstrings and indentation."""
+    """Return the lines of a module that make rows: without comments, docstrings, indentation and `pictures`."""
     text = file.read_text(encoding="utf-8")
-    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
-    docstrings = [node.body[0] for node in ast.walk(ast.parse(text)) if isinstance(node, documented)
-                  and ast.get_docstring(node, clean=False) is not None]  # fmt: skip
-    left_out = {line for one in docstrings for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)}
+    documented, nodes = (ast.Module, ast.ClassDef, ast.FunctionDef), list(ast.walk(ast.parse(text)))
+    no_rows = [node for node in nodes if isinstance(node, ast.FunctionDef) and node.name == "pictures"]
+    no_rows += [node.body[0] for node in nodes if isinstance(node, documented)
+                and ast.get_docstring(node, clean=False) is not None]  # fmt: skip
+    left_out = {line for one in no_rows for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)}
     lines = [line.strip() for number, line in enumerate(text.splitlines(), start=1) if number not in left_out]
     return "\n".join(line for line in lines if line and not line.startswith("#"))
 

@@ -1,6 +1,6 @@
 """Bodies other than the equal spheres of a packing, sensors, and spheres that absorb waves.
 
-[[replace]]                  spheres of another material or diameter
+    [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
     [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain
     [[hold]]                     grains that do not move

@@ -1,4 +1,9 @@
-"""Tables of a case file to the fields of `Case`, with all faults, and overrides from the command line or a scan."""
+"""Tables of a case file to the fields of `Case`, with all faults, and overrides from the command line or a scan.
+
+Overrides are ``KEY=VALUE`` with dotted keys and TOML values. Bare words are strings: ``packing.kind=hcp``,
+``material=steel``. Only the named key changes. The name of a table replaces the whole table: ``material=steel`` drops
+the keys of an earlier ``[material]``. Entries of an array of tables are numbered from 1: ``replace.2.index=8``.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Dead loads of ``[precompression]``, and spheres that absorb waves, ``[[absorb]]``.
 
-Dead loads of ``[precompression]``: constant forces on spheres during the static stage and the run.
+Dead loads are constant forces on spheres during the static stage and the run:
 
 uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
            pressure, pressure times area of a cell; the opposite force on the last sphere of a chain without a bottom

@@ -1,7 +1,5 @@
 """Row along which the transmission of a load that oscillates is measured, and the time that waves take along it.
 
-Time that a wave packet of one frequency takes along a row under a static load.
-
 Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the next by
 
     s' = s - m omega^2 u,   u' = u + s'/k

@@ -1,4 +1,7 @@
-"""Output of LAMMPS: snapshots, histories, probes, walls in time, contacts at the end and after the static stage."""
+"""Output of LAMMPS: snapshots, histories, probes, walls in time, contacts at the end and after the static stage.
+
+The forces after the static stage are written once, by the start of a run; a run that is resumed keeps the files.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
-#include "../laws/collision.h"
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
@@ -14,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
@@ -43,14 +43,10 @@ py::dict by_name(const LawConstants &constants)
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
-  if (entry.takes(VARIANT)) names.append("variant");
-  if (entry.takes(YIELD_FACTOR)) names.append("yield_factor");
-  if (entry.takes(BETA)) names.append("beta");
-  if (entry.takes(CONSTANTS)) names.append("constants");
-  if (entry.takes(POWER)) {
-    names.append("constant");
-    names.append("exponent");
-  }
+  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER};
+  constexpr const char *NAMES[] = {"variant", "yield_factor", "beta", "constants", "constant", "exponent"};
+  for (std::size_t k = 0; k < std::size(OPTIONS); k++)
+    if (entry.options & OPTIONS[k]) names.append(NAMES[k]);
   return py::tuple(names);
 }
 
@@ -59,6 +55,60 @@ const LawEntry &known_law(const std::string &name)
   const LawEntry *const entry = find_law(name);
   if (!entry) throw py::value_error("law must be one of " + law_names(", ") + ", found '" + name + "'");
   return *entry;
+}
+
+/* Head-on collision of two bodies with a contact law and a viscous loss, by the classical Runge-Kutta method. */
+struct Collision {
+  double restitution;    // speed of separation over that of approach, 0 if the bodies do not part, NaN if nothing stops them
+  double duration, peak_force, peak_overlap;
+};
+
+/* Collide bodies of an effective mass with a speed of approach. `steps` is about the number of steps in the collision. */
+Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, double speed, int steps)
+{
+  constexpr double MOST_OVERLAP = 4.0;    // over the effective radius
+  constexpr double LONGEST = 50.0;    // end of a collision in which the bodies do not part, over its duration without loss
+  // the time scale: overlap at which first loading has taken up the kinetic energy, over the speed
+  const std::vector<double> zero(std::max(law.law().entry().n_extra, 1), 0.0);
+  const double energy = 0.5 * mass * speed * speed;
+  double low = 0.0, high = 1e-9 * law.effective_radius();
+  const double most = std::min(law.largest_overlap(), MOST_OVERLAP * law.effective_radius());
+  while (high < most && law.loading_work(high, zero.data()) < energy) high *= 2.0;
+  if (!(high < most)) return {NAN, NAN, NAN, NAN};
+  for (int n = 0; n < 60; n++) {
+    const double middle = 0.5 * (low + high);
+    (law.loading_work(middle, zero.data()) < energy ? low : high) = middle;
+  }
+  const double scale = 2.9432 * high / speed;    // duration of a Hertzian collision
+
+  std::vector<double> extra(zero);
+  double peak = 0.0, peak_force = 0.0, t = 0.0, x = 0.0, v = speed;
+  const auto force = [&](double overlap, double rate) {
+    if (overlap <= 0.0) return 0.0;
+    const LawHistory h{std::max(peak, overlap), extra.data()};
+    const double of_law = law.force(overlap, h);
+    return of_law + viscous_force(of_law, loss.coefficient(law.tangent_stiffness(overlap, h), mass), rate);
+  };
+  const double usual = scale / steps;
+  while (t < LONGEST * scale) {
+    // a loss that is large beside the inertia needs shorter steps
+    const LawHistory h{std::max(peak, x), extra.data()};
+    const double c = x > 0.0 ? loss.coefficient(law.tangent_stiffness(x, h), mass) : 0.0;
+    const double dt = c > 0.0 ? std::min(usual, 0.5 * mass / c) : usual;
+    const auto slope = [&](double at, double rate) { return -force(at, rate) / mass; };
+    const double a1 = slope(x, v), v2 = v + 0.5 * dt * a1, a2 = slope(x + 0.5 * dt * v, v2), v3 = v + 0.5 * dt * a2,
+                 a3 = slope(x + 0.5 * dt * v2, v3), v4 = v + dt * a3, a4 = slope(x + dt * v3, v4);
+    x += dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
+    v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+    t += dt;
+    if (x <= 0.0) break;
+    law.update(x, peak, extra.data());
+    peak = std::max(peak, x);
+    const double f = force(x, v);
+    peak_force = std::max(peak_force, f);
+    if (v < 0.0 && f == 0.0) break;    // no force from here on: nothing slows the separation
+  }
+  return {v < 0.0 ? -v / speed : 0.0, t, peak_force, peak};
 }
 
 /* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
@@ -130,13 +180,10 @@ class Contact {
                    int steps) const
   {
     if (!(mass > 0.0 && speed > 0.0 && steps > 0)) throw py::value_error("mass, speed and steps must be positive");
-    const Collision found = granwave::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
-    py::dict values;
-    values["restitution"] = found.restitution;
-    values["duration"] = found.duration;
-    values["peak_force"] = found.peak_force;
-    values["peak_overlap"] = found.peak_overlap;
-    return values;
+    const Collision found = ::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
+    using namespace py::literals;
+    return py::dict("restitution"_a = found.restitution, "duration"_a = found.duration, "peak_force"_a = found.peak_force,
+                    "peak_overlap"_a = found.peak_overlap);
   }
   double contact_radius(double overlap, double peak) const
   {

@@ -49,6 +49,18 @@ struct ContactBatch {
   double force_i[3][CAPACITY];    // on sphere i, the opposite on j
   double torque[3][CAPACITY];     // on either sphere, per unit of its lever arm
 
+  /* Put pair `pair` of spheres into place n: indices, vector from `second` to `first`, its length squared. */
+  __attribute__((always_inline)) void put(int n, int pair, int first, int second, double delx, double dely, double delz,
+                                          double square)
+  {
+    k[n] = pair;
+    i[n] = first;
+    j[n] = second;
+    del[0][n] = delx;
+    del[1][n] = dely;
+    del[2][n] = delz;
+    rsq[n] = square;
+  }
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
   /* Compare the overlaps with the peaks before: bit m of `raised` is set if that of pair m is larger, of `yielded` if the larger

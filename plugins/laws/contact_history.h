@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <vector>
 
@@ -57,39 +58,36 @@ struct ForgottenContacts {
 };
 static_assert(sizeof(ForgottenContacts) == ForgottenContacts::SIZE * sizeof(double));
 
-/* Layout of the block of a record. */
+/* State of a contact with friction or initial dents; all members are doubles, for communication. */
+struct ExtendedState {
+  TangentialSpring spring;
+  double initial = 0.0, reached = 0.0;    // initial dent, largest overlap of this run
+};
+
+/* Layout of the block of a record: doubles of the law, and if extended an ExtendedState and initial doubles of the law. */
 struct BlockLayout {
-  static constexpr int N_EXTENDED = 7;
+  static constexpr int N_EXTENDED = sizeof(ExtendedState) / sizeof(double);
 
   int n_extra = 0;          // doubles of the law; the largest number of several laws
   bool extended = false;    // with friction or initial dents
 
   int size() const { return extended ? 2 * n_extra + N_EXTENDED : n_extra; }
-  // The n_extra doubles of the law come first, followed by the others if extended.
-  int spring() const { return n_extra; }               // three force components, compliance, loss
-  int initial() const { return n_extra + 5; }          // initial dent
-  int reached() const { return n_extra + 6; }          // largest overlap of this run
-  int initial_extra() const { return n_extra + 7; }    // initial doubles of the law
+  int initial_extra() const { return n_extra + N_EXTENDED; }
 
   bool operator!=(const BlockLayout &other) const { return n_extra != other.n_extra || extended != other.extended; }
 };
 
 /* Components of a block. */
-struct BlockView {
+struct BlockView : ExtendedState {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
     if (!layout.extended) return;
-    const double *const s = block + layout.spring();
-    spring = {{s[0], s[1], s[2]}, s[3], s[4]};
-    initial = block[layout.initial()];
-    reached = block[layout.reached()];
+    std::memcpy(static_cast<void *>(static_cast<ExtendedState *>(this)), block + layout.n_extra, sizeof(ExtendedState));
     initial_extra = block + layout.initial_extra();
   }
   BlockView() = default;
 
   const double *extra = nullptr, *initial_extra = nullptr;
-  TangentialSpring spring;
-  double initial = 0.0, reached = 0.0;
 };
 
 class ContactHistory {
@@ -116,7 +114,7 @@ class ContactHistory {
     const int n = std::min(from.n_extra, to.n_extra);
     std::copy_n(source, n, target);
     if (!from.extended || !to.extended) return;
-    std::copy_n(source + from.spring(), static_cast<int>(BlockLayout::N_EXTENDED), target + to.spring());
+    std::copy_n(source + from.n_extra, static_cast<int>(BlockLayout::N_EXTENDED), target + to.n_extra);
     std::copy_n(source + from.initial_extra(), n, target + to.initial_extra());
   }
 
@@ -170,10 +168,8 @@ class ContactHistory {
     } else if (first_[i] + count_[i] != pool_.size()) {
       const std::size_t from = first_[i], size = layout_.size();
       first_[i] = pool_.size();
-      for (int k = 0; k < count_[i]; k++) {
-        const ContactRecord moved = pool_[from + k];
-        pool_.push_back(moved);
-      }
+      pool_.resize(pool_.size() + count_[i]);
+      std::copy_n(pool_.data() + from, count_[i], pool_.data() + first_[i]);
       blocks_.resize(pool_.size() * size);
       std::copy_n(blocks_.data() + from * size, count_[i] * size, blocks_.data() + first_[i] * size);
     }

@@ -13,8 +13,8 @@
 #ifndef GRANWAVE_ELASTOPLASTIC_H
 #define GRANWAVE_ELASTOPLASTIC_H
 
-#include "hertz.h"
 #include "material.h"
+#include "simple_laws.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -33,7 +33,6 @@ struct LawConstants {
   double unloading_exponent = 1.35;                                                // thesis 2.12
 
   inline bool operator==(const LawConstants &other) const;
-  bool operator!=(const LawConstants &other) const { return !(*this == other); }
 };
 
 /* Names of the constants in input scripts, case files and Python, in the order of restart files. */

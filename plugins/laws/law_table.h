@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Table of contact laws, with their names and options in input scripts, restart files and Python. A new law requires a
-   header in this folder, its class in AnyLaw, and an entry in law_table.cpp. No LAMMPS types. */
+   header in this folder, its class in AnyLaw, and an entry in law_arguments.cpp. No LAMMPS types. */
 
 #ifndef GRANWAVE_LAW_TABLE_H
 #define GRANWAVE_LAW_TABLE_H
 
-#include "bilinear.h"
 #include "elastoplastic.h"
-#include "hertz.h"
-#include "thornton.h"
+#include "simple_laws.h"
 
 #include <string>
 #include <variant>

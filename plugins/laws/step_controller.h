@@ -73,14 +73,8 @@ class StepController {
   /* Take up a state from a restart file. Returns the ticks of the present step. */
   std::int64_t restore(const double *state)
   {
-    ticks_ = static_cast<std::int64_t>(state[0]);
-    wanted_ = static_cast<std::int64_t>(state[1]);
-    steps_ = static_cast<std::int64_t>(state[2]);
-    since_ = static_cast<std::int64_t>(state[3]);
-    start_ = state[4];
-    left_ = state[5];
-    swing_ = state[6];
-    swing_before_ = state[7];
+    for (std::int64_t *number : {&ticks_, &wanted_, &steps_, &since_}) *number = static_cast<std::int64_t>(*state++);
+    for (double *number : {&start_, &left_, &swing_, &swing_before_}) *number = *state++;
     return ticks_;
   }
 

@@ -23,10 +23,11 @@
 #ifndef GRANWAVE_SUPPORT_H
 #define GRANWAVE_SUPPORT_H
 
+#include "material.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -84,11 +85,11 @@ class Support {
   double critical_timestep(double contacts = 0.0) const
   {
     const double ground = mass_.size() == 1 ? ground_stiffness_ : 0.0;
-    if (massless()) return contacts > 0.0 ? ground_damping_ / contacts : INFINITE_TIME;
+    if (massless()) return contacts > 0.0 ? ground_damping_ / contacts : INFINITE;
     const double spring = mass_.size() == 1 ? 0.0 : stiffness_;
     const double of_plane = 2.0 * std::sqrt(mass_[0] / (ground + spring + contacts));
     // chain of equal masses with halves at its ends: the highest frequency is 2 sqrt(k/m)
-    const double of_chain = mass_.size() > 1 ? std::sqrt(2.0 * mass_[0] / stiffness_) : INFINITE_TIME;
+    const double of_chain = mass_.size() > 1 ? std::sqrt(2.0 * mass_[0] / stiffness_) : INFINITE;
     return std::min(of_plane, of_chain);
   }
 
@@ -201,10 +202,8 @@ class Support {
   void restore(const double *all)
   {
     started_ = all[0] != 0.0;
-    force_ = all[1];
-    earlier_ = all[2];
-    work_ = all[3];
-    damped_ = all[4];
+    const double *sum = all + 1;
+    for (double *number : {&force_, &earlier_, &work_, &damped_}) *number = *sum++;
     std::copy_n(all + N_STATE, place_.size(), place_.begin());
     std::copy_n(all + N_STATE + place_.size(), speed_.size(), speed_.begin());
     if (bears_) borne_ = all[N_STATE + 2 * place_.size()];
@@ -215,7 +214,6 @@ class Support {
  private:
   static constexpr int MOST_ELEMENTS = 1000000;
   static constexpr std::size_t N_STATE = 5;
-  static constexpr double INFINITE_TIME = std::numeric_limits<double>::infinity();
 
   std::vector<double> mass_, place_, speed_;    // per node, starting at the plane; displacement and velocity
   double stiffness_ = 0.0;                      // of each spring between two nodes

@@ -118,18 +118,12 @@ template <bool UNIFORM> __attribute__((always_inline)) inline int TouchingPairs:
   bool is_far = false;
   touching = 0;
   for (int m = 0; m < g.partners; m++) {
-    const int j = g.partner[m], k = g.pair + m;
+    const int j = g.partner[m];
     const double delx = x[i] - x[j], dely = y[i] - y[j], delz = z[i] - z[j];
     const double rsq = delx * delx + dely * dely + delz * delz;
     if (!UNIFORM) radsum = radius[i] + radius[j];
     const bool touches = !(rsq >= touch_squared(radsum));    // NaN touches
-    batch.k[n] = k;
-    batch.i[n] = i;
-    batch.j[n] = j;
-    batch.del[0][n] = delx;
-    batch.del[1][n] = dely;
-    batch.del[2][n] = delz;
-    batch.rsq[n] = rsq;
+    batch.put(n, g.pair + m, i, j, delx, dely, delz, rsq);
     n += touches;
     is_far |= rsq > (radsum + gap) * (radsum + gap);
     touching |= static_cast<std::uint64_t>(touches) << m;
@@ -158,13 +152,8 @@ template <bool UNIFORM> __attribute__((always_inline)) inline bool TouchingPairs
     std::uint64_t rest = touching;
     for (; rest != 0 && n < CAPACITY; rest &= rest - 1) {    // row by row
       const int at = __builtin_ctzll(rest), l = at >> 3, m = at & 7;
-      batch.k[n] = g.pair + l * g.stride + m;
-      batch.i[n] = g.sphere + l;
-      batch.j[n] = g.partner[m] + l;
-      batch.del[0][n] = d.delx[m][l];
-      batch.del[1][n] = d.dely[m][l];
-      batch.del[2][n] = d.delz[m][l];
-      batch.rsq[n] = d.rsq[m][l];
+      batch.put(n, g.pair + l * g.stride + m, g.sphere + l, g.partner[m] + l, d.delx[m][l], d.dely[m][l], d.delz[m][l],
+                d.rsq[m][l]);
       n++;
     }
     touching = rest;

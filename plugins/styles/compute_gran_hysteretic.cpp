@@ -18,7 +18,11 @@ using namespace LAMMPS_NS;
 using namespace granwave;
 using Report = PairGranHysteretic::Report;
 
-ComputeGranHysteretic::ComputeGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Compute(lmp, narg, arg) {}
+ComputeGranHysteretic::ComputeGranHysteretic(LAMMPS *lmp, int narg, char **arg, int words, const char *expected) :
+    Compute(lmp, narg, arg)
+{
+  if (narg != 3 + words) error->all(FLERR, "Illegal compute {}: {}", style, expected);
+}
 
 ComputeGranHysteretic::~ComputeGranHysteretic()
 {
@@ -30,11 +34,6 @@ void ComputeGranHysteretic::init()
 {
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
   if (!pair) error->all(FLERR, "Compute {} requires pair style {}", style, PairGranHysteretic::STYLE);
-}
-
-void ComputeGranHysteretic::refuse_arguments(int narg)
-{
-  if (narg != 3) error->all(FLERR, "Illegal compute {}: it takes no arguments", style);
 }
 
 /* ---------------------------------------------------------------------- per sphere */
@@ -78,7 +77,6 @@ enum {
 ComputeGranHystereticAtom::ComputeGranHystereticAtom(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  refuse_arguments(narg);
   peratom_flag = 1;
   size_peratom_cols = N_ATOM;
 }
@@ -131,7 +129,6 @@ void ComputeGranHystereticAtom::compute_peratom()
 ComputeGranHystereticSums::ComputeGranHystereticSums(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  refuse_arguments(narg);
   peratom_flag = 1;
   size_peratom_cols = 3;
 }
@@ -156,14 +153,11 @@ void ComputeGranHystereticSums::compute_peratom()
 
 /* ---------------------------------------------------------------------- per contact */
 
-namespace {
 constexpr int N_LOCAL = 20;
-}
 
 ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  refuse_arguments(narg);
   local_flag = 1;
   size_local_cols = N_LOCAL;
 }
@@ -172,34 +166,23 @@ void ComputeGranHystereticLocal::compute_local()
 {
   invoked_local = update->ntimestep;
   values.clear();
+  const auto append = [this](auto... numbers) {
+    static_assert(sizeof...(numbers) == N_LOCAL);
+    values.insert(values.end(), {double(numbers)...});
+  };
   const int nlocal = atom->nlocal;
   pair->for_each_dent([&](const Report &report) {
     if (!(atom->mask[report.i] & groupbit)) return;
     if (report.j >= 0 && !(atom->mask[report.j] & groupbit)) return;
     // a shared pair is on both processors, a forgotten one with both spheres: the owner of the lower ID reports it
     if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
+    const auto [lower, higher] = std::minmax(report.tag_i, report.tag_j);
     const double side = report.tag_i < report.tag_j ? 1.0 : -1.0;    // the force is that on the sphere with the lower ID
-    const double row[N_LOCAL] = {double(std::min(report.tag_i, report.tag_j)),
-                                 double(std::max(report.tag_i, report.tag_j)),
-                                 report.overlap,
-                                 report.force,
-                                 report.dent.peak,
-                                 report.peak_force,
-                                 report.elastic,
-                                 report.dissipated,
-                                 report.dent.time_first,
-                                 report.dent.time_peak,
-                                 report.dent.time_yield,
-                                 report.live ? 1.0 : 0.0,
-                                 report.tangential_force,
-                                 report.tangential_elastic,
-                                 report.frictional_loss,
-                                 report.initial,
-                                 report.viscous_loss,
-                                 side * report.tangential[0],
-                                 side * report.tangential[1],
-                                 side * report.tangential[2]};
-    values.insert(values.end(), row, row + N_LOCAL);
+    const double *const f = report.tangential;
+    const granwave::Dent &dent = report.dent;
+    append(lower, higher, report.overlap, report.force, dent.peak, report.peak_force, report.elastic, report.dissipated,
+           dent.time_first, dent.time_peak, dent.time_yield, report.live, report.tangential_force, report.tangential_elastic,
+           report.frictional_loss, report.initial, report.viscous_loss, side * f[0], side * f[1], side * f[2]);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);
   rows.resize(size_local_rows);
@@ -214,14 +197,11 @@ double ComputeGranHystereticLocal::memory_usage()
 
 /* ---------------------------------------------------------------------- one contact */
 
-namespace {
 constexpr int N_CONTACT = 8;
-}
 
 ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg, char **arg) :
-    ComputeGranHysteretic(lmp, narg, arg)
+    ComputeGranHysteretic(lmp, narg, arg, 2, "expected the ids of two spheres")
 {
-  if (narg != 5) error->all(FLERR, "Illegal compute {}: expected the ids of two spheres", style);
   first = utils::tnumeric(FLERR, arg[3], false, lmp);
   second = utils::tnumeric(FLERR, arg[4], false, lmp);
   if (first == second) error->all(FLERR, "Illegal compute {}: sphere {} has no contact with itself", style, first);
@@ -251,7 +231,6 @@ void ComputeGranHystereticContact::compute_vector()
 ComputeGranHystereticEnergy::ComputeGranHystereticEnergy(LAMMPS *lmp, int narg, char **arg) :
     ComputeGranHysteretic(lmp, narg, arg)
 {
-  refuse_arguments(narg);
   scalar_flag = vector_flag = 1;
   extscalar = extvector = 0;    // sums over contacts, not normalized by the number of atoms
   size_vector = PairGranHysteretic::N_TOTALS;

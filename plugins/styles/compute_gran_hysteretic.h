@@ -21,13 +21,12 @@ class PairGranHysteretic;
 
 class ComputeGranHysteretic : public Compute {
  public:
-  ComputeGranHysteretic(LAMMPS *, int, char **);
+  ComputeGranHysteretic(LAMMPS *, int, char **, int words = 0, const char *expected = "it takes no arguments");
   ~ComputeGranHysteretic() override;
   void init() override;
   double memory_usage() override { return double(nmax) * size_peratom_cols * sizeof(double); }
 
  protected:
-  void refuse_arguments(int narg);
   void start_atoms();    // with zeros
   void finish_atoms();
 

@@ -14,14 +14,10 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-namespace {
-
 constexpr int WORDS = 5;    // of each type
 constexpr const char *USAGE =
     "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
-
-}    // namespace
 
 FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), shapes(atom->ntypes + 1)
 {

@@ -18,13 +18,9 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-namespace {
-
 constexpr double SPHERE = 0.4;    // moment of inertia over m R^2, as in fix nve/sphere
 constexpr const char *USAGE_OF_ABSORB = "expected rate RATE, or rate RATE x|y|z FROM TO, or impedance Z x|y|z";
 constexpr const char *USAGE_OF_HOLDER = "expected x|y|z FRICTION ACCELERATION";
-
-}    // namespace
 
 FixGranDamping::FixGranDamping(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {

@@ -138,8 +138,6 @@ void FixGranLoad::read_table(const char *file)
   shape = LoadShape(rows);
 }
 
-int FixGranLoad::setmask() { return moves ? FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : FixConst::POST_FORCE; }
-
 void FixGranLoad::init()
 {
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
@@ -292,9 +290,9 @@ void FixGranLoad::final_integrate()
 
 /* ---------------------------------------------------------------------- output and restart */
 
-void FixGranLoad::totals(double (&sum)[N_TOTALS]) const
+std::array<double, FixGranLoad::N_TOTALS> FixGranLoad::totals() const
 {
-  double mine[N_TOTALS] = {total[WORK], total[IMPULSE], total[DISPLACEMENT], 0.0};
+  std::array<double, N_TOTALS> mine = {total[WORK], total[IMPULSE], total[DISPLACEMENT], 0.0}, sum;
   if (moves) mine[FORCE] = -force_on_group();
   else if (started) mine[WORK] += half_kick_work(update->dt);
   if (comm->me == 0) {
@@ -304,22 +302,14 @@ void FixGranLoad::totals(double (&sum)[N_TOTALS]) const
       mine[IMPULSE] += mass * velocity;
     }
   }
-  MPI_Allreduce(mine, sum, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
-}
-
-double FixGranLoad::compute_scalar()
-{
-  double sum[N_TOTALS];
-  totals(sum);
-  return sum[WORK];
+  MPI_Allreduce(mine.data(), sum.data(), N_TOTALS, MPI_DOUBLE, MPI_SUM, world);
+  return sum;
 }
 
 double FixGranLoad::compute_vector(int n)
 {
   constexpr int ORDER[] = {FORCE, IMPULSE, DISPLACEMENT};
-  double sum[N_TOTALS];
-  totals(sum);
-  return sum[ORDER[n]];
+  return totals()[ORDER[n]];
 }
 
 /* Write the totals without the present motion of the atoms, which setup() determines again. */

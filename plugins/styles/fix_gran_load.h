@@ -18,6 +18,8 @@
 #include "fix.h"
 #include "../laws/load_shape.h"
 
+#include <array>
+
 namespace LAMMPS_NS {
 
 class FixGranLoad : public Fix {
@@ -26,14 +28,14 @@ class FixGranLoad : public Fix {
 
   FixGranLoad(LAMMPS *, int, char **);
 
-  int setmask() override;
+  int setmask() override { return moves ? FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : FixConst::POST_FORCE; }
   void init() override;
   void setup(int) override;
   void reset_dt() override;
   void initial_integrate(int) override;
   void post_force(int) override;
   void final_integrate() override;
-  double compute_scalar() override;
+  double compute_scalar() override { return totals()[WORK]; }
   double compute_vector(int) override;
   void write_restart(FILE *) override;
   void restart(char *) override;
@@ -47,7 +49,7 @@ class FixGranLoad : public Fix {
   void set_velocity(double along);
   double force_on_group() const;
   double half_kick_work(double dt) const;
-  void totals(double (&sum)[N_TOTALS]) const;
+  std::array<double, N_TOTALS> totals() const;
   double mass_of(int i) const;
 
   class FixGranTimestep *stepper = nullptr;    // which sets the clock, if there is one

@@ -377,21 +377,16 @@ void FixGranTimestep::write_restart(FILE *fp)
 
 void FixGranTimestep::restart(char *buffer)
 {
-  constexpr std::size_t N_OWN = 10;
-  const double *const state = read_state(lmp, *this, buffer, N_OWN + controller.state().size());
+  const double *state = read_state(lmp, *this, buffer, 10 + controller.state().size());
   if (state[0] != tick)
     error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, state[0],
                tick);
-  origin = state[1];
-  energy = state[2];
-  bound = state[3];
-  s = state[4];
-  n_steps = static_cast<std::int64_t>(state[5]);
-  shortest_taken = static_cast<std::int64_t>(state[6]);
-  longest_taken = static_cast<std::int64_t>(state[7]);
-  taken = static_cast<std::int64_t>(state[8]);
+  state++;
+  for (double *number : {&origin, &energy, &bound, &s}) *number = *state++;
+  for (std::int64_t *number : {&n_steps, &shortest_taken, &longest_taken, &taken})
+    *number = static_cast<std::int64_t>(*state++);
   report();
-  reported[1] = state[9];
-  taken = controller.restore(state + N_OWN);
+  reported[1] = *state++;
+  taken = controller.restore(state);
   update->dt = static_cast<double>(taken) * tick;
 }

@@ -198,15 +198,11 @@ void FixWallGranHysteretic::add_to_wall(int i, const double force[3])
 
 void FixWallGranHysteretic::push_support()
 {
-  constexpr int n = ExactSum::SIZE;
-  std::int64_t mine[2 * n], all[2 * n];
-  std::copy_n(pressed.data(), n, mine);
-  std::copy_n(stiffness.data(), n, mine + n);
-  MPI_Allreduce(mine, all, 2 * n, MPI_INT64_T, MPI_SUM, world);
-  std::copy_n(all, n, pressed.data());
-  std::copy_n(all + n, n, stiffness.data());
-  contact_stiffness = stiffness.value();
-  support->push(pressed.value());
+  static_assert(sizeof(on_plane) == 2 * ExactSum::SIZE * sizeof(std::int64_t));
+  ExactSum all[2];
+  MPI_Allreduce(on_plane->data(), all->data(), 2 * ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
+  support->push(all[0].value());
+  contact_stiffness = all[1].value();
   if (update->whichflag == 1) check_timestep(contact_stiffness);
 }
 
@@ -227,7 +223,7 @@ void FixWallGranHysteretic::evaluate()
   const double now = simulated_time(*update);
   const double at[2] = {level(0), level(1)};
   std::fill_n(wall_force, 3, 0.0);
-  pressed = stiffness = {};
+  on_plane[0] = on_plane[1] = {};
   tallied = -1;
   const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
   if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
@@ -264,8 +260,8 @@ void FixWallGranHysteretic::evaluate()
           wall_force[axis] -= push;
         }
         if (support) {
-          pressed.add(contact.force);
-          stiffness.add(contact.stiffness);
+          on_plane[0].add(contact.force);
+          on_plane[1].add(contact.stiffness);
         }
       } else {
         mine.touching = 0.0;

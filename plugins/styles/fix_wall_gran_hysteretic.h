@@ -188,9 +188,9 @@ class FixWallGranHysteretic : public Fix {
   // variables of the law, present and initial
   std::vector<double> histories;
 
-  double wall_force[3];                     // force of the spheres of this processor on the walls
-  granwave::ExactSum pressed, stiffness;    // force and stiffness of the contacts of this processor with a movable plane
-  double contact_stiffness = 0.0;           // sum over all processors
+  double wall_force[3];              // force of the spheres of this processor on the walls
+  granwave::ExactSum on_plane[2];    // force and stiffness of the contacts of this processor with a movable plane
+  double contact_stiffness = 0.0;    // sum over all processors
   bigint tallied = -1;
   enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, VISCOUS_SUM, N_TOTALS };
   double totals[N_TOTALS];    // of all processors

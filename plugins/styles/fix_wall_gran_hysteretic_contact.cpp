@@ -239,18 +239,7 @@ double FixWallGranHysteretic::compute_vector(int n)
     return totals[n < AT_SUPPORT ? n - 3 : int(VISCOUS_SUM)];
   }
   if (!support) return 0.0;
-  switch (n - AT_SUPPORT) {
-    case 0:
-      return support->displacement();
-    case 1:
-      return support->velocity();
-    case 2:
-      return support->energy();
-    case 3:
-      return support->damped();
-    case 4:
-      return support->force_on_ground();
-    default:
-      return support->work();
-  }
+  const double of_support[] = {support->displacement(), support->velocity(),        support->energy(),
+                               support->damped(),       support->force_on_ground(), support->work()};
+  return of_support[n - AT_SUPPORT];
 }

@@ -141,13 +141,9 @@ void PairGranHysteretic::init_style()
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if (has_friction && comm->ghost_velocity == 0)
-    error->all(FLERR,
-               "Pair style gran/hysteretic with friction needs the velocities of ghost atoms: use 'comm_modify vel yes'");
-
-  if (has_loss && comm->ghost_velocity == 0)
-    error->all(FLERR,
-               "Pair style gran/hysteretic with a loss needs the velocities of ghost atoms: use 'comm_modify vel yes'");
+  if ((has_friction || has_loss) && comm->ghost_velocity == 0)
+    error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
+               has_friction ? "friction" : "a loss");
 
   neighbor->add_request(this);
 

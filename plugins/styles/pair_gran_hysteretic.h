@@ -244,7 +244,11 @@ class PairGranHysteretic : public Pair {
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
   granwave::ViscousHistory *viscous(int k);
-  double viscous_loss(const double *extra) const;
+  granwave::ViscousHistory viscous_of(const double *extra) const
+  {
+    if (!has_loss) return {};
+    return granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
+  }
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
   void pack_block(int k, double side, double *block) const;

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -67,9 +68,7 @@ void PairGranHysteretic::build_contacts()
 
   const std::size_t n = c.partner.size();
   c.peak.assign(n, 0.0);
-  c.time_first.assign(n, -1.0);
-  c.time_peak.assign(n, -1.0);
-  c.time_yield.assign(n, -1.0);
+  for (auto *times : {&c.time_first, &c.time_peak, &c.time_yield}) times->assign(n, -1.0);
   c.n_extra = fix_history->history.layout().n_extra;
   c.extra.assign(n * c.n_extra, 0.0);
   c.turning.assign(n, -1);
@@ -256,13 +255,11 @@ void PairGranHysteretic::pack_block(int k, double side, double *block) const
 {
   const BlockLayout &layout = fix_history->history.layout();
   if (layout.size() == 0) return;
-  const BlockView view = block_view(k);
+  BlockView view = block_view(k);
   std::copy_n(view.extra, contacts.n_extra, block);
   if (!layout.extended) return;
-  const double *const force = view.spring.force;
-  const double values[] = {side * force[0],  side * force[1], side * force[2], view.spring.compliance,
-                           view.spring.loss, view.initial,    view.reached};
-  std::copy_n(values, static_cast<int>(BlockLayout::N_EXTENDED), block + layout.spring());
+  for (double &force : view.spring.force) force *= side;
+  std::memcpy(block + layout.n_extra, static_cast<const ExtendedState *>(&view), sizeof(ExtendedState));
   if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
 }
 

@@ -37,13 +37,6 @@ int beyond_range(const ScaledLaw &contact, double peak)
 
 }    // namespace
 
-/* Energy lost by the viscous force of a contact with this block; 0 without losses. */
-
-double PairGranHysteretic::viscous_loss(const double *extra) const
-{
-  return has_loss ? viscous_history(extra + contacts.n_extra - ViscousHistory::SIZE).lost : 0.0;
-}
-
 /* Sum the totals; a pair shared with another processor counts half. */
 
 double PairGranHysteretic::tally_totals()
@@ -60,11 +53,9 @@ double PairGranHysteretic::tally_totals()
     pvector[TANGENTIAL] += weight * tangential_energy(view.spring);
     pvector[FRICTIONAL] += weight * view.spring.loss;
     if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
-    if (has_loss) {
-      const ViscousHistory &viscous = viscous_history(h.extra + c.n_extra - ViscousHistory::SIZE);
-      pvector[VISCOUS] += weight * viscous.lost;
-      if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
-    }
+    const ViscousHistory viscous = viscous_of(h.extra);
+    pvector[VISCOUS] += weight * viscous.lost;
+    if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
     largest_force = std::max(largest_force, peak_force);
     const int beyond = beyond_range(contact, h.peak);
     if (beyond > 0) pvector[BEYOND_HALF] += weight;
@@ -137,7 +128,8 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.tangential_elastic = tangential_energy(view.spring);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;
-  report.viscous_loss = viscous_loss(view.extra);
+  const ViscousHistory viscous = viscous_of(view.extra);
+  report.viscous_loss = viscous.lost;
   // a pair that was moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
@@ -155,8 +147,6 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.hertz_energy(overlap);
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
-  if (!has_loss) return;
-  const ViscousHistory &viscous = viscous_history(view.extra + contacts.n_extra - ViscousHistory::SIZE);
   if (overlap > 0.0) report.force += viscous.force;
   if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
 }

@@ -17,11 +17,7 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-namespace {
-
 constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
-
-}    // namespace
 
 /* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
 
@@ -168,12 +164,8 @@ void PairGranHysteretic::compute_special(Tally what)
         if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
         continue;
       }
-      const int m = batch.size++;
-      batch.k[m] = k;
-      batch.i[m] = i;
-      batch.j[m] = j;
-      for (int d = 0; d < 3; d++) batch.del[d][m] = found.normal[d] * found.distance;
-      batch.rsq[m] = found.distance * found.distance;
+      const double r = found.distance, *const normal = found.normal;
+      batch.put(batch.size++, k, i, j, normal[0] * r, normal[1] * r, normal[2] * r, r * r);
       if (batch.size < Batch::CAPACITY) continue;
       compute_batch(what, true);
       batch.size = 0;

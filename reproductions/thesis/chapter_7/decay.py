@@ -79,4 +79,5 @@ def pictures(runs):
     for axes in (left, right):
         axes.legend(fontsize=7)
     caption = "Decay of the peak force per contact against the diameter of the cylinders, and against the approach of "
-    yield gw.Picture("filter_decay", f"{caption}the walls (thesis Fig. 7.5)", figure, data)
+    caption += "the walls (thesis Fig. 7.5): pressed, waves decay fastest beside larger cylinders"
+    yield gw.Picture("filter_decay", caption, figure, data)

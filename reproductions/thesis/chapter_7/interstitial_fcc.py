@@ -74,7 +74,7 @@ def pictures(runs):
             data |= {f"{name}_depth_diameters": depth, f"{name}_peak_over_v": peak}
             data |= {f"{name}_time_s": one.time, f"{name}_bottom_N": one.at_bottom}
         left.set(xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log")
-        right.set(xlabel="Time (ms)", ylabel="Force on the bottom, less the static one (N)")
+        right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond static (N)")
         figure.legend(loc="outside upper center", ncols=4, fontsize=7)
         caption = f"Plane pulse in an fcc packing by what is in its octahedral holes, top layer at {velocity:g} m/s"
         yield gw.Picture(f"interstitial_fcc_{column(f'{velocity:g}')}_m_s", caption, figure, data)

@@ -75,5 +75,5 @@ def pictures(runs):
             data[f"{column(row.name)}_N"] = row.peaks[contacts - 1]
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = "Peak force along rows with cylinders between walls (thesis Fig. 7.4)"
-    yield gw.Picture("filter_peaks", caption, figure, data)
+    caption = "Peak force along rows with cylinders between walls (thesis Fig. 7.4): pressed, the wave decays along one"
+    yield gw.Picture("filter_peaks", f"{caption} row and keeps its height along the other", figure, data)
