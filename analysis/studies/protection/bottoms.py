@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings.targets import reached_targets
+from granwave.analysis.figures.packings import reached_targets
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.studies.protection import quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names

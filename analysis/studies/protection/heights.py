@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings.targets import Heights, reductions
+from granwave.analysis.figures.packings import Heights, reductions
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import power
 from granwave.analysis.studies.protection import quantities

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.packings.targets import Plates, shock_spectra
+from granwave.analysis.figures.packings import Plates, shock_spectra
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target.record import period_of

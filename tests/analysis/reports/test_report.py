@@ -10,9 +10,9 @@ from granwave.analysis.document.cells import named, percent, show
 from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
+from granwave.analysis.reports import balance, figures
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections import balance, figures
 from granwave.workflows.run.checks import TOLERANCE
 from tests.helpers.synthetic_report import blocks, build, draw, notes, table, write_inputs, write_run
 from tests.helpers.synthetic_scan import grid, write_json, write_scan
