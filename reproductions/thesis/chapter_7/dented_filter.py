@@ -91,5 +91,8 @@ def pictures(runs):
         data |= {"contact": row.contacts, f"{column(row.words)}_N": row.weak}
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = "A weak pulse along rows with cylinders, whole and after a strong pulse"
+    caption = (
+        "Peak forces of a weak pulse along rows with cylinders, whole and after a strong pulse: the dents that it left "
+    )
+    caption += "take from the force of the walls, and with it from the decay"
     yield gw.Picture("filter_dented", caption, figure, data)

@@ -99,5 +99,8 @@ def pictures(measured):
     right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
     for axes in (left, right):
         axes.legend(fontsize=6)
-    caption = "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10)"
+    caption = (
+        "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10): "
+    )
+    caption += "friction makes the fall with their number; loose ones downstream change nothing"
     yield gw.Picture("switch_peaks", caption, figure, data)
