@@ -113,6 +113,6 @@ def jumps(swept):
         data |= {f"force_N_{name}": x, f"amplitude_{name}": y, f"rising_{name}": one.sweep.rising.astype(int)}
     axes.set(xlabel="Amplitude of the force (N), dashed: falling", ylabel="Amplitude over the static overlap")
     axes.legend()
-    caption = "Amplitude while the force rises (solid) and falls (dashed): where these differ, the bead has two steady motions, "
-    caption += "and jumps from one to the other at the ends"
+    caption = "Amplitude while the force rises (solid) and falls (dashed): where these differ, the bead has two steady "
+    caption += "motions, and jumps from one to the other at the ends"
     return gw.Picture("resonance_jumps", caption, figure, data)

@@ -133,7 +133,7 @@ def pictures(runs):
         axes.set(xlabel="Depth (diameters)", ylabel=quantity, ylim=(0, None))
     panels[0].legend(fontsize=7)
     caption = (
-        "Down the middle line of both crystals, with side walls (solid) and without (dashed): peaks decay alike until "
+        "Down the middle line of both crystals, with side walls (solid) and without (dashed): from where the sides "
     )
-    caption += "the sides are felt; from there on walls keep more of the wave"
+    caption += "are felt, walls keep the wave of BCC, which dies away without them; HCP hardly needs them"
     yield gw.Picture("lateral_crystals", caption, figure, data)

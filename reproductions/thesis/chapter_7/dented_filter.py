@@ -92,7 +92,7 @@ def pictures(runs):
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
     caption = (
-        "Peak forces of a weak pulse along rows with cylinders, whole and after a strong pulse: the dents that it left "
+        "Peak forces of a weak pulse along rows with cylinders: in a row that yields it dies away, and passes once a "
     )
-    caption += "take from the force of the walls, and with it from the decay"
+    caption += "strong pulse has left dents; the elastic rows show what is not the dents' doing"
     yield gw.Picture("filter_dented", caption, figure, data)
