@@ -16,7 +16,6 @@ from granwave.analysis.spectra.network import FREEDOMS
 from granwave.analysis.spectra.transmission import Transmission
 
 _KILO = 1e-3
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676")
 _LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
 
 
@@ -90,7 +89,7 @@ def group_velocities(found: BandStructure) -> Drawing:
     along = step / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)
     velocity = np.einsum("kna,ka->kn", bands.velocity, along)
     for n, one in enumerate(velocity.T):
-        axes.plot(_KILO * bands.frequency[:, n], np.abs(one), ".", ms=2, color=_COLOURS[n % len(_COLOURS)])
+        axes.plot(_KILO * bands.frequency[:, n], np.abs(one), ".", ms=2, color=COLOURS[n % len(COLOURS)])
     axes.set(xlabel="Frequency (kHz)", ylabel="Group velocity along the path (m/s)", ylim=(0, None), xlim=(0, None))
     columns: dict[str, Any] = {"distance_rad_per_m": bands.path.distance}
     for n in range(bands.frequency.shape[1]):
@@ -109,7 +108,7 @@ def slowness_curves(found: BandStructure) -> Drawing | None:
     columns: dict[str, Any] = {"angle_rad": curves.angle}
     for n, one in enumerate(curves.slowness.T):
         closed = 1e3 * np.append(one, one[0])
-        axes.plot(closed * np.cos(angle), closed * np.sin(angle), color=_COLOURS[n], label=f"wave {n + 1}")
+        axes.plot(closed * np.cos(angle), closed * np.sin(angle), color=COLOURS[n], label=f"wave {n + 1}")
         columns[f"slowness{n + 1}_s_per_m"] = one
     first, second = (f"Slowness along {axis} (ms/m)" for axis in list(curves.plane))
     axes.set(xlabel=first, ylabel=second, aspect="equal")
