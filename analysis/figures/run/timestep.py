@@ -6,8 +6,7 @@ import numpy as np
 
 from granwave.analysis.figures.run.histories import time_axis
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above, new_figure
-from granwave.analysis.result.balance import misfit, moved_mass, work_on_packing
-from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
 _NANO, _MICRO = 1e9, 1e6
 _LEAST = 1e-3  # of the tolerance: where the axis of the error begins

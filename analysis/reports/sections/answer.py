@@ -19,8 +19,7 @@ from granwave.analysis.reports.sections.other_kinds import by_kind
 from granwave.analysis.reports.sections.outcome import in_words, share
 from granwave.analysis.reports.sections.results import compact_table, value_rows
 from granwave.analysis.reports.sections.setting import target_of
-from granwave.analysis.scans.keys import Key
-from granwave.analysis.scans.means import Means
+from granwave.analysis.scans.keys import Key, Means
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.reports.inputs import Run
 from granwave.analysis.reports.sections.setting import target_of
-from granwave.analysis.result.chain import along
+from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.means import WORTH
+from granwave.analysis.scans.keys import WORTH
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
