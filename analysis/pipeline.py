@@ -11,17 +11,17 @@ from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.lammps_output.time_series import check_complete, check_unchanged
 from granwave.analysis.progress_bar import progress_bar
-from granwave.analysis.result.groups import AT_ONCE
+from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.directories import check_case, check_deck, note_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
 from granwave.lammps_inputs.run_directory import CASE_FILE, FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
-from granwave.lammps_inputs.run_state import check_case, check_deck, note_files
 
 logger = logging.getLogger(__name__)
 
@@ -114,14 +114,14 @@ def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_o
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
-    check_complete(directory)
+    case = check_complete(directory)
     _check_deck(directory)
     check_unchanged(directory)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(directory, at_once=at_once)
+        write_result(directory, at_once=at_once, case=case)
         report("summary.json")
-        summary = summarise(directory, at_once=at_once)
+        summary = summarise(directory, at_once=at_once, case=case)
         note_files(directory, [RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute

@@ -21,30 +21,32 @@ from granwave.analysis.measures.target.record import protection, reached
 from granwave.analysis.measures.waves.wave_speed import wave_speed_of
 from granwave.analysis.measures.zone.packing import zone_summary
 from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
-from granwave.analysis.result.balance import misfit
 from granwave.analysis.result.contacts import LISTED_FROM
-from granwave.analysis.result.groups import AT_ONCE
-from granwave.analysis.result.reader import Result
+from granwave.analysis.result.hdf5_file import AT_ONCE
+from granwave.analysis.result.reader import Result, misfit
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.directories import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
-from granwave.lammps_inputs.run_state import changed_files
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
-def summarise(directory: str | Path, *, at_once: int = AT_ONCE) -> Summary:
+def summarise(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None) -> Summary:
     """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
 
     Parameters
     ----------
     at_once
         Largest number of spheres or contacts in memory. The values do not depend on it.
+    case
+        Case that was run, if it was read before.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def summarise(directory: str | Path, *, at_once: int = AT_ONCE) -> Summary:
         There is a summary.json that granwave did not write.
     """
     directory = Path(directory)
-    with Result(directory, at_once) as result:
+    with Result(directory, at_once, case) as result:
         summary = summary_of(result)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
     claim(directory, [SUMMARY_FILE])
@@ -139,7 +141,7 @@ def restitution(result: Result) -> float | None:
 
 
 def energy_balance_error(result: Result) -> float | None:
-    """Largest error of the ledger over the largest input, see `granwave.analysis.result.balance`."""
+    """Largest error of the ledger over the largest input, see `granwave.analysis.result.reader`."""
     return float(np.max(misfit(result.ledger)) / result.largest_input) if result.largest_input else None
 
 

@@ -1,24 +1,260 @@
-"""Rules for directories of results: start, resume or refuse; unsuitable places; full disks.
+"""Directories of results: start, resume or refuse; what was changed after a run; unsuitable places; full disks.
 
 A directory that holds results is refused by default. ``--resume`` continues them if they are of the same case,
 ``--force`` replaces what granwave wrote. Files that granwave did not write are always kept, see
-`granwave.lammps_inputs.run_directory`.
+`granwave.lammps_inputs.run_directory`. Changes are a case.toml or deck that was edited, and output that was cut,
+damaged or replaced.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
+import json
+import logging
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterable, Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import head
-from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, refuse_results, results_in
-from granwave.lammps_inputs.run_state import check_case, tables_as_run
+from granwave.lammps_inputs.files import checksum, head, read_json, read_tables, replace_text
+from granwave.lammps_inputs.ownership import (
+    claim,
+    output_names,
+    own_file,
+    read_marker,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+    results_in,
+)
+from granwave.lammps_inputs.run_directory import DUMPS
+
+_RESOLVED = "resolved"  # derived values in case.toml
+_DIGEST_LENGTH = 16
+_SHOWN = 3  # keys in a message
+_LONGEST = 40  # characters of a value in a message
+
+
+def tables_as_run(directory: Path) -> dict[str, Any] | None:
+    """Return the tables of case.toml at the start of the run; None if the marker does not hold them."""
+    marker = read_marker(directory)
+    try:
+        return tomllib.loads(marker.case) or None if marker else None
+    except ValueError:  # a marker that somebody edited
+        return None
+
+
+def case_digest(tables: Mapping[str, Any]) -> str:
+    """Return a digest of the tables of a case that decide its results."""
+    deciding = {
+        name: table for name, table in tables.items() if name not in ("name", _RESOLVED, run_directory.FIGURES_TABLE)
+    }
+    return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
+
+
+def check_case(directory: Path) -> None:
+    """Raise InputError if case.toml was changed after the run; the table of figures may be.
+
+    Raises
+    ------
+    InputError
+        A key of case.toml differs from the case that was run.
+    """
+    path = directory / run_directory.CASE_FILE
+    there, as_run = read_tables(path), tables_as_run(directory)
+    if there is None or as_run is None:
+        return
+    for tables in (there, as_run):
+        tables.pop(run_directory.FIGURES_TABLE, None)
+    if not (changes := list(_changes(there, as_run))):
+        return
+    shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
+    raise InputError(
+        f"{path}: was changed after the run: {shown}. The results are of the case that was run: run "
+        f"the changed one into another directory, or delete it: granwave analyse {directory}  puts back what was run"
+    )
+
+
+def restore_case(directory: Path) -> bool:
+    """Restore a case.toml that is missing or damaged; return True if it was.
+
+    Raises
+    ------
+    InputError
+        The file was changed after the run.
+    """
+    check_case(directory)
+    marker = read_marker(directory)
+    if marker is None or not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
+        return False
+    claim(directory, [run_directory.CASE_FILE])
+    replace_text(directory / run_directory.CASE_FILE, marker.case)
+    return True
+
+
+def _changes(there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key in dict.fromkeys((*as_run, *there)):
+        now, then, name = there.get(key), as_run.get(key), f"{prefix}{key}"
+        if isinstance(now, Mapping) and isinstance(then, Mapping):
+            yield from _changes(now, then, f"{name}.")
+        elif now != then:
+            yield f"{name} is {_shown(now)}, was {_shown(then)}"
+
+
+def _shown(value: Any) -> str:
+    text = "left out" if value is None else json.dumps(value, default=str)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def note_files(directory: Path, names: Iterable[str]) -> None:
+    """Store sizes and checksums of finished files in the marker, so that `changed_file` detects later changes."""
+    marker = read_marker(directory)
+    if marker is None:
+        return
+    for name in names:
+        path = own_file(directory, name)
+        marker.files[name] = path.stat().st_size if path is not None else None
+        if path is not None:
+            marker.sums[name] = checksum(path)
+    marker.write(directory)
+
+
+def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
+    """Describe the first file that is not what the run wrote; empty if none. Missing files are ignored.
+
+    Parameters
+    ----------
+    names
+        Names of the files to look at; None: all that were noted.
+    """
+    marker = read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
+    if marker is None:
+        return ""
+    for name in marker.files if names is None else names:
+        path, size, noted = directory / name, marker.files.get(name), marker.sums.get(name)
+        if size is None or not path.is_file():
+            continue
+        if path.stat().st_size != size:
+            return f"{path}: is not what the run wrote: it has {path.stat().st_size} bytes, had {size}"
+        if noted is not None and checksum(path) != noted:
+            return f"{path}: is not what the run wrote: its checksum differs; it was damaged, or is of another run"
+    return ""
+
+
+def changed_result(
+    directory: Path, names: Iterable[str] = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
+) -> str:
+    """Describe the first result of a run that is not what its analysis wrote, and how to mend it; empty if none."""
+    fault = changed_file(directory, names)
+    if not fault:
+        return ""
+    marker = read_marker(directory)
+    if marker is not None and marker.kind == run_directory.CONTINUUM:
+        return f"{fault}: run the case again with --resume"
+    return f"{fault}: make it anew with  granwave analyse {directory}"
+
+
+def read_summary(directory: Path) -> dict[str, Any]:
+    """Read the values of summary.json; empty if missing or damaged."""
+    return read_json(directory / run_directory.SUMMARY_FILE) or {}
+
+
+def result_fault(directory: Path) -> str:
+    """Describe the first fault in the results of a finished run; empty if none.
+
+    summary.json must exist. Other files may have been removed, to save disk space for instance.
+    """
+    summary, result, record = (
+        directory / run_directory.SUMMARY_FILE,
+        directory / run_directory.RESULT_FILE,
+        directory / run_directory.RECORD_FILE,
+    )
+    if not read_summary(directory):
+        return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
+    if record.exists() and read_json(record) is None:
+        return f"{record}: is damaged"
+    import h5py  # takes longer to load than most commands need
+
+    try:
+        with h5py.File(result, "r") as file:
+            if "case" not in file.attrs:
+                return f"{result}: is damaged"
+    except FileNotFoundError:
+        pass
+    except OSError:
+        return f"{result}: is damaged"
+    return changed_file(directory)
+
+
+def outputs_complete(directory: Path) -> bool:
+    """Return True if all output of LAMMPS exists as it was at the end of the run."""
+    names = output_names(directory)
+    names = [run_directory.DATA_FILE, *names]
+    return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)
+
+
+logger = logging.getLogger(__name__)
+
+_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
+_FROM_DATA = "positions, diameters and densities are those of the file"
+_FROM_CASE = (
+    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
+    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
+)
+
+
+def note_deck(directory: Path, names: Iterable[str]) -> None:
+    """Store the digests of the files of a deck in the marker, so that `changed_files` detects edits."""
+    marker = read_marker(directory)
+    if marker is not None:
+        marker.digests |= {name: _digest(directory / name) for name in names}
+        marker.write(directory)
+
+
+def changed_files(directory: Path) -> list[str]:
+    """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
+    marker = read_marker(directory)
+    noted = marker.digests if marker else {}
+    return [
+        name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest
+    ]
+
+
+def check_deck(directory: Path) -> None:
+    """Warn if the deck was edited by hand before LAMMPS was run on it.
+
+    Raises
+    ------
+    InputError
+        The data file was changed after granwave ran the case.
+    """
+    by_hand = not (directory / run_directory.RECORD_FILE).exists()
+    for name in changed_files(directory):
+        path, is_data = directory / name, name == run_directory.DATA_FILE
+        if by_hand:
+            taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
+            written = [one.stat().st_mtime for one in (directory / DUMPS).glob("*") if one.is_file()]
+            newer = bool(written) and path.stat().st_mtime > max(written)
+            late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
+            logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
+        elif is_data:
+            raise InputError(
+                f"{path}: was changed after the run, and the positions of the spheres are read from it: put back what "
+                f"was run, or run the case again with --force. A deck to be edited is made by granwave write"
+            )
+        else:
+            logger.warning("%s: was changed after the run; the results are of what was run", path)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 
 def decide(

@@ -39,7 +39,6 @@ analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantity_notes
 analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
 lammps_inputs/deck
 lammps_inputs/load_case
@@ -48,7 +47,6 @@ lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
-lammps_inputs/run_state
 lammps_inputs/ownership
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory

@@ -20,7 +20,7 @@ from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.formatting.values import as_label
 from granwave.analysis.quantities import ENTRIES, quantity
-from granwave.analysis.quantity_notes import meaning_of
+from granwave.analysis.summary_table import meaning_of
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 BLANK = "\u2013"  # a value that does not apply

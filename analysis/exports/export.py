@@ -1,20 +1,35 @@
-"""Export of a run or a scan to the formats of ParaView, pandas, xarray and OVITO."""
+"""Export of a run or a scan to the formats of ParaView, pandas, xarray and OVITO.
+
+Files are written to a scratch directory, and moved into place when all are complete.
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError, did_you_mean
-from granwave.analysis.exports import ovito_scene, to_csv, to_netcdf, to_vtp
-from granwave.analysis.exports.staging import staged
+from granwave.analysis.exports import ovito_scene, to_vtp
+from granwave.analysis.exports.to_tables import (
+    OUTDATED_CSV,
+    write_run_csv,
+    write_run_netcdf,
+    write_scan_csv,
+    write_scan_netcdf,
+)
 from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim, read_marker
+from granwave.lammps_inputs.files import discard, naming
+from granwave.lammps_inputs.ownership import claim, clear, read_marker
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, Marker, is_scan
 
 OVITO_SCRIPT = "open_in_ovito.py"
@@ -26,9 +41,9 @@ FORMATS = {
     "ovito": f"{OVITO_SCRIPT}, which opens spheres and contacts together",
     "vtp": "spheres.pvd and contacts.pvd (ParaView)",
 }
-_RUN_WRITERS = {"csv": to_csv.export_run, "netcdf": to_netcdf.export_run, "vtp": to_vtp.export_run}
-_SCAN_WRITERS = {"csv": to_csv.export_scan, "netcdf": to_netcdf.export_scan}
-_OUTDATED = {"csv": to_csv.OUTDATED, "vtp": to_vtp.OUTDATED}
+_RUN_WRITERS = {"csv": write_run_csv, "netcdf": write_run_netcdf, "vtp": to_vtp.export_run}
+_SCAN_WRITERS = {"csv": write_scan_csv, "netcdf": write_scan_netcdf}
+_OUTDATED = {"csv": OUTDATED_CSV, "vtp": to_vtp.OUTDATED}
 _NOTHING = r"(?!)"
 
 
@@ -96,7 +111,7 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
         except OutputFormatError as error:
             raise InputError(str(error)) from None
         with staged(output) as staging:
-            _SCAN_WRITERS[to](scan, staging)
+            _SCAN_WRITERS[to](scan, staging.path)
         return staging.placed
     if to == "ovito":
         return _export_recipe(directory, output)
@@ -106,7 +121,7 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
         raise InputError(str(error)) from None
     with result, staged(output, outdated) as staging:
         try:
-            _RUN_WRITERS[to](result, staging)
+            _RUN_WRITERS[to](result, staging.path)
         except OSError as error:
             if error.errno is not None or "errno" in str(error):  # an error of writing
                 raise
@@ -130,3 +145,107 @@ def _export_recipe(directory: Path, output: Path) -> list[Path]:
         text = source.replace(f"RUN = {json.dumps(ovito_scene.RUN)}", f"RUN = {json.dumps(run)}", 1)
         staging.path(OVITO_SCRIPT).write_text(text, encoding="utf-8")
     return staging.placed
+
+
+class Staging:
+    """Scratch directory inside the output directory.
+
+    Attributes
+    ----------
+    scratch
+        Directory to write to; removed at the end of `staged`.
+    placed
+        Paths of the files moved into place, in the order of creation.
+    """
+
+    def __init__(self, output: Path, scratch: Path) -> None:
+        self.output = output
+        self.scratch = scratch
+        self.placed: list[Path] = []
+        self._names: list[str] = []
+
+    def path(self, name: str) -> Path:
+        """Return the scratch path for a file of this name."""
+        self._names.append(name)
+        return self.scratch / name
+
+    @contextmanager
+    def naming(self) -> Iterator[None]:
+        """Make system errors that name no file name the last one begun."""
+        try:
+            with naming(self.output):
+                yield
+        except OSError as error:
+            if error.filename == str(self.output) and self._names:
+                error.filename = str(self.output / self._names[-1])
+            elif error.filename is not None:
+                error.filename = str(error.filename).replace(str(self.scratch), str(self.output))
+            raise
+
+    def place(self, outdated: str) -> None:
+        """Move the files into place, in order, and remove those left by earlier exports.
+
+        Parameters
+        ----------
+        outdated
+            Regular expression; files of earlier exports whose full names match, and that were not written now, are
+            removed.
+
+        Raises
+        ------
+        InputError
+            A file of such a name exists, and granwave did not write it; no file was moved.
+        """
+        claim(self.output, self._names)
+        for name in self._names:
+            os.replace(self.scratch / name, self.output / name)
+            self.placed.append(self.output / name)
+        marker = read_marker(self.output)
+        own = [name for name in (marker.files if marker else ()) if name not in self._names]
+        clear(self.output, [name for name in own if re.fullmatch(outdated, name)])
+
+
+@contextmanager
+def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
+    """Give a scratch directory whose files are moved to ``output`` at the end, or none on an error.
+
+    Parameters
+    ----------
+    output
+        Output directory; created if necessary, and removed again on failure if created here.
+    outdated
+        As in `Staging.place`.
+
+    Raises
+    ------
+    InputError
+        The directory cannot be written to, or a file exists that granwave did not write.
+    """
+    made = [path for path in (output, *output.parents) if not path.exists()]
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=".granwave-export-", dir=output))
+    except OSError as error:
+        _remove_empty(made)
+        raise InputError(
+            f"{output}: cannot be written to ({error.strerror}); choose another directory with -o"
+        ) from None
+    staging = Staging(output, scratch)
+    try:
+        with staging.naming():
+            yield staging
+            staging.place(outdated)
+    finally:
+        for path in scratch.iterdir():
+            discard(path)
+        shutil.rmtree(scratch, ignore_errors=True)
+        if not staging.placed:
+            _remove_empty(made)
+
+
+def _remove_empty(directories: list[Path]) -> None:
+    for directory in directories:
+        try:
+            directory.rmdir()
+        except OSError:
+            return

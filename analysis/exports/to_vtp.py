@@ -14,7 +14,7 @@ contact across a periodic boundary ends at the image of its second sphere.
 from __future__ import annotations
 
 import errno
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree
@@ -22,7 +22,6 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.exports.staging import Staging
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.errors import InputError
@@ -44,7 +43,7 @@ _OF_RUN = (
 Arrays = Mapping[str, NDArray]
 
 
-def export_run(result: Result, staging: Staging) -> None:
+def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
     """Write two files for each snapshot, and the two collections that list them."""
     try:
         import vtkmodules.vtkIOXML  # noqa: F401
@@ -60,14 +59,14 @@ def export_run(result: Result, staging: Staging) -> None:
         values["contacts_yielded"] = _contacts_yielded(result, time)
         spheres = {"id": result["spheres/id"], "radius": radius, **values}
         vertices = np.arange(len(positions)).reshape(-1, 1)
-        _write(staging.path(_name("spheres", number)), positions, vertices, spheres, time)
+        _write(path_of(_name("spheres", number)), positions, vertices, spheres, time)
         points, lines, overlap = _lines(result, positions, radius)
         contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
         contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": _yielded(result, time)}
         contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result}
-        _write(staging.path(_name("contacts", number)), points, lines, contacts, time)
+        _write(path_of(_name("contacts", number)), points, lines, contacts, time)
     for what in ("spheres", "contacts"):
-        _write_collection(staging.path(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)})
+        _write_collection(path_of(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)})
 
 
 def _name(what: str, number: int) -> str:

@@ -24,8 +24,7 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.target.bare_target import unprotected
 from granwave.analysis.measures.target.record import reached
-from granwave.analysis.result.balance import misfit, moved_mass, work_on_packing
-from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
 _NANO, _MICRO, _MILLI = 1e9, 1e6, 1e3  # of a second, of a metre
 _MOST_POINTS = 20_000  # of a curve; the CSV file has all

@@ -27,7 +27,7 @@ from granwave.analysis.measures.driven.amplitude_sweep import MULTIPLES, amplitu
 from granwave.analysis.measures.driven.transmission import SteadyMotion, transmission_of
 from granwave.analysis.measures.lines.record import LineRecord, lines_of
 from granwave.analysis.measures.sensors import sensor_forces
-from granwave.analysis.result.chain import along
+from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3

@@ -7,7 +7,6 @@ at a time.
 from __future__ import annotations
 
 import dataclasses
-import functools
 import itertools
 import logging
 from collections.abc import Iterator
@@ -101,7 +100,7 @@ def read_frames_in_parts(directory: str | Path, at_once: int) -> Iterator[Frame]
 
 def read_history(directory: str | Path) -> Iterator[Frame]:
     """Iterate over the instants of ``dumps/history.dump``, `HISTORY_COLUMNS`, sorted by id; raise as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, HISTORY_FILE), HISTORY_COLUMNS, sort_by="id"))
+    return instants(directory, HISTORY_FILE, HISTORY_COLUMNS)
 
 
 def instants(directory: str | Path, name: str, columns: tuple[str, ...]) -> Iterator[Frame]:
@@ -219,7 +218,8 @@ def _by_wall(paths: dict[str, Path], required: tuple[str, ...]) -> dict[str, Fra
     """Read dumps of the fixes of planes; a plane has NAME, and NAME_2 for a further material."""
     found: dict[str, list[Frame]] = {}
     for fix, path in paths.items():
-        found.setdefault(fix.split("_")[0], []).append(_only_frame(path, ("id", *required), sort_by="id"))
+        *_, frame = _frames([path], ("id", *required), sort_by="id")
+        found.setdefault(fix.split("_")[0], []).append(frame)
     return {
         name: dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])).sorted_by("id")
         for name, parts in found.items()
@@ -298,15 +298,10 @@ def read_data_in_parts(directory: str | Path, at_once: int | None = None) -> Ite
                 raise OutputFormatError(
                     f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
                 )
-            read = read_rows(rows, columns, functools.partial(_place_of_row, lines, n_rows))
+            read = read_rows(rows, columns, lambda row, last=n_rows - 1: lines.place(last - row))  # type: ignore[misc]
             frame = Frame(0, box, columns, read)
             values = np.ascontiguousarray(frame.vector(*DATA_COLUMNS))
             yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
-
-
-def _place_of_row(lines: Lines, n_rows: int, row: int) -> str:
-    """Return the place of one of the rows that were just read."""
-    return lines.place(n_rows - 1 - row)
 
 
 def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
@@ -323,11 +318,6 @@ def _dump(directory: str | Path, name: str) -> list[Path]:
     if not path.exists():
         raise missing_dump(directory, path)
     return [path]
-
-
-def _only_frame(path: Path, required: tuple[str, ...], sort_by: str | None = None) -> Frame:
-    *_, frame = _frames([path], required, sort_by)
-    return frame
 
 
 def _frames(

@@ -8,7 +8,6 @@ would silently give wrong results.
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.deck.columns import LINES, names
 from granwave.lammps_inputs.deck.deck import read_deck
+from granwave.lammps_inputs.directories import changed_file
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -37,7 +37,6 @@ from granwave.lammps_inputs.run_directory import (
     WALL_CONTACTS_FILE,
     WALLS_FILE,
 )
-from granwave.lammps_inputs.run_state import changed_file
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -45,6 +44,8 @@ ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
 
 Table = dict[str, NDArray[np.float64]]
+#: Columns of the motion of lines, without the axis.
+_MOTION = {"displacement": "u", "velocity": "v", "force_sums": "sum_f", "angular_velocity": "omega"}
 _RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
 
 
@@ -150,34 +151,16 @@ def read_record(directory: str | Path) -> dict[str, Any]:
     return record
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class LineHistory:
-    """Motion of the grains of all lines.
+def read_lines(directory: str | Path, ids: tuple[int, ...], last: int) -> tuple[NDArray[np.int64], Table]:
+    """Read the motion of the grains of all lines, whose ids rise, up to the step ``last``.
 
-    Attributes
-    ----------
+    Returns
+    -------
     steps
         Counts of the step counter: (n_times,).
-    ids
-        Ids of the grains, rising: (n,).
-    displacement, velocity
-        (n_times, n, 3), m and m/s.
-    sums
-        Sums of the magnitudes of the contact forces along x, y and z: (n_times, n, 3), N.
-    angular_velocity
-        (n_times, n, 3), rad/s; None if nothing rotates.
-    """
-
-    steps: NDArray[np.int64]
-    ids: NDArray[np.int64]
-    displacement: NDArray[np.float64]
-    velocity: NDArray[np.float64]
-    sums: NDArray[np.float64]
-    angular_velocity: NDArray[np.float64] | None
-
-
-def read_lines(directory: str | Path, ids: tuple[int, ...], last: int) -> LineHistory:
-    """Read the motion of the grains with these ids, up to the step ``last``.
+    motion
+        ``displacement`` m, ``velocity`` m/s, ``force_sums`` (sums of the magnitudes of the contact forces along x, y
+        and z) N and, if grains turn, ``angular_velocity`` rad/s: (n_times, n, 3).
 
     Raises
     ------
@@ -196,17 +179,16 @@ def read_lines(directory: str | Path, ids: tuple[int, ...], last: int) -> LineHi
         raise OutputFormatError(
             f"{path} ends with the snapshot of step {frames[-1].step}, the run at step {last}: {CUT}"
         )
+    motion = {
+        name: np.stack([frame.vector(*(f"{column}{axis}" for axis in "xyz")) for frame in frames])
+        for name, column in _MOTION.items()
+        if f"{column}x" in frames[0].columns
+    }
+    return np.array([frame.step for frame in frames]), motion
 
-    def vectors(form: str) -> NDArray[np.float64]:
-        return np.stack([frame.vector(*(form.format(axis) for axis in "xyz")) for frame in frames])
 
-    turning = vectors("omega{}") if "omegax" in frames[0].columns else None
-    steps = np.array([frame.step for frame in frames])
-    return LineHistory(steps, np.array(ids), vectors("u{}"), vectors("v{}"), vectors("sum_f{}"), turning)
-
-
-def check_complete(directory: Path) -> None:
-    """Compare the tables of a run with each other and with its record.
+def check_complete(directory: Path) -> Case:
+    """Compare the tables of a run with each other and with its record; return its case.
 
     Raises
     ------
@@ -233,6 +215,7 @@ def check_complete(directory: Path) -> None:
     for name in (name for wall in found if not wall.held_layer for name, _, _ in wall_fixes(assemble(case), wall)):
         if not (path := dumps / WALL_CONTACTS_FILE.format(name)).exists():
             raise MissingOutputError(f"{path} is missing; {AGAIN}")
+    return case
 
 
 def check_unchanged(directory: Path) -> None:

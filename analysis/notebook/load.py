@@ -1,15 +1,19 @@
-"""Loading of a directory of results by what it holds; inferred contact forces for scripts and notebooks."""
+"""Scans and inferred forces for scripts and notebooks, and loading of a directory of results by what it holds."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.errors import OutputFormatError
+from granwave.analysis.errors import MissingDataError, OutputFormatError
 from granwave.analysis.inference.tables import in_words
-from granwave.analysis.notebook.run import Run
-from granwave.analysis.notebook.scan import ScanRuns
+from granwave.analysis.notebook.run import Run, frame_of
+from granwave.analysis.quantities import SCAN_COLUMNS
+from granwave.analysis.scans.result import PointResult, ScanResult
+from granwave.analysis.scans.table import Columns, column_unit, read_scan, scan_statistics, scan_table
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import (
     INFERENCE,
@@ -22,8 +26,160 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
     from pandas import DataFrame
     from xarray import Dataset
+
+_POINT = "point"  # name of the index of the table
+_SHOWN: dict[str, Any] = {"max_rows": 20, "float_format": "{:.5g}".format, "na_rep": ""}  # of the table
+
+
+class ScanRuns:
+    """Results of a scan; iterating over it gives its finished points as runs.
+
+    ``scan[3]`` is the run of the point number 3 of the table, ``len(scan)`` the number of finished points.
+
+    Parameters
+    ----------
+    directory
+        Directory of the scan.
+
+    Attributes
+    ----------
+    directory
+        Absolute path of the directory.
+    name
+        Name of the scan.
+    varied
+        Varied keys.
+
+    Raises
+    ------
+    MissingOutputError
+        The directory does not hold a scan.
+    OutputFormatError
+        Its index is damaged.
+    """
+
+    def __init__(self, directory: str | Path) -> None:
+        self.result = ScanResult(directory)
+        self.directory = self.result.directory.absolute()
+        self.name, self.varied = self.result.name, self.result.varied
+
+    @cached_property
+    def points(self) -> tuple[PointResult, ...]:
+        """All points in order, with status, and the reason why one failed; the state when first asked for."""
+        return self.result.points
+
+    @property
+    def _done(self) -> list[PointResult]:
+        return [point for point in self.points if point.status == "done"]
+
+    def __len__(self) -> int:
+        return len(self._done)
+
+    def __iter__(self) -> Iterator[Run]:
+        return (_run(point) for point in self._done)
+
+    def __getitem__(self, number: int) -> Run:
+        """Return the run of a point by its number, from 1.
+
+        Raises
+        ------
+        MissingDataError
+            There is no such point, or it is not finished (also a KeyError).
+        """
+        point = next((point for point in self.points if point.number == number), None)
+        if point is None:
+            raise MissingDataError(f"scan {self.name}: has no point {number}; it has 1 to {len(self.points)}")
+        if point.status != "done":
+            raise MissingDataError(
+                f"scan {self.name}: point {number} is {point.status}" + f": {point.reason}".rstrip(": ")
+            )
+        return _run(point)
+
+    @cached_property
+    def table(self) -> pandas.DataFrame:
+        """Points by number: varied keys, status and all values of their summaries; units in ``attrs["units"]``."""
+        columns = {_POINT: [point.number for point in self.points], **scan_table(self.result)}
+        return _frame(columns, self.result.units, _POINT)
+
+    @cached_property
+    def means(self) -> pandas.DataFrame | None:
+        """Means, deviations and 95 % intervals over points that differ only in the seed; None if it does not vary.
+
+        Columns ``NAME.mean``, ``NAME.std`` and ``NAME.ci95``, and ``n``, the number of points of each mean.
+        """
+        columns = scan_statistics(self.result)
+        return _frame(columns, self.result.units) if columns else None
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Convert the table to a Dataset with a dimension for each independent key.
+
+        Raises
+        ------
+        ValueError
+            The points do not fill a grid with one point at each place.
+        """
+        return read_scan(self.directory).to_xarray()
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """Names of the figures of the scan."""
+        from granwave.analysis.figures.style import style
+        from granwave.analysis.scans.figures import drawings
+
+        with style():
+            return tuple(drawings(self.result))
+
+    def figure(self, name: str) -> Axes | list[Axes]:
+        """Draw a figure, to go on with; see `granwave.analysis.notebook.run.Run.figure`.
+
+        Raises
+        ------
+        MissingDataError
+            There is no figure of this name.
+        """
+        from granwave.analysis.notebook.axes import draw_axes, no_figure
+        from granwave.analysis.scans.figures import drawings
+
+        axes = draw_axes(lambda: drawings(self.result).get(name))
+        if axes is None:
+            raise no_figure(f"scan {self.name}", name, self.figures)
+        return axes
+
+    def __repr__(self) -> str:
+        table = self._brief.to_string(**_SHOWN) if self.points else ""
+        return f"{self._title}\n{table}\n\nresults in {self.directory}"
+
+    def _repr_html_(self) -> str:
+        title, place = html.escape(self._title), html.escape(f"results in {self.directory}")
+        return f"<p>{title}</p>\n{self._brief.to_html(**_SHOWN)}\n<p>{place}</p>"
+
+    @property
+    def _title(self) -> str:
+        n, done = len(self.points), len(self)
+        return f"scan {self.name}: {n} point{'s'[: n != 1]}, {'all' if done == n else done} done"
+
+    @property
+    def _brief(self) -> pandas.DataFrame:
+        """Columns of the table that are shown."""
+        table = self.table
+        shown = [one.name for one in SCAN_COLUMNS if one.name in table and table[one.name].notna().any()]
+        status = [] if len(self) == len(self.points) else ["status"]
+        return table[[*self.varied, *status, *shown]]
+
+
+def _frame(columns: Columns, units: Mapping[str, str], index: str = "") -> pandas.DataFrame:
+    found = {name: "1" if name == _POINT else column_unit(name, units) for name in columns}
+    return frame_of(columns, found, index)
+
+
+def _run(point: PointResult) -> Run:
+    assert point.directory is not None  # it is done
+    return Run(point.directory, point.labels)
 
 
 class InferredForces(Mapping[str, Any]):

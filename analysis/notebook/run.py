@@ -1,4 +1,4 @@
-"""A run for scripts and notebooks: its values by name, tables, fields and figures."""
+"""A run for scripts and notebooks: its summary, tables and figures; units of columns are in ``attrs["units"]``."""
 
 from __future__ import annotations
 
@@ -8,14 +8,19 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError, did_you_mean
-from granwave.analysis.notebook import frames
+from granwave.analysis.exports.to_tables import CSV_TABLES, place_of_column
+from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
+from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import Row, explanation, lines, summary_rows
+from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
+from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import read_summary
 
 if TYPE_CHECKING:
     import pandas
@@ -23,6 +28,39 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from granwave.lammps_inputs.case.case import Case
+
+UNITS = "units"  # key in ``attrs``
+_AT_SNAPSHOTS = tuple(column.name for column in FORCES_AT_FRAMES)  # i, j, then forces
+_INDEX = {"spheres": "id", "energy": "time", "probes": "time"}  # column that names the rows of a table
+
+
+def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = "") -> pandas.DataFrame:
+    """Make a DataFrame of columns.
+
+    Parameters
+    ----------
+    columns
+        Values by name: (n_rows,) or (n_rows, 3), which becomes the columns ``NAME_x``, ``NAME_y`` and ``NAME_z``.
+    units
+        Unit of each of ``columns``, "1" if dimensionless.
+    index
+        Name of the column that becomes the index; empty for rows that are numbered.
+    """
+    import pandas
+
+    split: dict[str, Any] = {}
+    split_units: dict[str, str] = {}
+    for name, values in columns.items():
+        parts = {name: values}
+        if np.ndim(values) == 2:
+            parts = {f"{name}_{axis}": part for axis, part in zip("xyz", np.transpose(values), strict=True)}
+        split |= parts
+        split_units |= dict.fromkeys(parts, units[name])
+    table = pandas.DataFrame(split)
+    if index:
+        table = table.set_index(index)
+    table.attrs[UNITS] = split_units
+    return table
 
 
 class Run(Mapping[str, Any]):
@@ -145,7 +183,7 @@ class Run(Mapping[str, Any]):
     @property
     def tables(self) -> tuple[str, ...]:
         """Names of the tables that `table` gives."""
-        return frames.tables_of(self.result)
+        return tuple(name for name in CSV_TABLES if name in self.result)
 
     def table(self, name: str) -> pandas.DataFrame:
         """Return a table of result.h5, such as ``probes``, with its units in ``attrs["units"]``.
@@ -155,7 +193,15 @@ class Run(Mapping[str, Any]):
         MissingDataError
             The run has no such table.
         """
-        return frames.table(self.result, name)
+        result, there = self.result, self.tables
+        if name not in there:
+            near = did_you_mean(str(name), there, 0.7)
+            hint = f"{near} " if near else ""
+            raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}")
+        columns = sorted(result.names(name), key=place_of_column)
+        values = {column: result.read(f"{name}/{column}") for column in columns}
+        units = {column: result.unit(f"{name}/{column}") for column in columns}
+        return frame_of(values, units, _INDEX.get(name, ""))
 
     @cached_property
     def spheres(self) -> pandas.DataFrame:
@@ -176,19 +222,49 @@ class Run(Mapping[str, Any]):
         MissingDataError
             The run was made without ``output.contact_forces``.
         """
-        return frames.contact_forces(self.result)
+        import pandas
+
+        result = self.result
+        if not result.case.output.contact_forces:
+            raise MissingDataError(
+                f"{result.path.parent}: its snapshots hold no contact forces; run the case again with "
+                "output.contact_forces = true"
+            )
+        times = dict(zip(result[f"{GROUP}/position/step"].tolist(), result.frame_times.tolist(), strict=True))
+        parts = [
+            pandas.DataFrame({"time": times[frame.step]} | {name: frame[name] for name in _AT_SNAPSHOTS})
+            for frame in read_frame_forces(result.path.parent)
+            if frame.step in times
+        ]
+        found = pandas.concat(parts, ignore_index=True).astype({"i": np.int64, "j": np.int64})
+        found.attrs[UNITS] = {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(_AT_SNAPSHOTS[2:], "N")
+        return found
 
     @cached_property
     def wall_contacts(self) -> pandas.DataFrame:
         """Contacts of the sphere ``id`` with a wall; empty if there are none."""
         if "wall_contacts" not in self.result:
-            return frames.frame_of({"wall": [], "id": []}, {"wall": "1", "id": "1"})
+            return frame_of({"wall": [], "id": []}, {"wall": "1", "id": "1"})
         return self.table("wall_contacts")
 
     @cached_property
     def walls(self) -> pandas.DataFrame:
-        """Histories of the forces on walls, below each other: ``wall``, ``time``, ``force``; empty without walls."""
-        return frames.walls(self.result)
+        """Histories of the forces on walls, below each other: ``wall``, ``time``, ``force``; empty without walls.
+
+        Forces are positive outwards. Bottoms that move have further columns, NaN for other walls.
+        """
+        import pandas
+
+        units, parts = {"wall": "1", "time": "s", "force": "N"}, []
+        for wall in self.result.names("walls"):
+            path = f"walls/{wall}"
+            columns = sorted(self.result.names(path), key=place_of_column)
+            values = {name: self.result.read(f"{path}/{name}") for name in columns}
+            parts.append(pandas.DataFrame({"wall": wall} | values))
+            units |= {name: self.result.unit(f"{path}/{name}") for name in columns}
+        found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
+        found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}
+        return found
 
     @cached_property
     def energies(self) -> pandas.DataFrame:

@@ -21,10 +21,9 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.other_kinds import by_kind, share
 from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.analysis.reports.setting import target_of
-from granwave.analysis.result.chain import along
+from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.keys import Key
-from granwave.analysis.scans.means import WORTH, Means
+from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE

@@ -20,10 +20,11 @@ from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.analysis.scans.means import Means, means_of
+from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.study_file import is_study_file
+from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_tables
 from granwave.lammps_inputs.run_directory import (
@@ -36,7 +37,6 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
     is_scan,
 )
-from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
 
 _LOG = logging.getLogger(__name__)
 _LONGEST = 60  # characters of a faulty value in a message

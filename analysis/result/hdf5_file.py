@@ -1,4 +1,4 @@
-"""Atomic writing of HDF5 files, safe against full disks.
+"""Files of the analysis: HDF5 written atomically, groups of ``result.h5`` with their units, and sums of long columns.
 
 HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are therefore hidden from it,
 and their error is raised after HDF5 has closed the file.
@@ -8,13 +8,30 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
 
+from granwave.lammps_inputs.deck.columns import (
+    ABSORBED,
+    CONTACTS,
+    FREE_PLATE,
+    HOLDER,
+    LEDGER,
+    MOVING_WALL,
+    ROTATION,
+    SUPPORT,
+    TANGENTIAL,
+    TIMESTEP,
+    VISCOUS,
+    WALL_CONTACTS,
+)
 from granwave.lammps_inputs.files import naming, replacing
+from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 
 
 @contextlib.contextmanager
@@ -66,3 +83,136 @@ class _Unfailing(io.FileIO):
         except OSError as error:
             self.error = self.error or error
             return self.tell() if size is None else size
+
+
+COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+ROWS_IN_CHUNK = 32_768
+AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
+_COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
+
+# units of columns that LAMMPS writes, and of derived ones
+_UNITS = {
+    column.name: column.unit
+    for column in (
+        *LEDGER,
+        *TIMESTEP,
+        *SUPPORT,
+        *ROTATION,
+        *TANGENTIAL,
+        *HOLDER,
+        *ABSORBED,
+        *FREE_PLATE,
+        *VISCOUS,
+        *MOVING_WALL,
+        *WALL_CONTACTS,
+        *CONTACTS,
+    )
+} | {
+    "initial_overlap": "m",
+    "initial_force": "N",
+    "position": "m",
+    "radius": "m",
+    "mass": "kg",
+    "elastic_energy": "J",
+    "dissipated_energy": "J",
+    "dissipated_energy_wall": "J",
+    "friction_energy": "J",
+    "viscous_energy": "J",
+    "stored": "J",
+    "impulse": "N s",
+    "distance": "m",
+    "displacement": "m",
+    "velocity": "m s-1",
+    "angular_velocity": "rad s-1",
+    "force_sums": "N",
+    "arrival": "s",
+    "peak_speed": "m s-1",
+    "largest_speed": "m s-1",
+    "peak_time": "s",
+    "width": "s",
+    "lateral_force": "N",
+    "bar": "J",
+    "incident_bar": "J",
+    "yield_overlap": "m",
+    "effective_radius": "m",
+}
+_PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
+
+
+class PartwiseGroup:
+    """Group whose columns are written part by part.
+
+    Parameters
+    ----------
+    n_parts
+        Number of parts; a single one is written as `write_group` does.
+    """
+
+    def __init__(self, file: h5py.File, name: str, n_parts: int) -> None:
+        self._file, self._name, self._n_parts = file, name, n_parts
+        self._n_rows = 0
+
+    def append(self, columns: Mapping[str, NDArray], rows: NDArray[np.bool_] | slice = slice(None)) -> None:
+        """Write the columns of the next part, or some of their rows."""
+        if self._n_parts == 1:
+            write_group(self._file, self._name, columns)
+            return
+        group, stop = self._file.require_group(self._name), self._n_rows
+        for column in columns:
+            values = columns[column][rows]
+            if column not in group:
+                tail = values.shape[1:]
+                options: dict[str, Any] = {"maxshape": (None, *tail), "chunks": (ROWS_IN_CHUNK, *tail), **COMPRESSION}
+                group.create_dataset(column, (0, *tail), values.dtype, **options)
+                group[column].attrs["unit"] = unit_of(self._name, column)
+            stop = self._n_rows + len(values)
+            group[column].resize(stop, axis=0)
+            group[column][self._n_rows :] = values
+        self._n_rows = stop
+
+
+def write_group(file: h5py.File, name: str, columns: Mapping[str, NDArray]) -> None:
+    """Write columns as data sets of one group, each with its unit."""
+    group = file.create_group(name)
+    for column, values in columns.items():
+        options: dict[str, Any] = dict(COMPRESSION) if values.size >= _COMPRESSED_FROM else {}
+        if values.dtype == object:
+            options["dtype"] = h5py.string_dtype()
+        group.create_dataset(column, data=values, **options).attrs["unit"] = unit_of(name, column)
+
+
+def unit_of(group: str, column: str) -> str:
+    """Return the unit of a column of a group."""
+    if group == "chain" or group.startswith("bars/"):
+        return _UNITS.get(column.removeprefix("contact_"), "1")
+    if group == "probes" and column not in ("step", "time"):
+        quantity = column.rsplit("_", 1)[1]
+        return _UNITS.get(quantity) or _PROBE_UNITS[quantity[0]]
+    return _UNITS.get(column, "1")
+
+
+_NEVER_HALVED = 128  # values: numpy adds so few without halving them
+
+
+def pairwise_sum(read: Callable[[slice], NDArray[np.float64]], n_values: int, at_once: int) -> float:
+    """Return the sum of values too many for memory, the same to the last bit as numpy's of all of them.
+
+    It halves them as numpy does, until a piece may be read.
+
+    Parameters
+    ----------
+    read
+        Function that returns a range of the values.
+    n_values
+        Number of values.
+    at_once
+        Largest number to be read at once, at least 128.
+    """
+
+    def of(first: int, n: int) -> float:
+        if n <= max(at_once, _NEVER_HALVED):
+            return float(np.sum(read(slice(first, first + n))))
+        half = n // 2 - n // 2 % 8
+        return of(first, half) + of(first + half, n - half)
+
+    return of(0, n_values)

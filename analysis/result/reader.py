@@ -1,11 +1,17 @@
-"""Reader of ``result.h5``: arrays on demand, with the case and its law."""
+"""Reader of ``result.h5``: arrays on demand, with the case and its law; and the error of the energy balance.
+
+The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to then. A prescribed
+displacement also gives the moved grains their kinetic energy, and takes it back when they stop: it is left out of that
+input, or the error of a grain that is pushed in fast and then held would be compared with an energy that no other grain
+ever had.
+"""
 
 from __future__ import annotations
 
 import json
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -17,35 +23,43 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.frame import rows_of, rows_of_all
-from granwave.analysis.result.balance import moved_mass, work_on_packing
-from granwave.analysis.result.damage import damage_of
-from granwave.analysis.result.groups import AT_ONCE
+from granwave.analysis.result.hdf5_file import AT_ONCE
+from granwave.analysis.result.not_a_run import damage_of, why_no_run
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.directories import changed_result
 from granwave.lammps_inputs.files import read_tables
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE
-from granwave.lammps_inputs.run_state import changed_result
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 
+def moved_mass(assembly: Assembly) -> float:
+    """Return the mass of the grains whose displacement is prescribed, kg; 0 for other loads."""
+    if assembly.case.load.kind != "displacement":
+        return 0.0
+    return sum(assembly.mass_of(sphere) for sphere in struck_of(assembly))
+
+
+def misfit(ledger: Mapping[str, Any]) -> Any:
+    """Return |kinetic + elastic + dissipated - input| of a row, or of columns, of the ledger, J."""
+    return abs(ledger["kinetic"] + ledger["elastic"] + ledger["dissipated"] - ledger["input"])
+
+
+def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
+    """Return the magnitude of the input without the kinetic energy of the moved grains, of mass ``moved`` (kg), J."""
+    return abs(ledger["input"] - moved * ledger["struck_velocity"] ** 2 / 2) if moved else abs(ledger["input"])
+
+
 _ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
 _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
-
-
-def _why_no_run(path: Path) -> str:
-    from granwave.analysis.result.not_a_run import (
-        why_no_run,  # imports scans, which import summaries, which import results
-    )
-
-    return why_no_run(path)
 
 
 class _Spheres:
@@ -83,6 +97,8 @@ class Result(_Spheres):
         Directory of a run, or its result.h5.
     at_once
         Largest number of rows that `blocks` gives.
+    case
+        Case that was run, if it was read before.
 
     Raises
     ------
@@ -92,11 +108,11 @@ class Result(_Spheres):
         The file is not the result of a run.
     """
 
-    def __init__(self, source: str | Path, at_once: int = AT_ONCE) -> None:
-        path, self.at_once = Path(source), at_once
+    def __init__(self, source: str | Path, at_once: int = AT_ONCE, case: Case | None = None) -> None:
+        path, self.at_once, self._case = Path(source), at_once, case
         self.path = path / RESULT_FILE if path.is_dir() else path
         if not self.path.exists():
-            raise MissingOutputError(_why_no_run(path))
+            raise MissingOutputError(why_no_run(path))
         try:
             if changed := changed_result(self.path.parent, [self.path.name]):
                 raise OutputFormatError(changed)
@@ -125,7 +141,7 @@ class Result(_Spheres):
         if isinstance(error, PermissionError):
             return f"{self.path}: cannot be read: {error.strerror or error}"
         if given.is_file() and given.name != RESULT_FILE and not h5py.is_hdf5(given):
-            return _why_no_run(given)
+            return why_no_run(given)
         return self.damaged(_REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error))
 
     def damaged(self, why: object) -> str:
@@ -216,7 +232,7 @@ class Result(_Spheres):
     @cached_property
     def case(self) -> Case:
         """Case that was run."""
-        return case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
+        return self._case or case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
 
     @cached_property
     def figure_options(self) -> Figures:

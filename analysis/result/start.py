@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, read_data_in_parts, refuse_ids
 from granwave.analysis.lammps_output.frame import DAMAGED, Frame, rows_of, rows_of_all
-from granwave.analysis.result.scratch import read_rows
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
 _BLOCK = 4096  # rows that are read for a single one
@@ -190,3 +189,92 @@ class Start:
     def whole(self) -> Frame:
         """Return all particles."""
         return self.read(0, self.n_particles)
+
+
+Rows = NDArray[np.float64]  # (n_rows, n_columns)
+
+
+class Buckets:
+    """Rows of numbers, sorted by the part that they belong to.
+
+    Parameters
+    ----------
+    file
+        Scratch file; None: they are kept in memory.
+    """
+
+    def __init__(self, file: FileIO | None) -> None:
+        self._file = file
+        self._kept: dict[int, list[Rows]] = {}
+        self._places: dict[int, list[tuple[int, int]]] = {}  # byte and number of rows of each piece, by part
+        self.n_columns = 0
+
+    def add(self, parts: NDArray[np.int64], rows: Rows) -> None:
+        """Add rows, and the part of each: (n_rows,)."""
+        self.n_columns = rows.shape[1]
+        if not len(rows):
+            return
+        order = np.argsort(parts, kind="stable")
+        numbers, starts = np.unique(parts[order], return_index=True)
+        for part, chosen in zip(numbers.tolist(), np.split(order, starts[1:]), strict=True):
+            if self._file is None:
+                self._kept.setdefault(part, []).append(rows if len(chosen) == len(rows) else rows[chosen])
+            else:
+                self._places.setdefault(part, []).append((self._file.seek(0, 2), len(chosen)))
+                np.ascontiguousarray(rows[chosen]).tofile(self._file)
+
+    def rows(self, part: int) -> Rows:
+        """Return the rows of a part, in the order in which they were added."""
+        pieces = self._kept.get(part, [])
+        if self._file is not None:
+            pieces = [read_rows(self._file, place, n, self.n_columns) for place, n in self._places.get(part, ())]
+        if len(pieces) == 1:
+            return pieces[0]
+        return np.concatenate([np.empty((0, self.n_columns)), *pieces])
+
+
+def read_rows(file: FileIO, place: int, n_rows: int, n_columns: int) -> Rows:
+    """Read rows from a scratch file, from a byte on: (n_rows, n_columns)."""
+    file.seek(place)
+    return np.fromfile(file, dtype=np.float64, count=n_rows * n_columns).reshape(n_rows, n_columns)
+
+
+class Dents:
+    """Contacts at one instant of a run, by the parts of the spheres; those with faces of bars by themselves.
+
+    Parameters
+    ----------
+    start
+        Particles of the run.
+    rows
+        Contacts by part of either sphere.
+    """
+
+    def __init__(self, start: Start, rows: Buckets) -> None:
+        self._start, self._rows = start, rows
+        self._at_bars: list[NDArray[np.float64]] = []
+        self._like: Frame | None = None
+
+    def add(self, frame: Frame) -> None:
+        """Add contacts of particles that there are."""
+        self._like = frame
+        pairs = frame.vector("i", "j").astype(np.int64)
+        between = pairs.max(axis=1, initial=0) <= self._start.last_sphere
+        self._at_bars.append(frame.values[~between])
+        values = frame.values if between.all() else frame.values[between]
+        first, second = (self._start.part_of(ids) for ids in pairs[between].T)
+        self._rows.add(first, values)
+        if np.any(apart := first != second):
+            self._rows.add(second[apart], values[apart])
+
+    def of_part(self, part: int) -> Frame:
+        """Return the contacts of the spheres of a part with other spheres."""
+        return self._frame(self._rows.rows(part))
+
+    def at_bars(self) -> Frame:
+        """Return the contacts of spheres with the faces of bars."""
+        return self._frame(np.concatenate(self._at_bars))
+
+    def _frame(self, values: NDArray[np.float64]) -> Frame:
+        assert self._like is not None
+        return Frame(self._like.step, self._like.box, self._like.columns, values)

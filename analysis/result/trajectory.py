@@ -20,7 +20,7 @@ import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
-from granwave.analysis.result.groups import COMPRESSION, ROWS_IN_CHUNK
+from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK
 from granwave.analysis.result.start import Start
 
 GROUP = "particles/spheres"

@@ -28,7 +28,7 @@ from MDAnalysis.coordinates.timestep import Timestep
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
-from granwave.lammps_inputs.run_state import changed_result
+from granwave.lammps_inputs.directories import changed_result
 
 DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy")
 

@@ -8,8 +8,8 @@
     /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
                                                                 moving wall also displacement, velocity, ground_force
     /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
-    /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.chain`
-    /lines/NAME/...                                             lines of grains, `granwave.analysis.result.lines`
+    /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.histories`
+    /lines/NAME/...                                             lines of grains, `granwave.analysis.result.histories`
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
 The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data set has a ``unit``.
@@ -24,11 +24,9 @@ import tempfile
 import tomllib
 from io import FileIO
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
@@ -43,29 +41,24 @@ from granwave.analysis.lammps_output.time_series import (
     read_static_stage,
     read_walls,
 )
-from granwave.analysis.result.chain import Groups, read_chain
-from granwave.analysis.result.dents import Dents
-from granwave.analysis.result.groups import AT_ONCE, write_group
-from granwave.analysis.result.hdf5_file import new_hdf5
-from granwave.analysis.result.initial_forces import read_initial_forces
-from granwave.analysis.result.lines import line_groups
-from granwave.analysis.result.scratch import Buckets
-from granwave.analysis.result.sphere_tables import periodic, write_tables
-from granwave.analysis.result.start import Start
+from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
+from granwave.analysis.result.histories import Groups, line_groups, read_chain
+from granwave.analysis.result.sphere_tables import periodic, read_initial_forces, write_tables
+from granwave.analysis.result.start import Buckets, Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
+from granwave.lammps_inputs.directories import check_case
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import CASE_FILE, DUMPS, RESULT_FILE, WALL_CONTACTS_FILE
-from granwave.lammps_inputs.run_state import check_case
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
 
 
-def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
+def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None) -> Path:
     """Write the output of a run to ``result.h5``; an older file is replaced when the new one is complete.
 
     Packings of more spheres than ``at_once`` are read in parts, and what parts leave for each other lies in scratch
@@ -77,6 +70,8 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
         Directory of the run, with case.toml, data.granwave and dumps/, and optionally run.json.
     at_once
         Largest number of spheres in a part. The values do not depend on it.
+    case
+        Case that was run, if it was read before.
 
     Returns
     -------
@@ -99,12 +94,16 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE) -> Path:
     with contextlib.ExitStack() as stack:
         file = stack.enter_context(new_hdf5(path, libver="v110"))
         scratch = [stack.enter_context(tempfile.TemporaryFile(dir=directory, buffering=0)) for _ in range(3)]
-        _write(file, directory, at_once, scratch)
+        _write(file, directory, at_once, scratch, case)
     return path
 
 
-def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]) -> None:
-    text, case = _read_case(directory)
+def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO], case: Case | None) -> None:
+    path = directory / CASE_FILE
+    if not path.exists():
+        raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
+    text, case = path.read_text(encoding="utf-8"), case or load_case(path)
+    resolved = tomllib.loads(text).get("resolved", {})
     ledger = read_energy(directory)
     dumped = contacts_path(directory)  # the last file to be written: without it the run is not finished
     start = Start(directory, at_once, scratch[0])
@@ -116,7 +115,10 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     file.attrs["versions"] = json.dumps(versions)
     write_metadata(file, versions["granwave"])
 
-    timestep = _timestep(text, ledger)
+    timestep = resolved.get("timestep")
+    if timestep is None:
+        timestep = ledger["time"][-1] / max(ledger["step"][-1], 1)
+    timestep = float(timestep)
     path = frames_path(directory)
     frames = read_frames_in_parts(directory, at_once)
     recorded = {"friction": case.has_friction, "viscous": case.has_loss}
@@ -124,10 +126,10 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     n_steps = int(ledger["step"][-1])
     if end < n_steps:  # the end of a run is always a snapshot
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
-    if every := _resolved(text).get("history_every"):
+    if every := resolved.get("history_every"):
         for name, columns in read_chain(directory, case, start.whole(), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
-    if every := _resolved(text).get("line_every"):
+    if every := resolved.get("line_every"):
         for name, columns in line_groups(directory, assemble(case), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
     planes = read_wall_contacts(directory)
@@ -150,34 +152,13 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
         write_group(file, "probes", probes)
 
 
-def _read_case(directory: Path) -> tuple[str, Case]:
-    path = directory / CASE_FILE
-    if not path.exists():
-        raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
-    return path.read_text(encoding="utf-8"), load_case(path)
-
-
-def _resolved(text: str) -> dict[str, Any]:
-    return tomllib.loads(text).get("resolved", {})
-
-
-def _timestep(text: str, ledger: Table) -> float:
-    given = _resolved(text).get("timestep")
-    if given is None:
-        return float(ledger["time"][-1] / max(ledger["step"][-1], 1))
-    return float(given)
-
-
-def _impulse(time: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the impulse of a force up to each time, by the trapezoidal rule: (n,), N s."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
-
-
 def _walls(table: Table) -> Groups:
     """Return the force on each wall, and the motion of a moving one, by name of the wall."""
     names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
-    return {
-        name: {"time": table["time"], "force": table[name], "impulse": _impulse(table["time"], table[name])}
-        | {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
-        for name in names
-    }
+    found: Groups = {}
+    for name in names:
+        time, force = table["time"], table[name]
+        impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+        found[name] = {"time": time, "force": force, "impulse": impulse}
+        found[name] |= {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
+    return found

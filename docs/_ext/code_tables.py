@@ -19,9 +19,9 @@ from sphinx.application import Sphinx
 from granwave.analysis.formatting.units import printed_unit
 from granwave.analysis.inference.tables import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
-from granwave.analysis.quantity_notes import NOTES
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.analysis.studies.registry import STUDIES
+from granwave.analysis.summary_table import NOTES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
+from granwave.lammps_inputs.directories import note_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
 from granwave.lammps_inputs.load_case import load_case
@@ -29,7 +30,6 @@ from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.run_state import note_deck
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once

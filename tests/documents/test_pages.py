@@ -15,7 +15,7 @@ import pytest
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.inference.case import read_infer_case
 from granwave.analysis.quantities import ENTRIES
-from granwave.analysis.quantity_notes import NOTES
+from granwave.analysis.summary_table import NOTES
 from granwave.lammps_inputs import load_case, load_materials
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.lattices import KINDS

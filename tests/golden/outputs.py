@@ -19,9 +19,9 @@ from typing import Any
 
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import note_files
 from granwave.workflows import library, load_case, run_case
 from granwave.workflows.solvers import GRANULAR, solver_of
 

@@ -12,13 +12,12 @@ from granwave.analysis.measures.zone.marks import zone_warning
 from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
-from granwave.lammps_inputs.directories import refuse_source, results_directory
+from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import restore_case
 from granwave.workflows import library
 from granwave.workflows.cli.results import as_wrong_input, existing
 from granwave.workflows.cli.terminal import print_json, warn

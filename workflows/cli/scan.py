@@ -13,7 +13,7 @@ from typing import Any
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
-from granwave.analysis.scans.means import means_of
+from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory

@@ -27,12 +27,11 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.figures.side_by_side import PROCESSES
-from granwave.lammps_inputs.directories import disk_space_message, free_space
+from granwave.lammps_inputs.directories import case_digest, disk_space_message, free_space, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, read_tables, replace_text
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import case_digest, tables_as_run
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout

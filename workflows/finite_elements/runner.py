@@ -22,12 +22,19 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
-from granwave.lammps_inputs.directories import decide, results_directory
+from granwave.lammps_inputs.directories import (
+    changed_result,
+    decide,
+    note_files,
+    read_summary,
+    restore_case,
+    result_fault,
+    results_directory,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
 from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE, SUMMARY_FILE
-from granwave.lammps_inputs.run_state import changed_result, note_files, read_summary, restore_case, result_fault
 from granwave.workflows.finite_elements.frame import ElementCase, check_memory
 
 Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a data set

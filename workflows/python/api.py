@@ -17,9 +17,8 @@ from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.measures.zone.marks import zone_warning
-from granwave.analysis.notebook.load import load
+from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
-from granwave.analysis.notebook.scan import ScanRuns
 from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show

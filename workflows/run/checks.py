@@ -6,7 +6,7 @@ import dataclasses
 import math
 from pathlib import Path
 
-from granwave.analysis.result.balance import misfit, work_on_packing
+from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
@@ -26,7 +26,7 @@ class Balance:
     accepted
         Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
     error
-        Largest error so far over the largest input, see `granwave.analysis.result.balance`; NaN if any value is NaN.
+        Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if any value is NaN.
     moved
         Mass of the grains whose displacement is prescribed, kg.
     row

@@ -15,6 +15,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
+from granwave.lammps_inputs.directories import outputs_complete, result_fault
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.ownership import clear, figure_files, output_names, read_marker, refuse_foreign
@@ -33,7 +34,6 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
     VIEW_FILE,
 )
-from granwave.lammps_inputs.run_state import outputs_complete, result_fault
 from granwave.workflows.run import record
 from granwave.workflows.run.mpi import on_first
 

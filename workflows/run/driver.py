@@ -16,20 +16,26 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
-from granwave.analysis.result.balance import moved_mass
+from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import input_script, part
-from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
+from granwave.lammps_inputs.directories import (
+    disk_space_message,
+    free_space,
+    note_files,
+    read_summary,
+    restore_case,
+    results_directory,
+)
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
-from granwave.lammps_inputs.run_state import note_files, read_summary, restore_case
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start

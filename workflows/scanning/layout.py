@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scans.result import other_point, read_point
+from granwave.lammps_inputs.directories import check_case, read_summary, result_fault, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_tables, replace_text
 from granwave.lammps_inputs.ownership import claim, clear
@@ -28,7 +29,6 @@ from granwave.lammps_inputs.run_directory import (
     STUDY_ROWS,
     UNFINISHED,
 )
-from granwave.lammps_inputs.run_state import check_case, read_summary, result_fault, tables_as_run
 
 DRIVER = "GRANWAVE_SCAN_DRIVER"  # environment variable: process id of the local driver; jobs stop when it ends
 BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"

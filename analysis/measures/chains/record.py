@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.chains.hertz_chain import ChainScales
 from granwave.analysis.measures.sensors import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
-from granwave.analysis.result.chain import along
+from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load

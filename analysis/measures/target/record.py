@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.target.bare_target import bare_target_peak
-from granwave.analysis.result.sums import pairwise_sum
+from granwave.analysis.result.hdf5_file import pairwise_sum
 from granwave.lammps_inputs.packing.bodies import BAR
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ import sys
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.exports.export import FORMATS, export
-from granwave.analysis.exports.staging import staged
+from granwave.analysis.exports.export import FORMATS, export, staged
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from tests.helpers import synthetic_scan

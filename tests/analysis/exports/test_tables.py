@@ -107,7 +107,7 @@ def test_csv_of_snapshots(run, tmp_path):
 
 def test_csv_in_parts_is_the_same(run, tmp_path, monkeypatch):
     whole = [path.read_bytes() for path in export(run, "csv", tmp_path / "whole")]
-    monkeypatch.setattr("granwave.analysis.exports.to_csv._ROWS", 7)
+    monkeypatch.setattr("granwave.analysis.exports.to_tables._ROWS", 7)
     assert [path.read_bytes() for path in export(run, "csv", tmp_path / "parts")] == whole
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse
+from granwave.lammps_inputs.directories import changed_files
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.run_state import changed_files
 from tests.helpers import synthetic
 
 DATA, SCRIPT = "data.granwave", "in.granwave"

@@ -19,7 +19,7 @@ from granwave.analysis import MissingOutputError, OutputFormatError, Result, ana
 from granwave.analysis.exports.export import export
 from granwave.analysis.figures import run_figures
 from granwave.analysis.lammps_output.dumps import read_contacts, read_frames
-from granwave.analysis.result.sums import pairwise_sum
+from granwave.analysis.result.hdf5_file import pairwise_sum
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
 from granwave.lammps_inputs import write_deck

@@ -7,7 +7,7 @@ import pytest
 
 from granwave.analysis.measures.lines.decay import fit_decay, parted_at
 from granwave.analysis.measures.lines.record import LineRecord
-from granwave.analysis.result.first_pulse import first_pulses
+from granwave.analysis.result.histories import first_pulses
 
 TIME = np.linspace(0, 10e-3, 4001)
 

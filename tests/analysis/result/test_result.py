@@ -11,8 +11,7 @@ from granwave.analysis.lammps_output.dumps import read_contacts
 from granwave.analysis.measures.impact.dissipation import dissipation_mismatch
 from granwave.analysis.measures.waves.directions import energy_of_spheres
 from granwave.analysis.result import contacts
-from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, touching_pairs
-from granwave.analysis.result.pair_laws import pair_laws
+from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, pair_laws, touching_pairs
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing
 from granwave.lammps_inputs.contact.law import pair_contact

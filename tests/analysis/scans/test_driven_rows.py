@@ -7,8 +7,7 @@ import json
 import pytest
 
 from granwave.analysis.scans.figures import drawings
-from granwave.analysis.scans.keys import key_of
-from granwave.analysis.scans.means import means_of
+from granwave.analysis.scans.keys import key_of, means_of
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan
 from tests.helpers.synthetic_scan import grid, write_scan

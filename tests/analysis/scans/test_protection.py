@@ -8,7 +8,7 @@ import pytest
 
 from granwave.analysis.document.model import Beside, Note
 from granwave.analysis.scans.figures import draw_scan_figures
-from granwave.analysis.scans.means import means_of
+from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import ScanResult, protects
 from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import grid, write_scan

@@ -20,10 +20,10 @@ from granwave.analysis.studies.packing_and_block import blocks, forces, packings
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select
 from granwave.analysis.studies.runs import read_run
+from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import RUN
-from granwave.lammps_inputs.run_state import note_files
 from granwave.workflows import library, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.scanning.suite import load_suite, run_suite

@@ -12,7 +12,7 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
-from granwave.analysis.result.chain import along
+from granwave.analysis.result.histories import along
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case

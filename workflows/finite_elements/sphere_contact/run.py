@@ -29,10 +29,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
 from granwave.analysis.versions import versions_of
+from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.run_directory import CONTACT_TABLE
-from granwave.lammps_inputs.run_state import note_files
 from granwave.workflows.finite_elements.runner import ElementRun, Tables, run_elements, write_result
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import Cycle, compare_cycles, compare_loading

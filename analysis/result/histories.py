@@ -1,0 +1,289 @@
+"""Histories of a chain with its bars, and of lines of grains, as groups of ``result.h5``.
+
+    /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position, contact_force}
+    /bars/NAME/{position, displacement, velocity, force}
+
+Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are those of the
+elements, positive in compression.
+
+Lines of grains, ``[[line]]``:
+
+    /lines/NAME/{time, id, position, distance, displacement, velocity, force_sums}    motion, in the order of the line;
+                                                                                     angular_velocity if grains turn
+    /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
+
+``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the magnitudes of the
+contact forces along x, y and z; the lateral force is half of that across the line, at the instant of the peak. In a
+packing in a vertical plane it is half of the horizontal sum for lines in any direction.
+
+The pulse arrives when the speed first exceeds 5 % of a reference speed. Its peak is the first maximum above that after
+which the speed falls by 10 %; smaller ripples on the way up are no peaks. Its width is that between the half heights.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.errors import OutputFormatError
+from granwave.analysis.lammps_output.dumps import read_forces, read_history, refuse_ids
+from granwave.analysis.lammps_output.frame import AGAIN, CUT, Frame
+from granwave.analysis.lammps_output.time_series import read_lines
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.motion import all_line_ids, line_ids, velocities_of
+
+if TYPE_CHECKING:
+    from granwave.analysis.result.reader import Result
+
+Groups = dict[str, dict[str, NDArray]]
+
+
+def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
+    """Read the recorded history of a chain as groups by name.
+
+    Parameters
+    ----------
+    start
+        All particles, from `granwave.analysis.lammps_output.dumps.read_data`.
+    timestep
+        Timestep, s.
+    last
+        Step of the last instant.
+
+    Raises
+    ------
+    MissingOutputError, OutputFormatError
+        A file is missing or damaged.
+    """
+    frames, path = list(read_history(directory)), Path(directory) / "dumps" / "history.dump"
+    steps = np.array([frame.step for frame in frames])
+    for number, frame in enumerate(frames):
+        if not np.array_equal(frame["id"], start["id"]):
+            raise OutputFormatError(
+                f"{path}: snapshot {number} (step {frame.step}) holds {len(frame)} particles that are not the "
+                f"{len(start)} of data.granwave: the files belong to different runs, or one is damaged; {AGAIN}"
+            )
+    if steps[-1] < last:
+        raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
+    displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
+    assembly, z = assemble(case), start["z"]
+    beads = np.argsort(z[: assembly.n_spheres], kind="stable")
+    first, second = _contacts(case, beads)
+    radius = start["diameter"] / 2
+    groups: Groups = {
+        "chain": {
+            "time": steps * timestep,
+            "id": beads + 1,
+            "position": z[beads],
+            "displacement": displacement[:, beads],
+            "velocity": velocity[:, beads],
+            "contact_i": first,
+            "contact_j": second,
+            "contact_position": z[first - 1] + radius[first - 1],
+            "contact_force": _forces(Path(directory), steps, first, second, start),
+        }
+    }
+    for bar in assembly.bars:
+        nodes = slice(bar.first - 1, bar.last)
+        groups[f"bars/{bar.name}"] = {
+            "position": z[nodes],
+            "displacement": displacement[:, nodes],
+            "velocity": velocity[:, nodes],
+            "force": -bar.stiffness * np.diff(displacement[:, nodes], axis=1),
+        }
+    return groups
+
+
+def along(result: Result, column: str) -> NDArray[np.float64]:
+    """Return a column of ``/contacts``, and of ``/wall_contacts`` of bars, in the order of the chain: (n_contacts,)."""
+    value = {
+        (int(i), int(j)): float(number)
+        for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
+    }
+    faces = {bar.name: bar.face for bar in result.assembly.bars}
+    for wall, bead, number in zip(*(result[f"wall_contacts/{name}"] for name in ("wall", "id", column)), strict=True):
+        if wall in faces:
+            value[int(bead), faces[wall]] = float(number)
+    pairs = zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
+    return np.array([value.get((min(pair), max(pair)), 0.0) for pair in pairs])
+
+
+def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the ids of the upper and lower partner of every contact along the chain, including faces of bars."""
+    order = [int(bead) + 1 for bead in beads]
+    for bar in assemble(case).bars:
+        order.insert(0 if bar.face == bar.last else len(order), bar.face)
+    return np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
+
+
+def _forces(
+    directory: Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64], start: Frame
+) -> NDArray[np.float64]:
+    stride = 1 + max(first.max(initial=0), second.max(initial=0))
+    column = {int(code): n for n, code in enumerate(np.minimum(first, second) * stride + np.maximum(first, second))}
+    row = {int(step): n for n, step in enumerate(steps)}
+    forces = np.zeros((len(steps), len(first)))
+    path = directory / "dumps" / "forces.dump"
+    for frame in read_forces(directory):
+        refuse_ids(path, np.setdiff1d(frame.vector("i", "j"), start["id"]))
+        n = row.pop(frame.step, None)
+        if n is None:
+            continue
+        i, j = np.sort(frame.vector("i", "j").astype(np.int64), axis=1).T
+        for code, force in zip((i * stride + j).tolist(), frame["force"].tolist(), strict=True):
+            if force > 0 and code in column:
+                forces[n, column[code]] = force
+    if row:
+        raise OutputFormatError(f"{path} lacks the snapshot of step {min(row)}, which history.dump has: {CUT}")
+    return forces
+
+
+_FLAT = 1e-6  # diameters; a packing that extends by less along an axis lies in a plane
+
+
+def line_groups(
+    directory: str | Path, assembly: Assembly, timestep: float, last: int
+) -> dict[str, dict[str, NDArray[np.generic]]]:
+    """Read the lines of a case as groups by name; raise as `read_lines`.
+
+    Parameters
+    ----------
+    timestep
+        Time of a count of the step counter, s.
+    last
+        Count of the last instant.
+    """
+    rows = all_line_ids(assembly)
+    steps, motion = read_lines(directory, rows, last)
+    centre = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True))
+    time, across = np.asarray(steps * timestep, dtype=np.float64), _across(assembly)
+    groups: dict[str, dict[str, NDArray[np.generic]]] = {}
+    for line in assembly.case.line:
+        ids = np.array(line_ids(assembly, line))
+        chosen, position = np.searchsorted(rows, ids), np.array([centre[one] for one in ids.tolist()])
+        own = {name: values[:, chosen] for name, values in motion.items()}
+        speed = np.asarray(np.linalg.norm(own["velocity"], axis=2), dtype=np.float64)
+        pulses = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
+        apart = np.linalg.norm(np.diff(position, axis=0), axis=1)
+        groups[f"lines/{line.name}"] = {
+            "time": time,
+            "id": ids,
+            "position": position,
+            "distance": np.concatenate([[0.0], np.cumsum(apart)]),
+            **own,
+            "arrival": pulses.arrival,
+            "peak_speed": pulses.peak,
+            "peak_time": pulses.time,
+            "width": pulses.width,
+            "lateral_force": _lateral(own["force_sums"], pulses.row, position, across),
+            "largest_speed": speed.max(axis=0),
+        }
+    return groups
+
+
+def reference_speed(assembly: Assembly) -> float:
+    """Return the speed that arrivals refer to: the largest that the load gives at the start, m/s; 0 of a force."""
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    if assembly.case.load.plate is not None:
+        speeds.append(assembly.case.load.velocity)
+    return max(speeds, default=0.0)
+
+
+def _lateral(
+    sums: NDArray[np.float64], row: NDArray[np.int64], position: NDArray[np.float64], across: int | None
+) -> NDArray[np.float64]:
+    """Return half the sum of the horizontal contact forces at the peaks: (n,), N; NaN without a peak.
+
+    In a packing in a vertical plane they are along ``across``, the horizontal axis of the plane, whatever the line;
+    elsewhere (None) along the horizontal axis that is most nearly normal to the line.
+    """
+    way = np.abs(position[-1] - position[0])
+    axis = int(np.argmin(way[:2])) if across is None else across
+    found = 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis]
+    return np.where(row >= 0, found, np.nan)
+
+
+def _across(assembly: Assembly) -> int | None:
+    """Return the horizontal axis of a packing in a vertical plane, 0 or 1; None for other packings."""
+    extent = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
+    return int(np.argmax(extent)) if np.count_nonzero(extent) == 1 else None
+
+
+ARRIVAL = 0.05  # of the reference speed
+FALL = 0.10  # of the peak
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FirstPulses:
+    """First pulses at several points; every array (n,), NaN where there is none.
+
+    Attributes
+    ----------
+    arrival
+        Time of arrival, s.
+    peak
+        Peak speed, m/s.
+    time
+        Time of the peak, s.
+    width
+        Time between the half heights about the peak, s; NaN also if the record ends before.
+    row
+        Row of the peak in the record; -1: none.
+    """
+
+    arrival: NDArray[np.float64]
+    peak: NDArray[np.float64]
+    time: NDArray[np.float64]
+    width: NDArray[np.float64]
+    row: NDArray[np.int64]
+
+
+def first_pulses(time: NDArray[np.float64], speed: NDArray[np.float64], reference: float) -> FirstPulses:
+    """Find the first pulse at each point.
+
+    Parameters
+    ----------
+    time
+        (n_times,), s.
+    speed
+        Magnitudes: (n_times, n), m/s.
+    reference
+        Speed that the threshold of arrival refers to, m/s.
+    """
+    rows = [_pulse(time, one, ARRIVAL * reference) for one in speed.T]
+    table = np.array([values for values, _ in rows]).reshape(-1, 4).T
+    arrival, peak, instant, width = table
+    return FirstPulses(arrival, peak, instant, width, np.array([row for _, row in rows], dtype=np.int64))
+
+
+def _pulse(time: NDArray[np.float64], speed: NDArray[np.float64], least: float) -> tuple[tuple[float, ...], int]:
+    above = np.flatnonzero(speed > least)
+    if not above.size:
+        return (np.nan,) * 4, -1
+    first = int(above[0])
+    arrival = float(time[0]) if first == 0 else _crossing(time, speed, first, least)
+    highest = np.maximum.accumulate(speed[first:])
+    fallen = np.flatnonzero(speed[first:] <= (1 - FALL) * highest)
+    if not fallen.size:
+        return (arrival, np.nan, np.nan, np.nan), -1
+    row = first + int(np.argmax(speed[first : first + int(fallen[0]) + 1]))
+    half = float(speed[row]) / 2
+    before = np.flatnonzero(speed[:row] <= half)
+    after = np.flatnonzero(speed[row:] <= half)
+    width = np.nan
+    if after.size:
+        start = _crossing(time, speed, int(before[-1]) + 1, half) if before.size else float(time[0])
+        width = _crossing(time, speed, row + int(after[0]), half) - start
+    return (arrival, float(speed[row]), float(time[row]), width), row
+
+
+def _crossing(time: NDArray[np.float64], speed: NDArray[np.float64], row: int, level: float) -> float:
+    """Return the time between two rows of the record at which a speed passes a level, by a straight line."""
+    low, high = float(speed[row - 1]), float(speed[row])
+    return float(time[row - 1] + (level - low) / (high - low) * (time[row] - time[row - 1]))
