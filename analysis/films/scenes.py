@@ -29,7 +29,7 @@ from granwave.analysis.figures.run.sections import (
     window_around,
 )
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, GREY, WIDTH, new_figure
-from granwave.analysis.measures.geometry.planes import Section as PlaneSection
+from granwave.analysis.measures.geometry import Section as PlaneSection
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
 

@@ -12,8 +12,8 @@ from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target.record import Reached
-from granwave.analysis.measures.target.shock_spectrum import Curves
+from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target_theory import Curves
 
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
 _COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)  # of bottoms

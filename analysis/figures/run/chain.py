@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import energy_unit, label, panels, velocity_unit
 from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, Drawing, legend_above
-from granwave.analysis.measures.sensors import sensor_forces
+from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
 

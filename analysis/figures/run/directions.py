@@ -7,8 +7,8 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, ORANGE, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.geometry.planes import preferred_directions
-from granwave.analysis.measures.waves.directions import (
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.waves import (
     LAYER_BINS,
     PER_RING,
     RINGS,

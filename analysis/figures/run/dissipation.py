@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.run.sections import force_scale, spheres_beyond_law
 from granwave.analysis.figures.style import BLUE, GREEN, ORANGE, PURPLE, Drawing, new_figure
-from granwave.analysis.measures.impact.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
-from granwave.analysis.measures.zone.marks import bounds_in_words
-from granwave.analysis.measures.zone.packing import packing_zone
+from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.measures.zone import packing_zone
+from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 

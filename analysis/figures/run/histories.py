@@ -21,7 +21,7 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
-from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
+from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.result.reader import Result
 
 _MICRO = 1e6  # microseconds in a second

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.lines.record import LineRecord, lines_of
+from granwave.analysis.measures.lines import LineRecord, lines_of
 from granwave.analysis.result.reader import Result
 
 _MICRO, _MILLI = 1e6, 1e3  # us in a second, mm in a metre

@@ -7,8 +7,8 @@ import numpy as np
 from granwave.analysis.figures.run.histories import thinned, time_axis
 from granwave.analysis.figures.series import energy_unit
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, Drawing, legend_above, new_figure
-from granwave.analysis.measures.target.bare_target import unprotected
-from granwave.analysis.measures.target.record import reached
+from granwave.analysis.measures.bare_target import unprotected
+from granwave.analysis.measures.target import reached
 from granwave.analysis.result.reader import Result
 
 _MICRO, _MILLI = 1e6, 1e3

@@ -7,8 +7,7 @@ from matplotlib.ticker import MaxNLocator
 
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, legend_above
-from granwave.analysis.measures.driven.amplitude_sweep import MULTIPLES, amplitude_sweep_of
-from granwave.analysis.measures.driven.transmission import SteadyMotion, transmission_of
+from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
 from granwave.analysis.result.reader import Result
 
 _WIDE = 0.05  # smallest over largest ratio below which the axis is logarithmic

@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, legend_above, new_figure
-from granwave.analysis.measures.zone.packing import packing_zone
-from granwave.analysis.measures.zone.size import BOTTOM, SIDES, Array, extent_holding
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.zone import packing_zone
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, extent_holding
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 

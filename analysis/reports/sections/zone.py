@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from granwave.analysis.document.cells import named
 from granwave.analysis.document.model import Note
-from granwave.analysis.measures.zone.marks import NOTED_SHARE, Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Run
 
 
