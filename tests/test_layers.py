@@ -52,7 +52,7 @@ lammps_inputs/run_state
 lammps_inputs/ownership
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/files
+lammps_inputs/files lammps_inputs/roots
 lammps_inputs/errors
 plugins
 """

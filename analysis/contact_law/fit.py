@@ -293,7 +293,7 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
     names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
-        "residual_": f"the curve is unloaded from {turns} overlap{'s' * (turns != 1)} only, and three tell all",
+        "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, and three tell all",
         "unloading_": "the curve has no unloading",
     }
     for part, why in reasons.items():

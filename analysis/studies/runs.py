@@ -122,17 +122,6 @@ def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:
     return [unique[value] for value in sorted(unique)]
 
 
-def grouped(runs: Iterable[Kind], *varying: str) -> list[list[Kind]]:
-    """Runs that differ in the named tables or keys alone, such as ``precompression`` or ``load.velocity``.
-
-    How long and how finely a run was followed does not count.
-    """
-    found: dict[str, list[Kind]] = {}
-    for run in runs:
-        found.setdefault(all_but(run.case, *varying), []).append(run)
-    return list(found.values())
-
-
 def all_but(case: Case, *left_out: str) -> str:
     """Everything of a case but some tables or keys, as text: equal for cases that differ in nothing else.
 

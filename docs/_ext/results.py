@@ -87,7 +87,6 @@ SUITES = {
     **reproductions(),
     "protection": Suite("Protected targets", "scan", ("protection",), comparison=True),
     "tolerance": Suite("Tolerance and friction", "scan", ("tolerance",)),
-    "bands": Suite("Waves in frequency", "scan", ("bands",)),
 }
 
 

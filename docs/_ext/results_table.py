@@ -59,7 +59,7 @@ CHOSEN = (
         "square-out-of-plane",
         ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
     ),
-    ("Row with gaps: ", "switch", "gap-switch", ("Displacement of sphere 10 in a long row, at rest again",)),
+    ("Row with gaps: ", "thesis-8", "no_cylinders", ("Displacement of sphere 10 in a long row, at rest again",)),
     (
         "Chain of two materials, 20 N: edges of its band gap, sqrt(2 k/M) and sqrt(2 k/m)",
         "bands",

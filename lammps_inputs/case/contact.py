@@ -159,13 +159,13 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     """Return the exact C of the contact pressure at first yield, ``p_y = C sigma_y``, under Hertz's pressure.
 
     On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z = zeta a
-    (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45):
+    (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
 
         sigma_z / p0 = -1 / (1 + zeta^2)
         sigma_r / p0 = -(1 + nu) (1 - zeta arctan(1/zeta)) + 1 / (2 (1 + zeta^2))
 
-    The von Mises stress there is |sigma_z - sigma_r|; for nu >= 0 its largest value over the depth is the largest in
-    the body. Hence C = 1 / max |sigma_z - sigma_r| with p0 = 1: 1.613 at nu = 0.30, which the source rounds to 1.60.
+    The von Mises stress there is ``|sigma_z - sigma_r|``; for nu >= 0 its largest value over the depth is the largest
+    in the body. Hence ``C = 1 / max |sigma_z - sigma_r|`` with p0 = 1: 1.613 at nu = 0.30; the laws take 1.60.
 
     Parameters
     ----------

@@ -24,6 +24,7 @@ Time functions of forces and displacements, with amplitude A, duration T and fre
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -230,6 +231,11 @@ class Load:
         if self.shape == "burst":
             return (self.cycles or 0.0) / (self.frequency or 1.0)
         return self.table[-1][0] if self.table else self.duration or 0.0
+
+    @property
+    def first_time(self) -> float:
+        """Time at which a table leaves zero, s; 0 for all other loads."""
+        return next((before for (before, _), (_, size) in itertools.pairwise(self.table or ()) if size), 0.0)
 
     @property
     def largest(self) -> float:

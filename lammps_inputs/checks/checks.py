@@ -39,6 +39,7 @@ from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least
+_SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
 _MEMORY_OF_SITE = 40.0  # bytes a site; measured 34 to 68 for 1e7 spheres
@@ -188,6 +189,15 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         if case.run.longest > echo:
             text = "%s: an echo of the end of the %s can reach the chain after %.3g s, the run lasts %.3g s: "
             _LOG.warning(f"{text}make the bar longer, or the run shorter", case.name, name, echo, case.run.longest)
+    if case.contact.initial_overlap and case.precompression and case.boundary.forget_gap < _SMALL_GAP:
+        text = "%s: boundary.forget_gap: dents from before the run are forgotten beyond gaps of %.3g m, so that the "
+        gap = case.boundary.forget_gap * case.packing.diameter
+        _LOG.warning(
+            text + "packing may never come to rest under its static load; give %g or more", case.name, gap, _SMALL_GAP
+        )
+    if case.load.first_time >= case.run.longest:
+        text = "%s: load.table: the load begins at %.3g s, when the run has ended: give run.end_time a later time"
+        _LOG.warning(text, case.name, case.load.first_time)
     if case.run.end_time == "auto" and not case.contact.yields:
         _LOG.warning('%s: a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us', case.name)
 

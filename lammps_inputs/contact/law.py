@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
+from granwave.lammps_inputs.roots import brentq
 
 _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 
@@ -283,7 +284,6 @@ def loss_time(
     ValueError
         The law alone, by yielding, leaves less than this restitution, or no loss time as little.
     """
-    from scipy.optimize import brentq  # takes longer to load than most commands need
 
     law = law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
     alone = law.collide(mass, velocity, steps=_STEPS)
@@ -308,7 +308,6 @@ def loss_time(
 @lru_cache(maxsize=64)
 def dashpot_factor(restitution: float) -> float:
     """Return the factor of the dashpot that gives a Hertzian contact this restitution, at any speed and size."""
-    from scipy.optimize import brentq
 
     one = (1.0, 1.0)
     law = ContactLaw("hertz", youngs_modulus=one, poisson_ratio=(0.0, 0.0), yield_strength=one, radius=one)

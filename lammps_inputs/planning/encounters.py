@@ -39,6 +39,7 @@ from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.sites import Sites
+from granwave.lammps_inputs.roots import brentq
 
 
 def expected_energy(assembly: Assembly) -> float:
@@ -174,7 +175,6 @@ class Encounter:
     @cached_property
     def overlap(self) -> float:
         """Overlap at which the work of loading equals the energy, m."""
-        from scipy.optimize import brentq  # takes longer to load than most commands need
 
         limit = _LARGEST_OVERLAP * self.law.effective_radius
         if _work(self.law, limit) <= self.energy:
@@ -328,7 +328,6 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
 
 def _work_to_force(law: ContactLaw, force: float) -> float:
     """Return the work of loading up to a force, J."""
-    from scipy.optimize import brentq
 
     low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
     if float(law.loading_force(np.array([high]))[0]) <= force:

@@ -112,8 +112,8 @@ class PairGranHysteretic : public Pair {
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
   struct Sphere {
-    tagint tag;
     double radius;
+    tagint tag;
     int type;
   };
 

@@ -81,7 +81,7 @@ void PairGranHysteretic::build_contacts()
     c.reached.assign(n, 0.0);
     c.initial_extra.assign(n * c.n_extra, 0.0);
   }
-  const auto as_now = [this](int i) { return Sphere{atom->tag[i], atom->radius[i], atom->type[i]}; };
+  const auto as_now = [this](int i) { return Sphere{atom->radius[i], atom->tag[i], atom->type[i]}; };
   c.row_sphere.resize(c.row.size());
   std::transform(c.row.begin(), c.row.end(), c.row_sphere.begin(), as_now);
   c.partner_sphere.resize(n);

@@ -116,12 +116,17 @@ def of_ratio(kind, found):
 
 def pictures(kinds):
     light = light_of(kinds)
-    caption = f"{light}: pulse at the second sensor (source Figs. 7, 10), and its speed and height (source Fig. 11)"
+    caption = (
+        f"{light}: force at the second sensor by length of the section (source Figs 7, 10); speed and height of this "
+        "pulse, and exponential fits (source Fig. 11). A longer section slows elastic pulses too; what else is lost is "
+        "yielding's"
+    )
     yield gw.Picture(f"composite_{light.replace('-', '_')}_length", caption, *against_length(kinds, SPEEDS[light]))
     shown = watched(kinds["elastic"])
     caption = (
-        f"{light}, {shown.n} beads: waves in the chain, and at one contact of the section (source Fig. 6); energy by "
-        "section (dips: in the contact with the end), and its largest density along the chain (source Fig. 8)"
+        f"{light}, {shown.n} beads: force in place and time, where slanted lines are waves, and at a contact of the "
+        "section, with the source's names (Fig. 6); energy by section (dashed: yielding; dips: at the chain's end), "
+        "and its largest density (Fig. 8)"
     )
     waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
     yield gw.Picture(f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves))

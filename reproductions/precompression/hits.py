@@ -69,4 +69,8 @@ def pictures(series):
     right.bar(found["Hit"], found["Largest force added at the bottom (N)"], width=0.6)
     left.set(xlabel="Hit", ylabel="Dissipated (% of input)", xticks=found["Hit"])
     right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=found["Hit"])
-    yield gw.Picture("", "Dissipation and transmitted force by number of the hit", figure, found)
+    caption = (
+        "Dissipated share and largest force added at the bottom, by number of the hit. Later hits meet dents, which "
+        "are elastic up to the force that made them: less is dissipated, and more comes through"
+    )
+    yield gw.Picture("", caption, figure, found)

@@ -80,4 +80,8 @@ def pictures(runs):
         axes.set(xlabel="Static pressure (Pa)", ylabel=labels[name], ylim=(0, 1.25 * values.max()))
         axes.set_xlim(x[1] / 2, 2 * x[-1])
         axes.legend()
-    yield gw.Picture("", "Transmitted force and dissipation against static pressure", figure, found)
+    caption = (
+        f"{' and '.join(labels[name].partition(' (')[0].lower() for name in shown).capitalize()} against static "
+        "pressure; dashed: the same impact without it. The static load matters from where the marks leave the line"
+    )
+    yield gw.Picture("", caption, figure, found)

@@ -51,4 +51,8 @@ def pictures(runs):
         data |= {f"{word}_pressure_Pa": pressure, f"{word}_speed_m_s": speed, f"{word}_theory_m_s": theory}
     axes.set(xlabel="Pressure (Pa)", ylabel="Speed of small waves (m/s)")
     axes.legend(loc="upper left")
-    yield gw.Picture("precompressed_packing_speed", "Speed of small waves against pressure", figure, data)
+    caption = (
+        "Speed of small waves against pressure, by packing and kind of pressure. The theory, a power of 1/6, is not "
+        "fitted: marks on its line tell that the loaded packing is a lattice of linear springs"
+    )
+    yield gw.Picture("precompressed_packing_speed", caption, figure, data)

@@ -103,7 +103,11 @@ def pictures(runs):
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
     figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
-    yield gw.Picture("_dissipation", "Dissipation against the largest force, by preconditioning", figure, data)
+    caption = (
+        "Dissipated share against the largest contact force of an impact, by the force that all contacts bore before "
+        "(dotted). To the left of its dotted line a curve is to be at zero: dents stay elastic up to that force"
+    )
+    yield gw.Picture("_dissipation", caption, figure, data)
     if runs[0].case.packing.kind == "fcc":
         return
     figure, data = Figure((3.4, 2.5), layout="constrained"), {}
@@ -115,4 +119,8 @@ def pictures(runs):
         data |= {"contact": contact, f"level_{level(run):g}_N_peak_force_N": peaks}
     axes.set(xlabel="Contact", ylabel="Largest force (N)", xlim=(0, None))
     figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
-    yield gw.Picture("_pulse", "Largest force along the chain, impact at 20 m/s", figure, data)
+    caption = (
+        f"Largest force of the contacts along the chain, impact at {run.case.load.velocity:g} m/s. It falls while "
+        "contacts yield, and stays once it is down to the force that they bore before; in a fresh chain it falls on"
+    )
+    yield gw.Picture("_pulse", caption, figure, data)

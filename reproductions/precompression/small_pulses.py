@@ -44,6 +44,9 @@ def pictures(runs):
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set(xlabel="Static force F0 (N)", ylabel="Speed of small pulses (m/s)")
     axes.legend(loc="upper left")
-    caption = "Speed of small pulses against the static force (composite 3)"
+    caption = (
+        "Speed of small pulses against static force. The line is the source's formula (composite 3), not fitted; "
+        "Hertz's law forces its power, 1/6, so that the height of the marks is what compares"
+    )
     data = {"static_force_N": force, "speed_m_s": speed, "printed_m_s": printed}
     yield gw.Picture("precompressed_chain_small_pulses", caption, figure, data)

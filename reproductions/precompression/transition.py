@@ -50,5 +50,8 @@ def pictures(runs):
     axes.legend(loc="upper left")
     data = {"static_force_N": force, "speed_m_s": speed}
     data |= {"force_ratio": [wave.ratio for wave in waves], "c0_m_s": [wave.c0 for wave in waves]}
-    caption = "One impact at 0.1 m/s on chains under static forces"
+    caption = (
+        f"Speed of the wave of an impact at {last.velocity:g} m/s against the chain's static force: as if uncompressed "
+        "(dashed) far to the left of where the lines cross, that of small pulses, c0, far to the right"
+    )
     yield gw.Picture("precompressed_chain_0_1_m_s", caption, figure, data)

@@ -62,5 +62,8 @@ def pictures(runs):
     data = {"static_force_N": [w.static for w in waves], "impact_velocity_m_s": [w.velocity for w in waves]}
     data |= {"reduced_velocity": x, "force_ratio": ratio, "speed_over_c0": speed, "steady": steady.astype(int)}
     data |= {"solitary_over_c0": solitary_speed(ratio), "lattice_over_c0": lattice_speed(ratio)}
-    caption = "Speed of the wave and height of its crest on a precompressed chain"
+    caption = (
+        "Speed against the wave's height, and height against impact velocity, precompressed chain. Steady waves (full "
+        "marks) lie on the lattice's line, and on the right go from the small to the strong limit"
+    )
     yield gw.Picture("precompressed_chain_waves_20_N", caption, figure, data)

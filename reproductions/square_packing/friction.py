@@ -78,4 +78,10 @@ def pictures(runs):
             axes.plot([0, *x], [0, *lost[chosen]], mark, color=colour, markersize=3, label=f"{word}, {kind}")
     axes.set(xlabel="Coefficient of friction", ylabel="Loss of peak velocity (%)", xlim=(0, None), ylim=(0, None))
     figure.legend(loc="outside right upper")
-    yield gw.Picture("", "Loss of the waves by friction", figure, data)
+    worst = losses[np.where(walls, 0, own).argmax()]
+    most = {group: lost for (group, place), lost in zip(PLACES, worst, strict=True) if place in (5, 6)}
+    caption = (
+        "Loss of peak velocity, sphere 6 of a central and 5 of an edge chain, against the coefficient of friction. "
+        f"Between spheres, {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"
+    )
+    yield gw.Picture("", caption, figure, data)

@@ -85,9 +85,21 @@ def rows(one):
 
 
 def pictures(one):
-    yield gw.Picture("_energies", f"Energy by region, {one.way} impact", *energies(one))
-    yield gw.Picture("_speeds", f"Speed of the spheres, {one.way} impact (source Figs 3 and 6)", *speeds(one))
-    yield gw.Picture("_pulses", f"Length of the pulse, {one.way} impact (source Fig. 11)", *lengths(one))
+    energy = (
+        f"Share of the energy that each region has against time, {one.way} impact. Level stretches are waves on their "
+        "way along the chains; where the walls' share rises, waves press on them and turn"
+    )
+    speed = (
+        f"Speed of every sphere at {len(SHOWN)} instants, {one.way} impact (source Figs 3 and 6). Waves run along the "
+        "rows of the struck spheres; the spheres between them hardly move"
+    )
+    length = (
+        f"Length of the pulse against its place in the chains, by four measures, {one.way} impact (source Fig. 11). It "
+        "becomes steady within few spheres, shorter than Nesterenko's wave: beads are no continuum"
+    )
+    yield gw.Picture("_energies", energy, *energies(one))
+    yield gw.Picture("_speeds", speed, *speeds(one))
+    yield gw.Picture("_pulses", length, *lengths(one))
 
 
 def energies(one):

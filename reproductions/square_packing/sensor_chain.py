@@ -59,5 +59,8 @@ def pictures(runs):
         data |= {"time_s": chain.time, f"mass_{100 * ratio:.3g}_percent_force_over_incident": scaled}
     right.set(xlabel="Time (µs)", ylabel="Force over the incident wave's (%)", ylim=(0, 25), xlim=(0, None))
     right.legend(ncols=2, fontsize=7, title="mass")
-    caption = f"Reflection of a lighter sphere in a chain, and the waves {BEFORE} contacts before it, by its mass"
+    caption = (
+        f"Largest reflection against the mass of the lighter sphere, and force {BEFORE} contacts before it against "
+        "time: after the incident wave, cut off, comes what it reflects, the less the nearer its mass is to the others'"
+    )
     yield gw.Picture("", caption, figure, data)

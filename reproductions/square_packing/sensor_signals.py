@@ -115,5 +115,8 @@ def pictures(one):
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     axes.set_xlabel("Time (µs)")
     figure.supylabel("Acceleration (m/s²)", fontsize="medium")
-    caption = f"Accelerations of the sensors along the chains, {one.way} impact (source Figs 4, 5 and 7)"
+    caption = (
+        f"Acceleration of the sensors along the chains against time, {one.way} impact (source Figs 4, 5 and 7). A and "
+        "B lie alike, so that their curves are one; the delay from sensor to sensor gives the speed"
+    )
     yield gw.Picture("", caption, figure, data)

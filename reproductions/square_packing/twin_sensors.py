@@ -150,4 +150,8 @@ def pictures(samples):
         data |= {f"{name}_{unit}": [one.mean for one in values]}
         data |= {f"{name}_scatter_{unit}": [one.deviation for one in values]}
         data |= {f"{name}_95_percent_{unit}": [one.half_width for one in values]}
-    yield gw.Picture("", "Scatter between twin sensors: delay against amplitude", figure, data)
+    caption = (
+        "Scatter of the delay between twin sensors against that of their ratio of peaks, a shape for each pair. One "
+        "kind of imperfection makes a line of slope 1: kinds on that of the source's open mark may be its cause"
+    )
+    yield gw.Picture("", caption, figure, data)

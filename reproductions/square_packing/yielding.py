@@ -60,4 +60,9 @@ def pictures(series):
         data[f"{region.replace(' ', '_')}_over_input"] = share
     axes.set(xlabel="Velocity of the striker (m/s)", ylabel="Energy (% of input)", ylim=(0, 105))
     axes.legend(loc="center right")
-    yield gw.Picture("", f"Where the energy goes, {series[0].way} impact", figure, data)
+    caption = (
+        "Share of the energy that is dissipated, or left in each region, against the striker's velocity, "
+        f"{series[0].way} impact on spheres that yield: the faster, the more is dissipated, and the less the chains "
+        "carry"
+    )
+    yield gw.Picture("", caption, figure, data)

@@ -164,6 +164,20 @@ class TestWarnings:
         assert "(1, 3)" in caplog.text
         assert "(1, 2)" not in caplog.text
 
+    @pytest.mark.parametrize("begins", [1e-3, 5e-4])
+    def test_a_load_after_the_end(self, caplog: pytest.LogCaptureFixture, begins: float) -> None:
+        load = {"kind": "force", "shape": "table", "table": [[0.0, 0.0], [begins, 0.0], [2e-3, 100.0]]}
+        with caplog.at_level(logging.WARNING, "granwave"):
+            case_from_dict(changed(load=load, run__end_time=8e-4))
+        assert ("begins at 0.001 s" in caplog.text) == (begins > 8e-4)
+
+    @pytest.mark.parametrize("gap", [1e-9, 0.1])
+    def test_dents_that_are_forgotten_under_a_static_load(self, caplog: pytest.LogCaptureFixture, gap: float) -> None:
+        pressed = {"kind": "uniform", "pressure": 1e4}
+        with caplog.at_level(logging.WARNING, "granwave"):
+            case_from_dict(changed(contact__initial_overlap=1e-5, precompression=pressed, boundary__forget_gap=gap))
+        assert ("never come to rest" in caplog.text) == (gap < 1e-3)
+
 
 def test_every_third_sphere() -> None:
     assert parse_index({"first": 8, "last": 17, "step": 3}) == (8, 11, 14, 17)

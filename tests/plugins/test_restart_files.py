@@ -87,17 +87,6 @@ def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
         resume(lammps(), tmp_path / "a.restart")
 
 
-def test_another_format_is_an_error(lammps, tmp_path):
-    lmp = lammps()
-    lmp.commands_string(rubbing([(0, 0, 0), (0, 0, 2 * R)]) + f"run 0 post no\nwrite_restart {tmp_path}/a.restart")
-    data = bytearray((tmp_path / "a.restart").read_bytes())
-    at = data.index(b"gran/hysteretic\0") + len(b"gran/hysteretic\0")
-    data[at] -= 1
-    (tmp_path / "a.restart").write_bytes(data)
-    with pytest.raises(Exception, match=r"holds format 7 of pair style gran/hysteretic; this version reads format 8"):
-        resume(lammps(), tmp_path / "a.restart")
-
-
 def test_an_unknown_law_is_refused(lammps, tmp_path):
     lmp = lammps()
     lmp.commands_string(rubbing([(0, 0, 0), (0, 0, 2 * R)]) + f"run 0 post no\nwrite_restart {tmp_path}/a.restart")

@@ -50,8 +50,11 @@ def pictures(runs):
         axes.text(0.98, 0.8, f"contact {contact}", transform=axes.transAxes, ha="right")
     stack[-1].set(xlabel=TIME, xlim=(0, SHOWN))
     figure.supylabel(r"Elasto-plastic $F/E^*R^{*2}$  (elastic, dotted: right)", fontsize=8)
-    caption = "Force at contacts 5, 10, 15 and 20: elasto-plastic chain, and the elastic one under the same pulse "
-    yield gw.Picture("elastoplastic_histories", f"{caption}(dotted, right-hand axis; thesis Fig. 2.11)", figure, data)
+    caption = (
+        "Force of four contacts against time: elasto-plastic chain, and the elastic one under the same pulse (dotted, "
+        "right-hand axis; thesis Fig. 2.11). Where contacts yield, the wave is slower and lower, and breaks into many"
+    )
+    yield gw.Picture("elastoplastic_histories", caption, figure, data)
 
     scales, place = plastic.scales, SPACING * np.arange(1, MAP + 1)
     last = np.flatnonzero(plastic.force[:, MAP - 1] >= 0.01 * plastic.peak_force[MAP - 1])[0]
@@ -68,5 +71,8 @@ def pictures(runs):
     axes.legend(loc="lower right", labelcolor="white", fontsize=7)
     figure.colorbar(image, ax=axes, label=FORCE, extend="min")
     data = {"elastic_crest_time_normalised": crest, "elastic_crest_place_normalised": moved}
-    caption = "Force by place and time; the elastic chain's crest starts at contact 20 (thesis Fig. 2.12)"
+    caption = (
+        "Force by place and time in the elasto-plastic chain (thesis Fig. 2.12). Its front bends, as it becomes slower "
+        "on its way; the elastic crest, moved aside, is straight and steeper"
+    )
     yield gw.Picture("elastoplastic_map", caption, figure, data)

@@ -83,5 +83,11 @@ def pictures(runs):
             axes.plot(wave.x, values, f"{line}C{n}", label=None if n else f"model, {name}")
     axes.set(xlabel=PLACE, ylabel=r"Dissipated $E/F_\mathrm{y}\alpha_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
     axes.legend(fontsize=7)
-    caption = "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16)"
+    by_model = [values[-1] for name, values in data.items() if name.startswith("model")]
+    total = next(values[-1] for name, values in data.items() if name.startswith("dissipated"))
+    ends = " and ".join(f"{100 * (value / total - 1):+.0f} %" for value in by_model[:2])
+    caption = (
+        "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16). The "
+        f"first contacts take most; at the largest impulse its sum and its integral end {ends} off"
+    )
     yield gw.Picture("elastoplastic_dissipation", caption, figure, data)

@@ -56,5 +56,8 @@ def pictures(runs):
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
     axes.legend(fontsize=7)
-    caption = "Speed of the leading disturbance over the sixth root of the impulse (thesis Figs. 2.14 and 2.15)"
+    caption = (
+        "Speed of the leading disturbance over the sixth root of the impulse, against distance; thin: other pulses of "
+        "an impulse (thesis Figs 2.14, 2.15). Curves on each other confirm the root; compare their slope with -1/5"
+    )
     yield gw.Picture("elastoplastic_speed", caption, figure, data)

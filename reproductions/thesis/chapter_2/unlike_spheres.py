@@ -123,12 +123,18 @@ def pictures(runs):
     left.set(xlim=(0.2, None))
     left.legend(fontsize=5.5, loc="lower right")
     right.legend()
-    caption = "Force against overlap, normalised by first yield: all pairs; and unlike radii (thesis Fig. 2.10)"
+    caption = (
+        "Loading force against overlap, in units of first yield: all pairs; and unlike radii, overlap over R* (thesis "
+        "Fig. 2.10). Marks on the law's line tell that the runs have it, and that one curve serves all"
+    )
     yield gw.Picture("unlike_normalised", caption, figure, data)
 
     figure, data = Figure((7, 2.7), layout="constrained"), {}
     left, right = figure.subplots(1, 2)
     contact(left, unlike, [pair.names for pair in unlike], data)
     contact(right, band, [f"{pair.strength / 1e6:.0f} MPa" for pair in band], data)
-    caption = "Force against overlap: unlike materials (thesis Fig. 3.3), and range of the yield strength (Fig. 2.9)"
+    caption = (
+        "Force against overlap, loading and unloading: unlike materials (thesis Fig. 3.3), and yield strengths (Fig. "
+        "2.9). The softer sphere decides: pairs that share it nearly coincide"
+    )
     yield gw.Picture("unlike_materials", caption, figure, data)

@@ -51,7 +51,11 @@ def pictures(runs):
         data |= {f"at_{x:.4g}_m_N": one.force[n], f"closed_form_at_{x:.4g}_m_N": one.late(n)}
     axes.set(xlabel="Time (µs)", ylabel="Section force (kN)", xlim=(0, 1e6 * one.time[-1]), ylim=(None, 15))
     axes.legend(ncols=2)
-    yield gw.Picture("bar_pulse", "Elastic bar: the pulse at two sections, and as it entered", figure, data)
+    caption = (
+        "Force against time in an elastic bar: the pulse as it entered, and at two sections. A slender bar's closed "
+        "form is the same pulse, later; the curves leave it by the error of the elements alone"
+    )
+    yield gw.Picture("bar_pulse", caption, figure, data)
     figure, data = Figure((6.8, 2.7), layout="constrained"), {}
     for axes, (shape, meshes) in zip(figure.subplots(1, 2, sharey=True), found.items(), strict=True):
         pitch = np.array([one.pitch for one in meshes])
@@ -68,6 +72,12 @@ def pictures(runs):
         for order, line, name in ((2 / 3, "--", "order 2/3"), (2, ":", "order 2")):
             axes.plot(1e3 * pitch, 0.2 * (pitch / pitch.max()) ** order, line, color="0.5", label=name)
         axes.set(xlabel="Element (mm)", xscale="log", yscale="log", title=shape)
+        axes.set_xticks(1e3 * pitch, [f"{1e3 * one:.3g}" for one in pitch])
+        axes.set_xticks([], minor=True)
     figure.axes[0].set(ylabel="Error against the closed form", ylim=(1e-7, 2))
     axes.legend(fontsize=7, loc="lower left", ncols=2)
-    yield gw.Picture("bar_convergence", "Elastic bar: errors against element size", figure, data)
+    caption = (
+        "Errors of an elastic bar against the size of its elements, by the pulse's shape. Speed, impedance and energy "
+        "converge in both; the shape at order 2/3 where it has kinks, and never where it has steps"
+    )
+    yield gw.Picture("bar_convergence", caption, figure, data)

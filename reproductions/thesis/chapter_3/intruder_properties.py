@@ -69,5 +69,8 @@ def pictures(runs):
     left.set(ylabel="Transmitted energy $e_T/e_{0T}$")
     right.set(xlabel=r"$\sqrt{m_i\sigma_0/(m_0\sigma_i)}$")
     left.legend(loc="lower left")
-    caption = "Transmitted energy against the properties of the intruder (thesis Fig. 3.8)"
+    caption = (
+        "Transmitted energy over that of like beads, against one bead's properties: by its time (thesis Fig. 3.8), and "
+        "by mass over strength. Curves that come together tell what decides; the modulus hardly does"
+    )
     yield gw.Picture("intruder_properties", caption, figure, data)

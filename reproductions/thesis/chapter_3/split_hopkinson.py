@@ -48,7 +48,11 @@ def pictures(runs):
         axes.set(ylabel=f"{name.replace('_', ' ').capitalize()}\nsection force (kN)")
         data[f"{name}_N"] = force
     axes.set(xlabel="Time (µs)", xlim=(0, 1e6 * time[-1]))
-    yield gw.Picture("split_hopkinson", "split-hopkinson: force at a section of each bar", figure, data)
+    caption = (
+        "Force at a section of each bar against time. In the first: the pulse as it comes, then, of the other sign, "
+        "what the chain reflects; in the second, on a scale of its own, what comes through, later and longer"
+    )
+    yield gw.Picture("split_hopkinson", caption, figure, data)
 
     parts = {"chain": (result["chain/contact_position"], result["chain/contact_force"])}
     for name in SECTIONS:
@@ -67,5 +71,8 @@ def pictures(runs):
         data |= {f"{name}_at_{1e3 * place[n]:.4g}_mm_N": force[:, n] for n in some}
     row[0].set(ylabel="Time (µs)")
     figure.colorbar(image, ax=axes, label="Force (N)")
-    caption = "split-hopkinson: magnitude of the force in place and time, bars and chain (thesis Fig. 3.6)"
+    caption = (
+        "Magnitude of the force in place and time, bars and chain (thesis Fig. 3.6; scales of place differ). Stripes "
+        "in the bars are pulses, which turn back at the chain; little comes through it"
+    )
     yield gw.Picture("split_hopkinson_map", caption, figure, data)

@@ -71,5 +71,8 @@ def pictures(runs):
         right.axhline(shared / scales.velocity, color=f"C{n}", linestyle=":")
     right.set(xlabel="Bead", ylabel=VELOCITY, ylim=(0, 1.6 * right.get_ylim()[1]))
     right.legend(title=rf"$\beta$ = {last.beta:g}; dotted: $I/nm$")
-    caption = "Far down the chain: peak force against distance, and bead velocities at three instants (thesis Fig. 4.8)"
+    caption = (
+        "Peak force against distance: far down the chain it nears the power -1. Right: velocities at three instants "
+        "(thesis Fig. 4.8); the beads behind the front share the impulse, I/nm (dotted)"
+    )
     yield gw.Picture("bilinear_far", caption, figure, data)

@@ -87,5 +87,8 @@ def pictures(runs):
     right.set(xlabel="Bead", ylabel=VELOCITY, xlim=(0, shown), ylim=(0, 1.7 * one.v1 / scales.velocity))
     for axes in (left, right):
         axes.legend(ncols=2, loc="upper right")
-    caption = "Contact forces and bead velocities at three instants, with the largest force so far; dotted: closed "
-    yield gw.Picture("bilinear_long_load", f"{caption}forms (thesis Fig. 4.9)", figure, data)
+    caption = (
+        "Contact forces and bead velocities along the chain at three instants; dotted: closed forms (thesis Fig. 4.9). "
+        "Levels on them confirm the model; the last instant is after the trailing front has met the leading one"
+    )
+    yield gw.Picture("bilinear_long_load", caption, figure, data)

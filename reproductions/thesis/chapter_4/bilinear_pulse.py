@@ -77,8 +77,11 @@ def pictures(runs):
     for axes, quantity in ((left, FORCE), (right, VELOCITY)):
         axes.set(xlabel=r"Time $t/\tau$", ylabel=quantity, xlim=(0, time[-1]), ylim=(0, None))
         axes.legend()
-    caption = "Force of contacts 1 to 3 and velocity of beads 1 to 4 after a short pulse, beta = 0.8; beads fly freely "
-    caption += "once the wave has left them, then collide (thesis Fig. 4.5)"
+    caption = (
+        "Force of contacts 1 to 3 and velocity of beads 1 to 4 against time after a short pulse, "
+        f"beta = {middle.beta:g} (thesis Fig. 4.5). Level velocities: the wave has left the bead, which flies until it "
+        "is hit"
+    )
     yield gw.Picture("bilinear_histories", caption, figure, {"time_normalised": time} | data)
 
     figure = Figure((7, 2.9), layout="constrained")
@@ -106,6 +109,7 @@ def pictures(runs):
     left.set(ylabel=PEAK_FORCE, title=r"$\beta$ = 0.8")
     right.set(title="Lines: 4.28; dashed: collisions; ▾: transition")
     caption = (
-        "Peak forces of the first contacts, beside the source's two models and the balance taken contact by contact"
+        "Peak forces of the first contacts and the source's models (thesis Figs 4.6, 4.7): 4.28 lies above the leading "
+        "peaks, its balance taken contact by contact on them; after the transition collisions are stronger"
     )
-    yield gw.Picture("bilinear_peaks", f"{caption} (thesis Figs. 4.6 and 4.7)", figure, data)
+    yield gw.Picture("bilinear_peaks", caption, figure, data)

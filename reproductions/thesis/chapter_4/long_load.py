@@ -83,5 +83,8 @@ def pictures(runs):
     bottom.plot(bead, chain.velocity[-1], linewidth=0.7)
     bottom.set(xlabel="Contact, bead", ylabel="Bead velocity (m/s)", ylim=(0, None), xlim=(0, len(bead)))
     data = {"contact": contact, "force_N": chain.force[-1], "largest_force_N": one.largest, "bead": bead}
-    caption = "Force and bead velocity along the chain under a steady force (thesis Fig. 4.2)"
+    caption = (
+        "Force and bead velocity along the chain under a steady force, at the run's end (thesis Fig. 4.2). The largest "
+        f"force goes to {one.largest[last - 1]:.3g} N, between the bounds; far behind the front both become level"
+    )
     yield gw.Picture("elastic_long_load", caption, figure, data | {"velocity_m_s": chain.velocity[-1]})

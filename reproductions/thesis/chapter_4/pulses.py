@@ -62,5 +62,8 @@ def pictures(runs):
     right.set(xlabel=r"$A/I^{6/5}$, normalised", ylabel=r"Peak force $F/I^{6/5}$, normalised")
     right.set_ylim(0.5 * y.min(), 3 * IMPULSE_LIMIT)
     right.legend(loc="lower right")
-    caption = "Peak force against amplitude, and all impulses on one curve (thesis Fig. 4.3)"
+    caption = (
+        "Peak force against amplitude by impulse; over the impulse to 6/5 all lie on one curve (thesis Fig. 4.3). On "
+        "its level part pulses are short and the impulse decides; on its slope they are long and the amplitude does"
+    )
     yield gw.Picture("elastic_master_curve", caption, figure, table)

@@ -113,5 +113,9 @@ def pictures(runs):
         axes.legend()
     data = {f"{name}_normalised": values for name, values in t.items()} | {"place_diameters": place, "cos4": cos4}
     data |= {f"profile_{n}": np.interp(place, wave.x, wave.velocity) for n, wave in enumerate(waves, start=1)}
-    caption = "Solitary wave: peak force, speed and profile against Nesterenko's wave"
+    over = 100 * (t["over_nesterenko"].mean() - 1)
+    caption = (
+        "Peak force against velocity of the first bead, speed against peak force, and profile; grey: Nesterenko's "
+        f"wave. The powers agree; the wave of the discrete chain is {over:.1f} % faster, and narrower"
+    )
     yield gw.Picture("elastic_solitary_wave", caption, figure, data)

@@ -57,6 +57,10 @@ def pictures(runs):
     right.set(xlim=(-3, 36), ylim=(1e-3, 3))
     right.legend(title=r"$T/\tau\; (A/E^* R^{*2})^{1/6}$", ncols=2, loc="upper right")
     data = {"amplitude_normalised": amplitude, "duration_normalised": duration, "second_over_first_peak": second}
-    caption = "From one wave to a train: critical loading time (thesis Fig. 4.1), and forces"
+    caption = (
+        "Which loads make one wave and which a train, by amplitude and duration, and the critical duration between "
+        f"them (thesis Fig. 4.1). Right: forces; a train is what has a second peak above {100 * SECOND:g} % of the "
+        "first"
+    )
     data |= {"amplitude_of_critical": at, "critical_duration": critical}
     yield gw.Picture("elastic_wave_train", caption, figure, data)

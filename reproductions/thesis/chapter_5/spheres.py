@@ -93,5 +93,8 @@ def pictures(runs):
         data[f"dissipation_at_{velocity}_m_s"] = values
     axes.set(xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)")
     axes.legend()
-    caption = "Dissipation of the spheres in descending order (thesis Fig. 5.8), each contact at both of its spheres"
+    caption = (
+        "Dissipation of the spheres in descending order, a contact's at both of its spheres (thesis Fig. 5.8). The "
+        "steeper the fall, the fewer spheres take most; at higher velocities the curve reaches farther"
+    )
     yield gw.Picture("dissipation_of_spheres", caption, figure, data)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.sections.studies import studies_of
-from granwave.analysis.studies.runs import FinishedRun, grouped
+from granwave.analysis.studies.runs import all_but
 from granwave.workflows import load_case
 from tests.helpers.synthetic_report import write_run
 
@@ -17,10 +17,10 @@ def test_twins_differ_in_what_is_named_alone() -> None:
     case = load_case("settled-fcc")
     other = load_case("settled-fcc", {"precompression.pressure": 1e4, "run.end_time": 1e-3})
     faster = load_case("settled-fcc", {"load.velocity": 10.0})
-    runs = [FinishedRun("", Path(), one, {}) for one in (case, other, faster)]
-    assert [len(group) for group in grouped(runs, "precompression")] == [2, 1]
-    assert [len(group) for group in grouped(runs, "precompression", "load.velocity")] == [3]
-    assert [len(group) for group in grouped(runs)] == [1, 1, 1]
+    of_case, of_other, of_faster = (all_but(one, "precompression") for one in (case, other, faster))
+    assert of_case == of_other != of_faster
+    assert all_but(case, "load.velocity") == all_but(faster, "load.velocity") != all_but(other, "load.velocity")
+    assert all_but(case, "precompression", "load.velocity") == all_but(other, "precompression", "load.velocity")
 
 
 def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
