@@ -34,7 +34,7 @@ from granwave.analysis.figures.sections import (
     window_around,
 )
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, GREY, WIDTH, new_figure, style
-from granwave.analysis.measures.geometry.planes import Section as PlaneSection
+from granwave.analysis.measures.geometry import Section as PlaneSection
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.directories import refuse_other_file

@@ -11,16 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.driven.amplitude_sweep import amplitude_sweep_of
-from granwave.analysis.measures.driven.mean_power import mean_power_of
-from granwave.analysis.measures.driven.transmission import SteadyMotion, transmission_of
-from granwave.analysis.measures.impact.normalised import velocity_normalised
-from granwave.analysis.measures.lines.record import line_summary
-from granwave.analysis.measures.sensors import sensor_accelerations, sensor_forces, sensor_velocities
-from granwave.analysis.measures.target.record import protection, reached
-from granwave.analysis.measures.waves.wave_speed import wave_speed_of
-from granwave.analysis.measures.zone.packing import zone_summary
-from granwave.analysis.measures.zone.plastic_zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone
+from granwave.analysis.measures.driven import SteadyMotion, amplitude_sweep_of, mean_power_of, transmission_of
+from granwave.analysis.measures.impact import velocity_normalised
+from granwave.analysis.measures.lines import line_summary, sensor_accelerations, sensor_forces, sensor_velocities
+from granwave.analysis.measures.target import protection, reached
+from granwave.analysis.measures.waves import wave_speed_of
+from granwave.analysis.measures.zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone, zone_summary
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit

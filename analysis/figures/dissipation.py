@@ -23,9 +23,10 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
-from granwave.analysis.measures.geometry.planes import preferred_directions
-from granwave.analysis.measures.impact.dissipation import cumulated, peak_force_by_depth, ranked, rays, zone_growth
-from granwave.analysis.measures.waves.directions import (
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves import (
     LAYER_BINS,
     PER_RING,
     RINGS,
@@ -35,9 +36,8 @@ from granwave.analysis.measures.waves.directions import (
     spread,
     travelling_frame,
 )
-from granwave.analysis.measures.zone.marks import bounds_in_words
-from granwave.analysis.measures.zone.packing import packing_zone
-from granwave.analysis.measures.zone.size import BOTTOM, SIDES, Array, extent_holding
+from granwave.analysis.measures.zone import packing_zone
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS

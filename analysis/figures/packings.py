@@ -15,8 +15,8 @@ from granwave.analysis.figures.scales import ticks_at
 from granwave.analysis.figures.series import column_name, legend_outside, one_panel
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target.record import Reached
-from granwave.analysis.measures.target.shock_spectrum import Curves
+from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target_theory import Curves
 from granwave.analysis.statistics import growing, half_width
 
 _FEWEST_SHOWN = 3  # the interval of two is thirteen standard deviations wide

@@ -23,10 +23,8 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
-from granwave.analysis.measures.driven.amplitude_sweep import MULTIPLES, amplitude_sweep_of
-from granwave.analysis.measures.driven.transmission import SteadyMotion, transmission_of
-from granwave.analysis.measures.lines.record import LineRecord, lines_of
-from granwave.analysis.measures.sensors import sensor_forces
+from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
+from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 

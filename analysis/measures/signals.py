@@ -6,8 +6,6 @@ import dataclasses
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
-from scipy.optimize import curve_fit
 
 Array = NDArray[np.float64]
 
@@ -121,6 +119,8 @@ def power(x: Array, y: Array) -> Power:
     chosen = (x > 0) & (y > 0) & np.isfinite(x) & np.isfinite(y)
     if np.count_nonzero(chosen) < 2:
         raise ValueError(f"found {np.count_nonzero(chosen)} points, expected two or more for a power law")
+    from scipy import stats  # takes longer to load than most commands need
+
     fit = stats.linregress(np.log(x[chosen]), np.log(y[chosen]))
     n = int(np.count_nonzero(chosen))
     margin = float(stats.t.ppf(0.975, n - 2) * fit.stderr) if n > 2 else np.nan
@@ -151,6 +151,8 @@ def decay(x: Array, y: Array) -> Decay | None:
     """The exponential law through points (n_points,); None where there are too few, or no such law is found."""
     if len(x) < _FEWEST_FITTED:
         return None
+    from scipy.optimize import curve_fit  # takes longer to load than most commands need
+
     start = (float(y[-1]), float(y[0] - y[-1]) * np.e, float(x[-1] - x[0]) / 3)
     try:
         (end, span, length), _ = curve_fit(_exponential, x, y, p0=start, maxfev=5000)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from granwave.analysis.document.cells import named, value_cell, value_column
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.numbers import plain
-from granwave.analysis.measures.zone.marks import NOTED_SHARE, Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import WIDTH
 from granwave.analysis.formatting.numbers import tick
-from granwave.analysis.measures.zone.marks import LABELS, Mark
+from granwave.analysis.measures.zone_size import LABELS, Mark
 
 AXIS = 0.78 * WIDTH  # inches, length of a horizontal axis
 CHARACTER = 0.066  # inches, approximate width of a character

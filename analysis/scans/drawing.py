@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.scales import not_to_scale
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
-from granwave.analysis.measures.zone.marks import Mark
+from granwave.analysis.measures.zone_size import Mark
 from granwave.analysis.scans.axes import (
     AXIS,
     CHARACTER,

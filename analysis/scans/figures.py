@@ -19,7 +19,7 @@ import numpy as np
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.measures.zone.marks import Mark, mark_of
+from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.units import unit_of
-from granwave.analysis.measures.zone.marks import bounds_in_words
+from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from granwave.analysis.measures.target.record import period_of
+from granwave.analysis.measures.target import period_of
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import velocities_of

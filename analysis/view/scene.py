@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.packing3d import plane_lines, tube_lines
 from granwave.analysis.figures.style import new_figure, style
-from granwave.analysis.measures.geometry.planes import own_plane, planes
+from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field, Instants
 from granwave.lammps_inputs.case.material import Cylinder, Shape

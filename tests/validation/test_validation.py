@@ -12,7 +12,7 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.lammps_output.time_series import read_energy
-from granwave.analysis.measures.impact.dissipation import rays
+from granwave.analysis.measures.impact import rays
 from granwave.lammps_inputs import auto_timestep, load_case, material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.deck.deck import write_deck

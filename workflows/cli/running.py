@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.measures.zone.marks import zone_warning
+from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import continuum_table, summary_table
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.analysis.measures.zone.marks import LABELS, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects

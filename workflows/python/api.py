@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.measures.zone.marks import zone_warning
+from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.studies.study import Picture, Row

@@ -14,13 +14,14 @@ import numpy as np
 
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.measures.lines.line_of_grains import (
+from granwave.analysis.measures.line_waves import (
+    SpaceTime,
+    space_time_transform,
     velocities_of_chain,
     velocities_of_columns,
     velocities_of_layers,
 )
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.waves.space_time import SpaceTime, space_time_transform
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
 from granwave.analysis.studies.bands.scattered import scattered_line, without_scatter
@@ -173,8 +174,8 @@ def _closed_forms(run: Wave) -> Iterator[Row]:
 
 def _speed(run: Wave) -> float:
     """Speed of long waves by the crests of the layers, m/s."""
-    from granwave.analysis.measures.precompressed.line_waves import speed_along_layers
-    from granwave.analysis.measures.precompressed.loaded_line import line_of
+    from granwave.analysis.measures.hertz_lattices import line_of
+    from granwave.analysis.measures.line_waves import speed_along_layers
     from granwave.lammps_inputs.contact.law import sphere_contact
 
     with Result(run.directory) as result:

@@ -1,10 +1,15 @@
 """Peak forces of a packing at several velocities: linear in the impulse at every contact, and a front that gets planar.
 
 The impulse is the momentum of the struck spheres.
+
+Peak forces of contacts against the impulse that struck the packing, and whether they are proportional.
+
+Front of a wave in a packing: peak forces by layer within the cone of the preferred directions.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
@@ -16,9 +21,8 @@ from granwave.analysis.document.cells import show
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.measures.geometry.planes import preferred_directions
-from granwave.analysis.measures.impact.impulse import Linearity, linearity, peak_forces
-from granwave.analysis.measures.waves.front import Front, front_of
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.impact import rays
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.axes import log_ticks
 from granwave.analysis.studies.packing_and_block.curves import colour_and_marker
@@ -29,7 +33,7 @@ from granwave.lammps_inputs.errors import GranwaveError
 
 _FEWEST_RUNS = 3
 _ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck sphere, that are drawn
-_LAYERS = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
+_LAYERS_TOLD = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
 _MOST_FRONTS = 4
 _BANDS = 5  # of depth
 _ROOM = 2.4  # inches: length of the horizontal axis of a panel
@@ -97,11 +101,11 @@ def tables(impacts: Impacts) -> Iterator[Table]:
         yield table_of(caption, columns, _by_depth(found))
     there = fronts(impacts.reference)
     if there:
-        numbers = numeric(("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS))
+        numbers = numeric(("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_TOLD))
         rows = []
         for velocity, front in there:
             elastic = None if front.weak_from is None else _MILLI * front.weak_from
-            uniformity = [float(front.uniformity[n]) if n < len(front.uniformity) else None for n in _LAYERS]
+            uniformity = [float(front.uniformity[n]) if n < len(front.uniformity) else None for n in _LAYERS_TOLD]
             rows.append((velocity, elastic, *uniformity))
         caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
         yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
@@ -156,3 +160,134 @@ def _front_by_depth(found: Sequence[tuple[float, Front]]) -> Drawing:
     left.legend()
     label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1.05))
     return Drawing(figure, columns)
+
+
+_WEAK = 1.0  # of the unit: contacts that stay below at the largest velocity are left out
+
+Pair = tuple[int, int]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PeakForces:
+    """Peak forces of one impact.
+
+    Attributes
+    ----------
+    of_pair
+        Of every contact, by the ids of its spheres.
+    along
+        Largest of the n-th contacts along the preferred directions: (n_contacts,).
+    depth
+        Of the contacts within the cone of these directions, m, by the ids of their spheres.
+    """
+
+    of_pair: dict[Pair, float]
+    along: NDArray[np.float64]
+    depth: dict[Pair, float]
+
+
+def peak_forces(result: Result, unit: float) -> PeakForces:
+    """Return the peak forces of an impact in a unit, N."""
+    pairs = list(zip(result["contacts/i"].tolist(), result["contacts/j"].tolist(), strict=True))
+    force = (result["contacts/peak_force"] / unit).tolist()
+    depth = result["spheres/position"][result.ends, 2].mean(axis=1) - result.origin[2]
+    inside = np.flatnonzero(in_cone(result)[result.ends].all(axis=1))
+    along = np.nanmax(rays(result).peak_force, axis=1) / unit
+    return PeakForces(dict(zip(pairs, force, strict=True)), along, {pairs[k]: float(depth[k]) for k in inside})
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Linearity:
+    """Peak force against velocity, contact by contact.
+
+    Attributes
+    ----------
+    velocity
+        (n_runs,).
+    ray
+        Largest peak force of the contacts on the preferred directions: (n_contacts, n_runs).
+    depth
+        Of the contacts, m: (m,).
+    exponent
+        Of force against velocity, a least-squares slope on logarithmic axes: (m,).
+    """
+
+    velocity: NDArray[np.float64]
+    ray: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    exponent: NDArray[np.float64]
+
+
+def linearity(velocity: Sequence[float], found: Sequence[PeakForces]) -> Linearity | None:
+    """Return the linearity of impacts on one packing, by rising velocity; None if no contact counts.
+
+    Contacts count that lie within the cone of the preferred directions, are pressed beyond the unit at the largest
+    velocity and were pressed at all at every other. Beyond the cone a contact may be loaded by the rebound alone.
+    """
+    forces, depth = [one.of_pair for one in found], found[-1].depth
+    kept = [pair for pair in depth if forces[-1][pair] > _WEAK and all(one.get(pair, 0) > 0 for one in forces)]
+    if not kept:
+        return None
+    x, y = np.log(velocity), np.log([[one[pair] for one in forces] for pair in kept])
+    x = x - x.mean()
+    shortest = min(len(one.along) for one in found)
+    ray = np.stack([one.along[:shortest] for one in found], axis=1)
+    return Linearity(np.array(velocity), ray, np.array([depth[pair] for pair in kept]), (y @ x) / (x @ x))
+
+
+_INSIDE = -1e-6  # diameters, of a coordinate along a preferred direction: within the cone that these span
+_LAYERS = 1e3  # in a diameter, by which depths are told apart
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Front:
+    """Peak forces of the layers that the wave reached; every array (n_layers,).
+
+    Attributes
+    ----------
+    depth
+        Below the struck sphere, m.
+    largest
+        Peak force of a sphere, in the unit of the front.
+    uniformity
+        Mean over largest: 1 where the front is planar.
+    """
+
+    depth: NDArray[np.float64]
+    largest: NDArray[np.float64]
+    uniformity: NDArray[np.float64]
+
+    @property
+    def weak_from(self) -> float | None:
+        """Depth of the layer from which on no force is above the unit, m; None if all are."""
+        above = np.flatnonzero(self.largest > 1)
+        first = int(above[-1]) + 1 if len(above) else 0
+        return float(self.depth[first]) if first < len(self.depth) else None
+
+
+def front_of(result: Result, unit: float) -> Front:
+    """Return the front of an impact.
+
+    Parameters
+    ----------
+    unit
+        Of the forces, N.
+    """
+    depth, inside = result["spheres/position"][:, 2] - result.origin[2], in_cone(result)
+    force, diameter = result["spheres/peak_force"][inside] / unit, result.case.packing.diameter
+    layers, layer = np.unique(np.rint(_LAYERS * depth[inside] / diameter), return_inverse=True)
+    largest = np.zeros(len(layers))
+    np.maximum.at(largest, layer, force)
+    mean = np.bincount(layer, force) / np.bincount(layer)
+    reached = largest > 0
+    return Front(layers[reached] * diameter / _LAYERS, largest[reached], mean[reached] / largest[reached])
+
+
+def in_cone(result: Result) -> NDArray[np.bool_]:
+    """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are not three."""
+    case = result.case
+    directions = preferred_directions(case.packing.kind)
+    offset = result["spheres/position"] - result.origin
+    if len(directions) != 3:
+        return np.ones(len(offset), dtype=bool)
+    return np.all(offset @ np.linalg.inv(directions) > _INSIDE * case.packing.diameter, axis=1)

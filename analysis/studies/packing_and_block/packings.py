@@ -13,7 +13,7 @@ from granwave.analysis.document.cells import percent, show, spread_cell
 from granwave.analysis.document.model import Column, Note, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.impact.quadratic_law import QuadraticLaw, quadratic_law
+from granwave.analysis.measures.impact import QuadraticLaw, quadratic_law
 from granwave.analysis.studies.packing_and_block.curves import (
     FRACTION,
     GRANULAR_ENERGY,

@@ -10,7 +10,7 @@ from typing import Any
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, SKY, Drawing
-from granwave.analysis.measures.impact.involved import Involved, elements_involved, spheres_involved
+from granwave.analysis.measures.impact import Involved, elements_involved, spheres_involved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.packing_and_block.blocks import masses
 from granwave.analysis.studies.packing_and_block.curves import FRACTION, MARKERS, add

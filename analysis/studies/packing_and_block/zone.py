@@ -1,10 +1,13 @@
 """Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90 and 99 %.
 
 Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in sigma_y^2 D^3/E.
+
+Sizes of a plastic zone as a summary tells them, in diameters: packings and blocks can be laid side by side.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
@@ -18,9 +21,8 @@ from granwave.analysis.document.cells import show, value_cell
 from granwave.analysis.document.model import Cell, Column, Note, Table, Tone
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
-from granwave.analysis.measures.zone.in_diameters import Zone, zone_in_diameters
-from granwave.analysis.measures.zone.marks import Mark, bounds_in_words
-from granwave.analysis.measures.zone.size import SHARES
+from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
+from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.axes import draw_marks, log_ticks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.curves import GRANULAR_ENERGY
 from granwave.analysis.studies.packing_and_block.impacts import SAME, Continuum, Granular, Impacts, energy_unit
@@ -214,3 +216,47 @@ def _axis_of_contacts(axes: Axes, one: RunZone) -> None:
     low, high = there(axes.get_xlim())
     top.xaxis.set_view_interval(low, high, ignore=True)  # else it has that of the axis below only when it is drawn
     log_ticks(top.xaxis, _ROOM)
+
+
+@dataclasses.dataclass(frozen=True)
+class Zone:
+    """Plastic zone of one run: lengths in diameters, of the spheres or of the punch, volumes in pi D^3/6.
+
+    Attributes
+    ----------
+    depth, radius, volume
+        That hold each of `SHARES`; NaN where a size does not apply.
+    outermost
+        Depth and radius of the outermost yield; NaN as above.
+    open_ended
+        The same of both: the run ended, or a bound cut it, before the outermost yield was reached.
+    mark
+        Influence of the finite packing or block.
+    """
+
+    depth: tuple[float, ...]
+    radius: tuple[float, ...]
+    volume: tuple[float, ...]
+    outermost: tuple[float, ...]
+    open_ended: tuple[bool, bool]
+    mark: Mark
+
+
+def zone_in_diameters(summary: Mapping[str, Any], diameter: float) -> Zone | None:
+    """Return the plastic zone of a run; None where its summary, of an older version, does not tell."""
+    if summary.get(f"zone_volume_{SHARES[0]}_m3") is None:
+        return None
+
+    def sizes(unit: float, *names: str) -> tuple[float, ...]:
+        found = [summary.get(name) for name in names]
+        return tuple(math.nan if value is None else float(value) / unit for value in found)
+
+    cut, growing = summary.get("zone_cut") or (), summary.get("zone_growing") or ()
+    return Zone(
+        depth=sizes(diameter, *(f"zone_depth_{percent}_m" for percent in SHARES)),
+        radius=sizes(diameter, *(f"zone_radius_{percent}_m" for percent in SHARES)),
+        volume=sizes(math.pi * diameter**3 / 6, *(f"zone_volume_{percent}_m3" for percent in SHARES)),
+        outermost=sizes(diameter, "plastic_zone_depth_m", "plastic_zone_radius_m"),
+        open_ended=("bottom" in cut or "depth" in growing, "sides" in cut or "radius" in growing),
+        mark=mark_of(summary),
+    )

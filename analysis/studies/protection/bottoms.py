@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import reached_targets
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.studies.protection import quantities
+from granwave.analysis.studies.protection import runs as quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture

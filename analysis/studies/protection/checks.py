@@ -1,15 +1,20 @@
-"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of target."""
+"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of target.
+
+Closed forms of a single elastic sphere that hits a target: displacement of a plate, energy into an impedance.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.measures.target.hertz_impact import HertzImpact
-from granwave.analysis.measures.target.sphere_on_target import energy_into_impedance, plate_displacement
+from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Row
 from granwave.analysis.studies.titles import impact_title
+from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after a short "
@@ -55,3 +60,41 @@ def _rows(run: TargetRun, name: str) -> Iterator[Row]:
 def _row(quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]) -> Row:
     value, theory = expected
     return Row(quantity, unit, None, float(per_unit * ours), theory, "", per_unit * value, True)
+
+
+_SHORT = 20.0  # periods in contact times from which on an impact is short
+_SLOW = 0.2  # and up to which it is slow
+_SLIGHT = 0.005  # of the sphere's momentum over that of a target in the same time: it hardly gives way
+
+
+def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] | None:
+    """Largest displacement of an undamped plate, m, and the theory that it is from; None between the two limits."""
+    period = period_of(plate)
+    if plate.damping:
+        return None
+    if period > _SHORT * impact.duration:
+        impulse = impact.impulse * plate.mass / (plate.mass + impact.mass)
+        return after_impulse(impulse, plate.mass, plate.stiffness), "impulse 2 v m M/(m + M), then J/(M omega)"
+    if period < _SLOW * impact.duration:
+        return impact.on_spring(plate.stiffness) / plate.stiffness, "a spring without mass: F/k"
+    return None
+
+
+def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[float, str] | None:
+    """Energy that a bar without an echo, or a half-space, takes, J, and the theory that it is from.
+
+    The force is that on a rigid wall as long as the target hardly gives way; None where it does, and of other targets.
+    """
+    support, material = boundary.bottom_support, boundary.bottom_material
+    if support is None or material is None:
+        return None
+    if support.half_space and (radius := support.half_space.radius) is not None:
+        spring, damping = support.half_space.stiffness(material, radius), support.half_space.damping(material, radius)
+    elif support.bar and support.bar.end == "infinite":
+        spring, damping = 0.0, support.bar.area * math.sqrt(material.youngs_modulus * material.density)
+    else:
+        return None
+    if impact.mass > _SLIGHT * (damping + spring * impact.duration) * impact.duration:
+        return None
+    how = "spring and damper under Hertz's force" if spring else "Hertz's force, squared and summed over Z"
+    return impact.energy_into(spring, damping), how

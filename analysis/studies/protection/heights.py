@@ -11,7 +11,7 @@ from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import Heights, reductions
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import power
-from granwave.analysis.studies.protection import quantities
+from granwave.analysis.studies.protection import runs as quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture

@@ -11,8 +11,8 @@ import numpy as np
 from granwave.analysis.figures.packings import Plates, shock_spectra
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target.record import period_of
-from granwave.analysis.measures.target.shock_spectrum import expected_displacement, spectrum_curves
+from granwave.analysis.measures.target import period_of
+from granwave.analysis.measures.target_theory import expected_displacement, spectrum_curves
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row

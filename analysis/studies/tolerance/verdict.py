@@ -9,7 +9,7 @@ from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import number, with_interval
-from granwave.analysis.measures.target.record import reached
+from granwave.analysis.measures.target import reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import crossing, differ_significantly, seeds_needed
 from granwave.analysis.studies.runs import FinishedRun

@@ -11,7 +11,7 @@ from granwave.analysis import analyse, draw_figures, write_result
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.figures import packing3d, sections
 from granwave.analysis.figures.style import RESOLUTION, style
-from granwave.analysis.measures.geometry.planes import own_plane
+from granwave.analysis.measures.geometry import own_plane
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from granwave.analysis import MissingOutputError, Result, analyse, write_result
 from granwave.analysis.figures import histories, packing3d, sections, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.measures.target.bare_target import bare_target_peak
+from granwave.analysis.measures.bare_target import bare_target_peak
 from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers import synthetic

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.geometry.planes import layers, planes, preferred_directions, section
-from granwave.analysis.measures.impact import dissipation
+from granwave.analysis.measures import impact as dissipation
+from granwave.analysis.measures.geometry import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers import synthetic

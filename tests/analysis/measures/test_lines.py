@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.lines.decay import fit_decay, parted_at
-from granwave.analysis.measures.lines.record import LineRecord
+from granwave.analysis.measures.lines import LineRecord, fit_decay, parted_at
 from granwave.analysis.result.histories import first_pulses
 
 TIME = np.linspace(0, 10e-3, 4001)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from granwave.analysis.measures.geometry import nearest as module
-from granwave.analysis.measures.geometry.nearest import nearest
+from granwave.analysis.measures import geometry as module
+from granwave.analysis.measures.geometry import nearest
 
 
 @pytest.mark.parametrize("by_tree", [0, 10**9])

@@ -8,16 +8,10 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse, summarise, write_result
-from granwave.analysis.measures.target.bare_target import (
-    Target,
-    bare_target_peak,
-    impactors_of,
-    target_of,
-    unprotected,
-)
-from granwave.analysis.measures.target.bare_target import _hit as hit
-from granwave.analysis.measures.target.bare_target import _rebound as rebound
-from granwave.analysis.measures.target.record import Reached, reached
+from granwave.analysis.measures.bare_target import Target, bare_target_peak, impactors_of, target_of, unprotected
+from granwave.analysis.measures.bare_target import _hit as hit
+from granwave.analysis.measures.bare_target import _rebound as rebound
+from granwave.analysis.measures.target import Reached, reached
 from granwave.lammps_inputs import Case, write_deck
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.load_case import case_from_dict

@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.histories import target
-from granwave.analysis.measures.driven.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of, fitted_amplitudes
-from granwave.analysis.measures.driven.transmission import steady_amplitudes, transfer, transmission_of
+from granwave.analysis.measures.driven import (
+    AmplitudeSweep,
+    amplitude_sweep_of,
+    fitted_amplitudes,
+    steady_amplitudes,
+    transfer,
+    transmission_of,
+)
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.contact.travel_time import row_of

@@ -9,9 +9,16 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.zone.marks import Mark, mark_of, zone_warning
-from granwave.analysis.measures.zone.packing import packing_zone, wave_arrivals, zone_summary
-from granwave.analysis.measures.zone.size import extent_holding, volume_holding, wave_returns, zone_sizes
+from granwave.analysis.measures.zone import packing_zone, wave_arrivals, zone_summary
+from granwave.analysis.measures.zone_size import (
+    Mark,
+    extent_holding,
+    mark_of,
+    volume_holding,
+    wave_returns,
+    zone_sizes,
+    zone_warning,
+)
 from granwave.analysis.quantities import SHARES
 from granwave.workflows.finite_elements.material import PLASTIC
 from granwave.workflows.finite_elements.punch import ContinuumCase

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import summarise, write_result
-from granwave.analysis.measures.waves.wave_speed import wave_speed
+from granwave.analysis.measures.waves import wave_speed
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.keys import key_of

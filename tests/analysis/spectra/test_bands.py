@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.analysis.measures.precompressed.loaded_line import line_of
+from granwave.analysis.measures.hertz_lattices import line_of
 from granwave.analysis.spectra.band_structure import band_structure, long_wave_speeds
 from granwave.analysis.spectra.bands import band_edges, solve_bands
 from granwave.analysis.spectra.states import cell_state

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from granwave.analysis.measures.waves.space_time import space_time_transform
+from granwave.analysis.measures.line_waves import space_time_transform
 
 
 def test_ridge_is_the_band_of_the_chain():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from granwave.analysis.measures.target.hertz_impact import HertzImpact, after_impulse, response
+from granwave.analysis.measures.target_theory import HertzImpact, after_impulse, response
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series

@@ -10,8 +10,8 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
-from granwave.analysis.measures.waves import pulses
-from granwave.analysis.measures.waves.directions import energy_of_spheres, spread, travelling_frame
+from granwave.analysis.measures import line_waves as pulses
+from granwave.analysis.measures.waves import energy_of_spheres, spread, travelling_frame
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
@@ -41,7 +41,7 @@ def test_fits_of_length_are_exact_for_the_waves_of_the_theory() -> None:
         phase = np.pi * speed * (time - 2.5e-4 - sphere * diameter / speed) / length
         wave.append(np.cos(np.clip(phase, -np.pi / 2, np.pi / 2)) ** 4)
     found = pulses.lengths(time, np.stack(wave, axis=1), diameter)
-    for name, expected in pulses.theory().items():
+    for name, expected in pulses.solitary_lengths().items():
         np.testing.assert_allclose(found[name][1:-1], expected, rtol=2e-3)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.analysis.measures.chains.hertz_chain import discrete_width
+from granwave.analysis.measures.hertz_lattices import discrete_width
 
 
 def test_width_of_the_wave_of_the_chain_itself() -> None:

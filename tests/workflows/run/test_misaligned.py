@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.measures.sensors import sensor_accelerations, sensor_velocities
+from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import first_peak
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.packing import build_packing

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.measures.lines.record import lines_of
+from granwave.analysis.measures.lines import lines_of
 from granwave.analysis.notebook.run import Run as Notebook
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict

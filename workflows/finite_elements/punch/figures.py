@@ -28,7 +28,7 @@ from granwave.analysis.figures.style import (
     FigureFolder,
     style,
 )
-from granwave.analysis.measures.zone.size import BOTTOM, SIDES
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 from granwave.workflows.finite_elements.runner import ElementResult
 

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.zone.size import BOTTOM, SIDES, wave_returns, zone_sizes
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.errors import RunError
 from granwave.workflows.finite_elements.material import PLASTIC, STRAIN, Elastoplastic

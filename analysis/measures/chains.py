@@ -1,9 +1,9 @@
-"""Arrays of a finished run of a chain, in the order of the chain."""
+"""Records of chains, and of rows of grains with others beside them: rings in a tube, cylinders between walls."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import re
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.chains.hertz_chain import ChainScales
-from granwave.analysis.measures.sensors import sensor_forces
+from granwave.analysis.measures.hertz_lattices import ChainScales
+from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
@@ -23,6 +23,10 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
+
+
+_ON_AXIS = 1e-6  # of a diameter
+_PROBE = re.compile(r"contact_(\d+)_(\d+)_force")
 
 
 class HasResults(Protocol):
@@ -38,21 +42,25 @@ class HasResults(Protocol):
         """Return a value of the summary."""
 
 
-class ChainRecord:
-    """Record of a chain, beside what a finished run has.
+class Chain:
+    """Record of a chain from a run as `granwave.load` gives it.
 
     Contacts are numbered from the struck end, from 0, those with strikers and with the faces of bars among them; so are
     beads, strikers first.
 
-    Attributes
+    Parameters
     ----------
-    value
-        A number of the summary by its name; NaN where it does not apply.
+    run
+        The run; its history must have been recorded, see ``output.history``.
     """
 
-    directory: Path
-    case: Case
-    value: Callable[[str], float]
+    def __init__(self, run: HasResults) -> None:
+        self.run, self.directory, self.case = run, run.directory, run.case
+
+    def value(self, name: str) -> float:
+        """Return a number of the summary; NaN where it does not apply."""
+        found = self.run[name]
+        return float(found) if found is not None else math.nan
 
     @cached_property
     def assembly(self) -> Assembly:
@@ -165,19 +173,66 @@ class ChainRecord:
         return int(np.flatnonzero((i == bead) & (j == bead + 1))[0])
 
 
-class Chain(ChainRecord):
-    """Record of a chain from a run as `granwave.load` gives it.
+class GrainRow(Chain):
+    """Record of the grains on the axis x = y = 0, and of those beside it; no history of a chain is needed.
 
-    Parameters
+    Grains and contacts of the row count from 1, along z: contact k is that of grains k and k + 1.
+
+    Attributes
     ----------
-    run
-        The run; its history must have been recorded, see ``output.history``.
+    ids, beside
+        Ids of the grains on the axis, along it, and of the others.
     """
 
     def __init__(self, run: HasResults) -> None:
-        self.run, self.directory, self.case = run, run.directory, run.case
+        super().__init__(run)
+        place, ids = self.array("spheres/position"), self.array("spheres/id")
+        on_axis = np.hypot(*place[:, :2].T) < _ON_AXIS * self.case.packing.diameter
+        self.ids = ids[on_axis][np.argsort(place[on_axis, 2])]
+        self.beside = ids[~on_axis]
+        self._number = {int(one): k for k, one in enumerate(self.ids, start=1)}
 
-    def value(self, name: str) -> float:
-        """Return a number of the summary; NaN where it does not apply."""
-        found = self.run[name]
-        return float(found) if found is not None else math.nan
+    @property
+    def struck(self) -> int:
+        """Number of the first grain that is struck."""
+        return self._number[(self.load.index or (int(self.ids[0]),))[0]]
+
+    def _contact(self, first: int, second: int) -> int:
+        """Number of the contact of two grains by their ids; 0 if they are no neighbours in the row."""
+        low, high = sorted((self._number.get(first, -1), self._number.get(second, -1)))
+        return low if low > 0 and high == low + 1 else 0
+
+    def of_contacts(self, name: str) -> Array:
+        """A column of ``/contacts``, such as ``peak_force``, along the row; 0 of contacts that never bore a force."""
+        found = np.zeros(len(self.ids) - 1)
+        for one, other, value in zip(*map(self.array, ("contacts/i", "contacts/j", f"contacts/{name}")), strict=True):
+            if contact := self._contact(int(one), int(other)):
+                found[contact - 1] = value
+        return found
+
+    @cached_property
+    def passed(self) -> int:
+        """The last contact from which the crest of the leading wave has gone on."""
+        force, time = self.of_contacts("peak_force"), self.of_contacts("time_peak")
+        done = (time[:-1] < time[1:]) & (time[1:] < self.value("end_time_s") * (1 - 1e-6)) & (force[:-1] > 0)
+        after = np.flatnonzero(~done[self.struck :])
+        return self.struck + (int(after[0]) if len(after) else len(done) - self.struck)
+
+    @cached_property
+    def contact_forces(self) -> dict[int, Array]:
+        """Forces of the contacts of the row that ``output.probes`` names, at the instants ``probes/time``, N."""
+        found = {}
+        with Result(self.directory) as result:
+            for name in result.names("probes"):
+                match = _PROBE.fullmatch(name)
+                if match and (contact := self._contact(int(match[1]), int(match[2]))):
+                    found[contact] = result[f"probes/{name}"]
+        return dict(sorted(found.items()))
+
+    @cached_property
+    def inward(self) -> float:
+        """Mean distance by which the grains beside the row have moved towards its axis before the load, m."""
+        with Result(self.directory) as result:
+            rows = result.rows(self.beside)
+            place, moved = result["spheres/position"][rows, :2], result.frame(0, "displacement")[rows, :2]
+        return -float((moved * place).sum(axis=1) @ (1 / np.linalg.norm(place, axis=1)) / len(place))

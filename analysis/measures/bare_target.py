@@ -20,8 +20,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granwave.analysis.measures.signals import Array
 from granwave.lammps_inputs.case.boundary import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -40,7 +40,6 @@ _IN_CONTACT = 200  # steps at least, while a collision with a plane at rest woul
 _AFTER = 1000  # at least, of what comes after
 _MOST_PHASES = 200  # of loading and unloading
 
-Array = NDArray[np.float64]
 Event = Callable[[float, Array], float]
 
 

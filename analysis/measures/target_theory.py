@@ -1,10 +1,14 @@
-"""Closed forms for targets: Hertz's impact of a single sphere, and a plate on a spring under a given force.
+"""Closed forms for targets: Hertz's impact of a single sphere, and the shock spectrum of plates on springs.
 
 A sphere of mass m and speed v on a rigid wall, F = K alpha^1.5 with K = 4/3 E* sqrt(R) (Hertz 1882):
 
     alpha_m = (5 m v^2/(4 K))^(2/5)     F_m = K alpha_m^1.5     t_c = 2.943 alpha_m/v     impulse 2 m v
 
 A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M omega), a slow force by F/k.
+
+Shock spectrum of a force: how far a plate on a spring moves under it, against the plate's period. A plate much slower
+than the force only feels its impulse and moves by J/(M omega); one much faster follows it and moves by F/k. In between
+it is an oscillator under the force on a wall that is held in place.
 """
 
 from __future__ import annotations
@@ -14,20 +18,24 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.signal import lsim
 from scipy.special import beta
 
+from granwave.analysis.measures.signals import Array, width
+from granwave.analysis.measures.target import Reached, period_of
+from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.contact.law import flat_contact
 
 if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.boundary import Plate
     from granwave.lammps_inputs.case.case import Case
 
-Array = NDArray[np.float64]
 
 _POINTS = 2000  # of Hertz's force in time
+
+
+_FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
+_MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
 
 
 @dataclasses.dataclass(frozen=True)
@@ -137,3 +145,48 @@ def largest_displacement(plate: Plate, time: Array, force: Array, end: float) ->
         time = np.append(time, np.arange(time[-1] + step, end, step))
         force = np.append(force, np.zeros(len(time) - len(force)))
     return float(response(time, force, plate.mass, plate.stiffness, plate.damping).max())
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Curves:
+    """Largest displacement of plates of one mass: by the oscillator and in its limits, m; all (n_periods,)."""
+
+    period: Array
+    oscillator: Array
+    slow_force: Array
+    short_impulse: Array
+
+
+def oscillator(held: Reached, plate: Plate, end: float) -> float:
+    """Largest displacement of a plate under the force on a wall, up to a time (s): m."""
+    return largest_displacement(plate, held.time, held.force, end)
+
+
+def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[float, str]:
+    """Largest displacement of a plate that does not give way, m, and the theory that it is from.
+
+    Parameters
+    ----------
+    held
+        Record of the same packing on a wall.
+    end
+        Of the record of the plate, s.
+    """
+    period = period_of(plate)
+    if period < _FAST * width(held.time, held.force):
+        return held.peak_force / plate.stiffness, "slow force, F/k"
+    part = np.array([1 - _MOST_OF_IT, 1 + _MOST_OF_IT]) / 2 * held.impulse[-1]
+    lasts = float(np.diff(np.interp(part, held.impulse, held.time))[0])
+    if period > _SLOW * lasts and not plate.damping:
+        return after_impulse(float(held.impulse[-1]), plate.mass, plate.stiffness), "short impulse, J/(M omega)"
+    return oscillator(held, plate, max(end, held.time[-1])), "oscillator"
+
+
+def spectrum_curves(held: Reached, plate: Plate, period: Array) -> Curves:
+    """Curves of plates like one but for the spring, at the periods (n_periods,), s."""
+    springs = plate.mass * (2 * math.pi / period) ** 2
+    plates = (dataclasses.replace(plate, stiffness=spring) for spring in springs)
+    ends = held.time[-1] + period
+    moved = np.array([oscillator(held, other, end) for other, end in zip(plates, ends, strict=True)])
+    short = after_impulse(float(held.impulse[-1]), plate.mass, 1.0) / np.sqrt(springs)
+    return Curves(period, moved, held.peak_force / springs, short)

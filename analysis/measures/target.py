@@ -1,6 +1,6 @@
 """Force, impulse and energy at the target, the bottom of the packing, and how much less they are than without it.
 
-Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.target.bare_target`)
+Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.bare_target`)
 over the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring
 or damper, and the force on the target where that does not move. Of a precompressed packing what it presses with from
 the start is no part of what the impact brings.
@@ -13,9 +13,9 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from granwave.analysis.measures.target.bare_target import bare_target_peak
+from granwave.analysis.measures.bare_target import bare_target_peak
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.hdf5_file import pairwise_sum
 from granwave.lammps_inputs.packing.bodies import BAR
 
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
 _NOISE = 1e-6  # of the force from before the impact: how exact a static stage is
-
-Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

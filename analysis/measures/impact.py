@@ -1,14 +1,20 @@
-"""Dissipation, plastic zone and peak forces as curves: plain numpy on arrays of spheres and contacts."""
+"""Impacts: dissipation and what did it, energy by region, the quadratic law, and the normalised velocity."""
 
 from __future__ import annotations
 
+import dataclasses
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
+import h5py
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from granwave.analysis.measures.geometry.nearest import nearest
-from granwave.analysis.measures.geometry.planes import layers, preferred_directions
+from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
@@ -158,17 +164,6 @@ def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np
     return mean, force
 
 
-def dissipation_mismatch(result: Result) -> float:
-    """Largest difference of the dissipation of a sphere between the last snapshot and ``/contacts``, over the input.
-
-    The two come from different dumps; they differ by rounding and, in an interrupted run, by what happened
-    between.
-    """
-    from_contacts = result["spheres/dissipated_energy"] - result["spheres/dissipated_energy_wall"]
-    from_snapshot = result.frame(result.n_frames - 1, "dissipated_energy")
-    return float(np.max(np.abs(from_snapshot - from_contacts))) / (result.energy_input or 1.0)
-
-
 def _force_of_pairs(result: Result):
     """A function from pairs of ids to their peak forces, NaN for a pair that is no contact; the id 0 is no sphere."""
     stride = int(result["spheres/id"][-1]) + 1
@@ -183,3 +178,137 @@ def _force_of_pairs(result: Result):
         return np.where(keys[place] == wanted, forces[place], np.nan)
 
     return force
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Involved:
+    """Material in descending order of its dissipation, cumulated; arrays (n,).
+
+    Attributes
+    ----------
+    fraction
+        Of the input, dissipated in the material so far.
+    volume
+        Of the solid, m^3.
+    """
+
+    fraction: NDArray[np.float64]
+    volume: NDArray[np.float64]
+
+    def part(self, share: float) -> tuple[float, float]:
+        """Fraction of the input and volume of the least material that did a share of the dissipation."""
+        enough = self.enough(share)
+        return float(self.fraction[enough]), float(self.volume[enough])
+
+    def enough(self, share: float) -> int:
+        """Last place of the least material that did a share of the dissipation."""
+        return int(np.searchsorted(self.fraction, share * self.fraction[-1]))
+
+
+def spheres_involved(result: Result, energy_input: float) -> Involved:
+    """Return the spheres that dissipated; the input is in J."""
+    fraction, count = cumulated(result["spheres/dissipated_energy"], energy_input)
+    return Involved(fraction, math.pi * result.case.packing.diameter**3 / 6 * count)
+
+
+def elements_involved(path: Path, energy_input: float) -> Involved:
+    """Return the elements of a block that dissipated.
+
+    Parameters
+    ----------
+    path
+        The ``result.h5`` of a continuum run.
+    energy_input
+        J.
+
+    Raises
+    ------
+    OSError, KeyError
+        It cannot be read, or is another file.
+    """
+    with h5py.File(path, "r") as file:
+        density, volume = file["fields/plastic_energy"][()], file["element_volume"][()]
+    order = np.argsort(-density, kind="stable")
+    order = order[: np.count_nonzero(density > 0)]
+    return Involved(np.cumsum(density[order] * volume[order]) / energy_input, np.cumsum(volume[order]))
+
+
+def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[str, Array]:
+    """Share of the input that each region of a packing holds: kinetic energy, and half the elastic one of contacts.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    regions
+        Ids of the spheres of each region, by name; strikers are spheres too.
+
+    Returns
+    -------
+    dict
+        At each snapshot, (n_frames,), by the name of the region. Beside them ``other spheres``, those of no region;
+        ``walls``, the elastic energy of contacts with walls; and ``dissipated``, what is lost. Of an impact on regions
+        that share no sphere, all together are the input.
+    """
+    energy = np.stack([energy_of_spheres(result, frame) for frame in range(result.n_frames)]) / result.energy_input
+    rows = {name: result.rows(np.asarray(ids)) for name, ids in regions.items()}
+    rest = np.setdiff1d(np.arange(energy.shape[1]), np.concatenate([*rows.values()]))
+    found = {name: energy[:, chosen].sum(axis=1) for name, chosen in (rows | {"other spheres": rest}).items()}
+    time, given = result["energy/time"], result["energy/input"][-1]
+    for name, term in (("walls", "elastic_wall"), ("dissipated", "dissipated")):
+        found[name] = np.interp(result.frame_times, time, result[f"energy/{term}"] / given)
+    return found
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class QuadraticLaw:
+    """Dissipation as ``D0 + D1 v + D2 v^2``.
+
+    Attributes
+    ----------
+    constants, deviations
+        D0, D1, D2 and their standard deviations: (3,).
+    misfit
+        Largest |law / dissipation - 1| of what was fitted.
+    lowest
+        Smallest velocity that was fitted.
+    """
+
+    constants: Array
+    deviations: Array
+    misfit: float
+    lowest: float
+
+    def __call__(self, velocity: Array) -> Array:
+        """Dissipation at velocities."""
+        return np.asarray(np.polynomial.polynomial.polyval(velocity, self.constants), dtype=np.float64)
+
+
+def quadratic_law(velocity: Array, dissipation: Array) -> QuadraticLaw:
+    """Fit the law, every point with the same relative weight; more than three points: (n,) each."""
+    matrix = np.stack([np.ones_like(velocity), velocity, velocity**2], axis=1) / dissipation[:, None]
+    constants = np.asarray(np.linalg.lstsq(matrix, np.ones_like(velocity))[0], dtype=np.float64)
+    residual = matrix @ constants - 1
+    scatter = residual @ residual / (len(velocity) - len(constants))
+    deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
+    return QuadraticLaw(constants, deviations, float(np.abs(residual).max()), float(velocity.min()))
+
+
+def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
+    """Impact velocity in units that make materials collapse on one curve.
+
+    ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
+
+    Parameters
+    ----------
+    velocity
+        m/s.
+    modulus
+        E* of two spheres, Pa.
+    density
+        kg/m^3.
+    yield_strength
+        Pa.
+    """
+    scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
+    return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity

@@ -1,33 +1,51 @@
-"""Transmission of a load that oscillates: amplitudes along it at one frequency, or against frequency.
+"""Rows of grains under a load that oscillates, or that pushes them once or twice.
 
-A harmonic load: the velocity of every sphere is fitted by a constant and a sine and cosine of its frequency over the
-last whole periods, at most half of the run; what the fit leaves tells how far from steady the motion is.
+Transmission of a harmonic load: the velocity of every sphere is fitted by a constant and a sine and cosine of its
+frequency over the last whole periods, at most half of the run; what the fit leaves tells how far from steady the motion
+is.
 
-A burst, a sweep or noise: the ratio of spectra of the velocities of two spheres over the whole run, where the
-spectrum of the first holds more than a share of its largest value. With noise it is the cross spectrum over the power
-spectrum, averaged over neighbouring frequencies (Bendat and Piersol, Random Data, 1986).
+Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres over the whole run,
+where the spectrum of the first holds more than a share of its largest value. With noise it is the cross spectrum over
+the power spectrum, averaged over neighbouring frequencies (Bendat and Piersol, Random Data, 1986).
+
+Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of whole periods of the
+load, by sines of its frequency and of twice, three times and half of it. A linear row answers in proportion, in the
+load's frequency alone. Where the branches of rising and of falling amplitude part, there are two states at one load;
+where half of the frequency appears, the period has doubled.
+
+Mean power that a harmonic load puts in and that leaves at absorbing ends: slopes of energies of the ledger against
+time, by least squares over the last half of the run, so that what goes to and fro within a period does not count.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.signals import Array, arrival
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.checks.loads import LEAST_PER_PERIOD, LEAST_PERIODS
+from granwave.lammps_inputs.checks.loads import LEAST_PER_PERIOD, LEAST_PERIODS, LEAST_WINDOWS, WINDOW_PERIODS
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
-
-Array = NDArray[np.float64]
 
 STEADY = 0.02  # part of the motion that a steady fit may leave
 _DENSE = 8  # instants in a period from which on its second and third harmonic are fitted too
 _HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
 _FADING = 0.1  # part of the record, its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
+
+
+MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # of the load's frequency
+_COMPARED = 33  # loads at which the branches are compared
+_FEWEST_INSTANTS = 8  # instants that a slope is fitted to
+_ENDS = ("energy/absorbed", "energy/support_lost")
+_ARRIVED = 0.2  # of the largest force
+_SHARE = 0.75  # of the time between the pushes, after its arrival: what comes later is of the second pulse
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -197,3 +215,130 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
 def sampled(load: Load, interval: float) -> bool:
     """Return True if records at an interval, s, resolve the load."""
     return load.frequencies[1] * interval * LEAST_PER_PERIOD <= 1 + 1e-9
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class AmplitudeSweep:
+    """Velocities of two spheres against the load.
+
+    Attributes
+    ----------
+    load
+        Amplitude in the middle of each window, N or m: (n,).
+    rising
+        True where it rises: (n,).
+    first, last
+        Amplitudes of the loaded sphere and of the last one before those that absorb, at each of `MULTIPLES` of the
+        frequency: (n_multiples, n), m/s.
+    """
+
+    load: Array
+    rising: NDArray[np.bool_]
+    first: Array
+    last: Array
+
+    @property
+    def apart(self) -> float:
+        """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
+        answer = self.last[0]
+        both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
+        there = np.linspace(max(load.min() for load, _ in both), min(load.max() for load, _ in both), _COMPARED)
+        branches = []
+        for load, size in both:
+            order = np.argsort(load)
+            branches.append(np.interp(there, load[order], size[order]))
+        return float(np.abs(branches[0] - branches[1]).max() / answer.max())
+
+
+def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
+    """Fit sines at `MULTIPLES` of a frequency: (n_multiples, n_signals), from (n_times,) and (n_times, n_signals).
+
+    Their amplitudes may change linearly in time; those in the middle are returned.
+    """
+    angles = [2 * np.pi * factor * frequency * time for factor in MULTIPLES]
+    sines = [part(angle) for angle in angles for part in (np.cos, np.sin)]
+    since = (time - time.mean()) / (time[-1] - time[0])
+    fit, *_ = np.linalg.lstsq(
+        np.stack([*sines, *(since * one for one in sines), since**0], axis=1), signals, rcond=None
+    )
+    return np.hypot(fit[0 : len(sines) : 2], fit[1 : len(sines) : 2])
+
+
+def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
+    """Answer of a row whose load rises and falls; None for other runs, or where too few instants were recorded.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
+    load, found = result.case.load, motion_of(result)
+    if found is None or load.shape != "up-and-down":
+        return None
+    row, time, velocity = found
+    frequency, whole = load.frequencies[1], load.lasts
+    length = WINDOW_PERIODS / frequency
+    n = int(min(whole, time[-1]) / length * (1 + 1e-9))
+    if n < LEAST_WINDOWS or n * length < 0.75 * whole:  # of a run that was ended before the load fell
+        return None
+    middles = (np.arange(n) + 0.5) * length
+    fits = []
+    for middle in middles:
+        inside = np.abs(time - middle) <= length / 2
+        fits.append(fitted_amplitudes(time[inside], velocity[inside][:, [row.first, row.last]], frequency))
+    amplitudes = np.stack(fits, axis=2)
+    size = (load.amplitude or 0.0) * (1 - np.abs(2 * middles / whole - 1))
+    return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])
+
+
+@dataclasses.dataclass(frozen=True)
+class MeanPower:
+    """Mean power in the last half of a run.
+
+    Attributes
+    ----------
+    given
+        Work of the load over time, W.
+    absorbed
+        Taken by the spheres of ``[[absorb]]`` and by the damper below, W; None where there is neither.
+    """
+
+    given: float
+    absorbed: float | None
+
+
+def mean_power_of(result: Result) -> MeanPower | None:
+    """Return the mean power of a harmonic load; None for other loads, and for runs of fewer than some periods."""
+    load, time = result.case.load, result["energy/time"]
+    if not load.driven or load.shape != "harmonic":
+        return None
+    later = time >= time[-1] / 2
+    if np.count_nonzero(later) < _FEWEST_INSTANTS or time[-1] / 2 * load.frequencies[1] < LEAST_PERIODS:
+        return None
+    since = time[later] - time[later].mean()
+
+    def slope(name: str) -> float:
+        energy = result[name][later]
+        return float(since @ (energy - energy.mean()) / (since @ since))
+
+    ends = [slope(name) for name in _ENDS if name in result]
+    return MeanPower(slope("energy/input"), sum(ends) if ends else None)
+
+
+def push_starts(table: Sequence[Sequence[float]] | None) -> list[float]:
+    """Times at which the force of a table of rows [time, force] begins to rise from zero, s."""
+    return [before[0] for before, after in pairwise(table or ()) if before[1] == 0 < after[1]]
+
+
+def largest_of_pulses(time: Array, force: Array, apart: float) -> tuple[float, float]:
+    """Largest force of the first and of the second pulse at a contact, N.
+
+    Parameters
+    ----------
+    time, force
+        Instants, s, and force, N: (n_times,).
+    apart
+        Time between the pushes, s.
+    """
+    split = arrival(time, force, _ARRIVED * float(force.max())) + _SHARE * apart
+    return float(force[time < split].max(initial=0.0)), float(force[time >= split].max(initial=0.0))

@@ -1,7 +1,7 @@
-"""Planes through the struck sphere along the symmetry directions of a packing, preferred directions, and layers.
+"""Planes, directions, layers and nearest places in packings.
 
-They are those of the perfect packing; spheres are found on them by place, within a tolerance, so that scattered
-diameters, settled positions and missing spheres do no harm.
+Planes and directions are those of the perfect packing; spheres are found on them by place, within a tolerance, so that
+scattered diameters, settled positions and missing spheres do no harm.
 
 fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the
 largest forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it is
@@ -35,6 +35,10 @@ from granwave.lammps_inputs.lattices import kind_of, section_planes
 _LEVEL = 1 - 1e-9  # cosine from which two directions are the same
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
 _LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
+
+
+_BY_TREE = 3_000_000  # distances from which on a tree gains more than loading it takes
+_BLOCK = 200_000  # distances that are computed at a time, whose numbers fit into the processor's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,3 +199,24 @@ def layers(
         slices = np.floor((depth - depth.min()) / (_LAYER_HEIGHT * diameter))
         layer = np.unique(slices, return_inverse=True)[1]
     return np.bincount(layer, depth) / np.bincount(layer), layer
+
+
+def nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the distance from each point to its nearest place, m, and that place's row: (n_points,) each.
+
+    Parameters
+    ----------
+    points, places
+        (n_points, 3) and (n_places, 3), m; at least one place.
+    """
+    if len(points) * len(places) > _BY_TREE and len(places) > 1:
+        from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
+
+        distance, row = cKDTree(places).query(points)
+        return distance, row.astype(np.int64)
+    row = np.empty(len(points), dtype=np.int64)
+    block = max(1, _BLOCK // len(places))
+    for start in range(0, len(points), block):
+        square = sum((points[start : start + block, None, axis] - places[:, axis]) ** 2 for axis in range(3))
+        row[start : start + block] = np.argmin(square, axis=1)
+    return np.linalg.norm(points - places[row], axis=1), row

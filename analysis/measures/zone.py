@@ -3,19 +3,25 @@
 The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it where the partner is
 harder, and what it left at walls, which stays with the sphere that touches the wall. Friction and dampers do not count,
 nor do strikers: they are no part of the packing.
+
+A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
+at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was
+fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.target.record import reached
-from granwave.analysis.measures.zone.size import BOTTOM, SIDES, WAVE_KEYS, Array, wave_returns, zone_sizes
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, WAVE_KEYS, wave_returns, zone_sizes
 from granwave.analysis.result.reader import PartOfResult, Result
 from granwave.lammps_inputs.packing.places import Places
 
@@ -24,6 +30,10 @@ _LATE = 0.1  # of a run: where the outermost yield came within so much of its en
 _BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
 _ROUNDING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
 _NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+
+
+LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
+HALF_LAW_LIMIT = 0.1  # of R*
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -243,3 +253,53 @@ def _distance(zone: PackingZone, bound: str) -> Array:
     distance = {BOTTOM: zone.depth, SIDES: zone.radius}[bound]
     assert distance is not None
     return distance
+
+
+@dataclass(frozen=True)
+class PlasticZone:
+    """The spheres with at least one contact that yielded.
+
+    Attributes
+    ----------
+    n_spheres
+        How many.
+    volume
+        Their volume, m^3.
+    depth
+        From the struck sphere's centre to the deepest of their centres, m.
+    radius
+        Largest lateral distance of their centres from the impact axis, m.
+    """
+
+    n_spheres: int
+    volume: float
+    depth: float
+    radius: float
+
+
+def plastic_zone(
+    positions: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    plastic: NDArray[np.bool_],
+    origin: NDArray[np.float64],
+) -> PlasticZone:
+    """The plastic zone of a packing.
+
+    Parameters
+    ----------
+    positions
+        At the start: (n_spheres, 3), m.
+    radii
+        (n_spheres,), m.
+    plastic
+        Which spheres belong to it: (n_spheres,).
+    origin
+        Centre of the struck sphere at the start: (3,), m.
+    """
+    offset = positions[plastic] - origin
+    return PlasticZone(
+        n_spheres=int(np.count_nonzero(plastic)),
+        volume=float(np.sum(4 / 3 * np.pi * radii[plastic] ** 3)),
+        depth=float(np.max(offset[:, 2], initial=0.0)),
+        radius=float(np.max(np.hypot(offset[:, 0], offset[:, 1]), initial=0.0)),
+    )

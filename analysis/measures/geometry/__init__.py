@@ -1,1 +1,0 @@
-"""Planes, directions and places in packings."""

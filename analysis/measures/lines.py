@@ -1,0 +1,300 @@
+"""Lines of grains of a run: front speed, decay, distribution of the largest speeds; and its sensors.
+
+Decay of a peak along a line: a continuous broken line in the logarithm of the peak, and where two lines part.
+
+ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the rest is linear, so that
+the border alone is searched: over each interval between grains that leaves at least two on either side.
+
+A sensor reads the mean of the forces of its bead's two contacts in a chain, its acceleration elsewhere: a transducer
+glued between the halves of a bead feels the force between them, which for slow pulses is about that mean. At an end of
+the chain, where there is one contact, half of its force.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.packing.motion import left_out
+
+_BESIDE = 0.5  # diameters, of a straight line
+_FEWEST_VALUES = 3  # that a test of normality takes
+
+
+_LEAST = 2  # points on each side of the border
+_TRIALS = 60  # borders tried in each interval before the best is refined
+PARTED = 0.03  # of the peak speed: from there on two crystals differ
+
+
+@dataclasses.dataclass(frozen=True)
+class Distribution:
+    """Distribution of the largest speeds of the grains of a line.
+
+    Attributes
+    ----------
+    mean, deviation
+        Mean and standard deviation (over n - 1), m/s.
+    skewness
+        Skewness, corrected for the number of values.
+    normal_p
+        p-value of Shapiro and Wilk's test: small where they are not normally distributed.
+    """
+
+    mean: float
+    deviation: float
+    skewness: float
+    normal_p: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class LineRecord:
+    """A line of grains of a run; arrays in the order of the line, NaN where a grain has no first pulse.
+
+    Attributes
+    ----------
+    name
+        Name of the line.
+    distance
+        From the first grain, m.
+    arrival, peak_time, width
+        s.
+    peak_speed, largest_speed
+        m/s.
+    lateral_force
+        N.
+    left_out
+        Grains at the end that the fit of the decay leaves out.
+    straight
+        True for a straight line; other sets of grains have no front speed and no decay.
+    """
+
+    name: str
+    distance: NDArray[np.float64]
+    arrival: NDArray[np.float64]
+    peak_time: NDArray[np.float64]
+    width: NDArray[np.float64]
+    peak_speed: NDArray[np.float64]
+    largest_speed: NDArray[np.float64]
+    lateral_force: NDArray[np.float64]
+    left_out: int
+    straight: bool = True
+
+    @property
+    def fitted(self) -> slice:
+        """Grains that the fit of the decay takes."""
+        return slice(0, max(len(self.distance) - self.left_out, 0))
+
+    @property
+    def front_speed(self) -> float | None:
+        """Slope of distance against arrival, m/s; None for fewer than two arrivals."""
+        known = np.isfinite(self.arrival)
+        if not self.straight or known.sum() < 2 or np.ptp(self.arrival[known]) == 0:
+            return None
+        return float(np.polyfit(self.arrival[known], self.distance[known], 1)[0])
+
+    @property
+    def decay(self) -> Decay | None:
+        """Decay of the peak speed in two regions; None for too few grains."""
+        if not self.straight:
+            return None
+        return fit_decay(self.distance[self.fitted], self.peak_speed[self.fitted])
+
+    @property
+    def distribution(self) -> Distribution | None:
+        """Distribution of the largest speeds; None for too few or equal values."""
+        values = self.largest_speed
+        if len(values) < _FEWEST_VALUES or np.ptp(values) <= 1e-9 * float(np.max(values, initial=0.0)):
+            return None
+        from scipy.stats import shapiro, skew  # take longer to load than most commands need
+
+        return Distribution(
+            float(values.mean()),
+            float(values.std(ddof=1)),
+            float(skew(values, bias=False)),
+            float(shapiro(values).pvalue),
+        )
+
+
+def lines_of(result: Result) -> list[LineRecord]:
+    """Return the lines of grains of a run, ``[[line]]`` of its case, in their order.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    """
+    found = []
+    for line in result.case.line:
+        group = f"lines/{line.name}"
+        columns = {
+            field.name: result[f"{group}/{field.name}"]
+            for field in dataclasses.fields(LineRecord)
+            if field.name not in ("name", "left_out", "straight")
+        }
+        straight = _straight(result[f"{group}/position"], result.case.packing.diameter)
+        found.append(LineRecord(name=line.name, left_out=left_out(result.assembly, line), straight=straight, **columns))
+    return found
+
+
+def _straight(position: NDArray[np.float64], diameter: float) -> bool:
+    """Return True if the grains follow each other within half a diameter of a straight line."""
+    way = position[-1] - position[0]
+    length = float(np.linalg.norm(way))
+    if not length:
+        return False
+    along = (position - position[0]) @ way / length
+    beside = np.linalg.norm(position - position[0] - along[:, None] * way / length, axis=1)
+    return bool(beside.max() <= _BESIDE * diameter and np.all(np.diff(along) > 0))
+
+
+def line_summary(result: Result) -> dict[str, Any]:
+    """Return the part of the summary that is about lines of grains."""
+    found: dict[str, Any] = {}
+    for line in lines_of(result):
+        decay, spread = line.decay, line.distribution
+        peaks = line.peak_speed[np.isfinite(line.peak_speed)]
+        values = {
+            "front_speed_m_s": line.front_speed,
+            "peak_first_m_s": float(peaks[0]) if len(peaks) and line.straight else None,
+            "peak_last_m_s": float(peaks[-1]) if len(peaks) and line.straight else None,
+            "decay_first_per_m": decay and decay.first,
+            "decay_second_per_m": decay and decay.second,
+            "decay_border_m": decay and decay.border,
+            "decay_per_m": decay and decay.single,
+            "largest_speed_mean_m_s": spread and spread.mean,
+            "largest_speed_deviation_m_s": spread and spread.deviation,
+            "largest_speed_skewness": spread and spread.skewness,
+            "largest_speed_normal_p": spread and spread.normal_p,
+        }
+        found |= {f"line_{line.name}_{name}": value for name, value in values.items()}
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Decay:
+    """Decay in two regions.
+
+    Attributes
+    ----------
+    first, second
+        Rates of the decay before and beyond the border, 1/m.
+    border
+        Where the second begins, m.
+    single
+        Rate of one straight line through all points, 1/m.
+    points
+        Number of points.
+    """
+
+    first: float
+    second: float
+    border: float
+    single: float
+    points: int
+
+
+def fit_decay(distance: NDArray[np.float64], peak: NDArray[np.float64]) -> Decay | None:
+    """Fit the broken line to peaks at distances (m); None for fewer than four.
+
+    Parameters
+    ----------
+    distance, peak
+        (n,); points whose peak is not known or not positive do not count.
+    """
+    known = np.isfinite(peak) & (peak > 0)
+    x, y = distance[known], np.log(peak[known])
+    if len(x) < 2 * _LEAST:
+        return None
+
+    def misfit(border: float) -> tuple[float, NDArray[np.float64]]:
+        columns = np.stack([np.ones_like(x), x, np.maximum(x - border, 0.0)], axis=1)
+        found, *_ = np.linalg.lstsq(columns, y, rcond=None)
+        return float(np.sum((columns @ found - y) ** 2)), found
+
+    low, high = x[_LEAST - 1], x[-_LEAST]
+    if low == high:
+        candidates = np.array([low])
+    else:
+        inside = x[(x >= low) & (x <= high)]
+        candidates = np.unique(np.concatenate([np.linspace(a, b, _TRIALS) for a, b in pairwise(inside)]))
+    best = min(candidates.tolist(), key=lambda border: misfit(border)[0])
+    if len(candidates) > 1:
+        from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+
+        at = int(np.searchsorted(candidates, best))
+        bounds = candidates[max(at - 1, 0)], candidates[min(at + 1, len(candidates) - 1)]
+        refined = minimize_scalar(lambda border: misfit(border)[0], bounds=bounds, method="bounded")
+        best = float(refined.x) if misfit(float(refined.x))[0] < misfit(best)[0] else best
+    _, slope, bend = misfit(best)[1]
+    single = float(np.polyfit(x, y, 1)[0])
+    return Decay(-float(slope), -float(slope + bend), best, -single, len(x))
+
+
+def parted_at(
+    distance: NDArray[np.float64],
+    peak: NDArray[np.float64],
+    wide: NDArray[np.float64],
+    share: float = PARTED,
+) -> float | None:
+    """Return the distance of the first grain whose peak differs by a share from that in a wider crystal, m; None: none.
+
+    Parameters
+    ----------
+    distance, peak, wide
+        Of the same grains: (n,), m and m/s; grains without a peak in one of both do not count.
+    """
+    known = np.isfinite(peak) & np.isfinite(wide) & (wide > 0)
+    apart = np.flatnonzero(known & (np.abs(peak / np.where(known, wide, 1.0) - 1) > share))
+    return float(distance[apart[0]]) if len(apart) else None
+
+
+Arrays = dict[str, NDArray[np.float64]]
+
+
+def sensor_forces(result: Result) -> Arrays:
+    """Force of every sensor of a run at the instants of ``/chain/time``, by its name: (n_times,), N."""
+    ends = result["chain/contact_i"], result["chain/contact_j"]
+    force = result["chain/contact_force"]
+    return {
+        sensor.name: 0.5 * force[:, (ends[0] == sensor.id) | (ends[1] == sensor.id)].sum(axis=1)
+        for sensor in result.case.sensor
+    }
+
+
+def sensor_accelerations(result: Result) -> Arrays:
+    """Acceleration of every sensor of a packing, by its name: (n_times, 3), m/s^2.
+
+    Parameters
+    ----------
+    result
+        Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
+    """
+    found = {}
+    for name, sphere, force in _probed(result, "f"):
+        row = int(result.rows(sphere))
+        found[name] = force / result.rows_read("spheres/mass", slice(row, row + 1))[0]
+    return found
+
+
+def sensor_velocities(result: Result) -> Arrays:
+    """Velocity of every sensor of a packing, by its name: (n_times, 3), m/s.
+
+    Parameters
+    ----------
+    result
+        Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
+    """
+    return {name: velocity for name, _, velocity in _probed(result, "v")}
+
+
+def _probed(result: Result, quantity: str) -> Iterator[tuple[str, int, NDArray[np.float64]]]:
+    for sensor in result.case.sensor:
+        if f"probes/sphere_{sensor.id}_{quantity}x" in result:
+            parts = [result[f"probes/sphere_{sensor.id}_{quantity}{axis}"] for axis in "xyz"]
+            yield sensor.name, sensor.id, np.stack(parts, axis=1)

@@ -1,1 +1,0 @@
-"""Waves along chains and layers under a static force."""

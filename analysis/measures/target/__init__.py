@@ -1,1 +1,0 @@
-"""Protected targets: what reaches them, with and without a packing."""

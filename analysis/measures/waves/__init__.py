@@ -1,1 +1,0 @@
-"""Waves in packings: fronts, directions, speeds, pulses along lines of grains."""

@@ -1,1 +1,0 @@
-"""Size of the plastic zone, and what cuts it."""
