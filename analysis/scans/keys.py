@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.formatting.numbers import tick
-from granwave.analysis.formatting.units import AMPLITUDE, shown_unit, unit_of
-from granwave.analysis.formatting.values import NONE, unique_labels
+from granwave.analysis.formatting.values import AMPLITUDE, NONE, shown_unit, unique_labels, unit_of
 
 
 @dataclasses.dataclass(frozen=True)

@@ -7,8 +7,8 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 from granwave.analysis.document.cells import is_number, show
-from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
