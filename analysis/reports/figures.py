@@ -106,6 +106,7 @@ _QUANTITIES = {  # captions of figures of scans that differ from their names
     "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
+_LEVEL = "Where a curve is level, its impact is over; the higher it ends, the more is dissipated"
 _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
@@ -157,7 +158,7 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
     blocks: list[Block] = []
     if curves:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
-        caption = f"Dissipated share of the input against time{more}"
+        caption = f"Dissipated share of the input against time{more}. {_LEVEL}"
         with style():
             blocks.append(Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),)))
     if missing:

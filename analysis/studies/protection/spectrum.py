@@ -117,7 +117,10 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
-    caption = "Largest displacement of the plate against its period, with what an oscillator does under the same force"
+    caption = (
+        "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "
+        "under the force on a plate held in place. The packing helps where full marks lie below open ones"
+    )
     yield Picture("", caption, shock_spectra(list(map(_plates, found))))
 
 

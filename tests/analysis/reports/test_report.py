@@ -151,7 +151,7 @@ def test_two_runs_side_by_side(runs, tmp_path):
     assert row["Difference"].value == pytest.approx(300.0)
     assert row["Difference"].text == "+300 %"
     (shown,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)][:1]
-    assert shown.figures[0].caption == "Dissipated share of the input against time"
+    assert shown.figures[0].caption.startswith("Dissipated share of the input against time. Where a curve is level")
     assert [c.heading for c in next(b for b in blocks(report, "results") if b.caption == "Runs").columns][
         1
     ] == "load.velocity"
