@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from granwave.analysis.formatting.grains import grains_called_in
+from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains

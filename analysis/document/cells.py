@@ -15,10 +15,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Cell, Column, Group, Report, Table, changed
-from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval, plain
-from granwave.analysis.formatting.units import printed_unit
-from granwave.analysis.formatting.values import as_label
+from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
 from granwave.analysis.quantities import ENTRIES, quantity
 from granwave.analysis.summary_table import meaning_of
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains

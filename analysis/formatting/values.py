@@ -1,18 +1,39 @@
-"""Labels of values of a case that are tables, for results and legends: ``plate mass=5 stiffness=5e9, steel``.
+"""Values of a case for readers: labels of values that are tables, units of keys, names of grains.
 
-The label of a scan's point may hold such a value as JSON; it is empty if the case of the point lacks the key.
+A label is as ``plate mass=5 stiffness=5e9, steel``. The label of a scan's point may hold such a value as JSON; it is
+empty if the case of the point lacks the key.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.formatting.numbers import plain
+from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
+from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
+from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
 NONE = "none"
 _NAMES = ("preset", "name")  # keys that identify a material
+# Keys of continuum cases, whose schema belongs to their solver; a test compares both.
+CONTINUUM_UNITS = {
+    "block.diameter": "m",
+    "block.height": "m",
+    "punch.diameter": "m",
+    "punch.mass": "kg",
+    "punch.velocity": "m/s",
+    "punch.taper": "m",
+    "run.edge_size": "m",
+    "run.frame_interval": "s",
+}
+#: Key whose unit follows from the kind of the load, and the key of that.
+AMPLITUDE, LOAD_KIND = "load.amplitude", "load.kind"
+_OF_AMPLITUDES = {"force": "N", "displacement": "m"}
+_BOTTOM = "boundary.bottom."
+_SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def as_label(value: Any) -> str:
@@ -70,3 +91,54 @@ def _text(value: Any) -> str:
     if isinstance(value, bool | list | tuple):
         return json.dumps(value, ensure_ascii=False)
     return plain(f"{value:.6g}") if isinstance(value, float) else str(value)
+
+
+def unit_of(key: str) -> str:
+    """Return the unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty if it has none.
+
+    That of `AMPLITUDE` follows from the kind of the load: `amplitude_unit`.
+    """
+    if key == AMPLITUDE:
+        return ""
+    if key.startswith(_BOTTOM):
+        return _unit_in(_SUPPORTS, key.removeprefix(_BOTTOM)) or granular_unit_of(key)
+    return granular_unit_of(key) or CONTINUUM_UNITS.get(key, "")
+
+
+def amplitude_unit(kinds: Iterable[str]) -> str:
+    """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an amplitude."""
+    units = {_OF_AMPLITUDES.get(kind, "") for kind in kinds}
+    return units.pop() if len(units) == 1 else ""
+
+
+def shown_unit(key: str) -> str:
+    """Unit of a dotted key as people write it: kg/m³."""
+    return printed_unit(unit_of(key))
+
+
+def unit_in_cases(key: str, cases: Iterable[Mapping[str, Any]]) -> str:
+    """Unit, as people write it, of a dotted key of cases, each given by dotted keys."""
+    if key == AMPLITUDE:
+        return amplitude_unit(str(case.get(LOAD_KIND)) for case in cases if key in case)
+    return shown_unit(key)
+
+
+def printed_unit(unit: str) -> str:
+    """A unit as people write it: kg/m³ for kg/m^3."""
+    return unit.replace("^2", "²").replace("^3", "³")
+
+
+def _unit_in(tables: Mapping[str, type], key: str) -> str:
+    table, _, name = key.partition(".")
+    fields = {field.name: field for field in dataclasses.fields(tables[table])} if table in tables else {}
+    return (fields[name].metadata.get("unit") or "") if name in fields else ""
+
+
+def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:
+    """Return ``spheres``, ``cylinders``, or ``grains`` where runs have both."""
+    found = {
+        grains_called(summary.get("n_spheres") or 0, summary.get("n_cylinders") or 0)
+        for summary in summaries
+        if summary.get("n_spheres")
+    }
+    return found.pop() if len(found) == 1 else GRAINS if found else SPHERES

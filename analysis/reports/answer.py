@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
-from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_in

@@ -29,8 +29,7 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
-from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.values import as_label
+from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import SCAN_FIGURES, readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of

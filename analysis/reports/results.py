@@ -20,9 +20,7 @@ from granwave.analysis.document.cells import (
     value_column,
 )
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
-from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.units import unit_in_cases
-from granwave.analysis.formatting.values import unique_labels
+from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports import other_kinds

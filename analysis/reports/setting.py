@@ -8,9 +8,8 @@ from typing import Any
 
 from granwave.analysis.document.cells import show, text_table
 from granwave.analysis.document.model import Block, Group, Note
-from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import plain
-from granwave.analysis.formatting.units import unit_in_cases
+from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError

@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
-from granwave.analysis.formatting.grains import grains_called_in
-from granwave.analysis.formatting.units import printed_unit
+from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
 from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map

@@ -13,10 +13,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.cells import is_number, show
-from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import interval, tick
-from granwave.analysis.formatting.units import AMPLITUDE, shown_unit, unit_of
-from granwave.analysis.formatting.values import NONE, unique_labels
+from granwave.analysis.formatting.values import AMPLITUDE, NONE, grains_called_in, shown_unit, unique_labels, unit_of
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.formatting.units import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
+from granwave.analysis.formatting.values import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
 from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
 from granwave.lammps_inputs.files import read_json, read_tables
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.formatting.units import unit_of
+from granwave.analysis.formatting.values import unit_of
 from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5

@@ -16,7 +16,7 @@ from bibtex import bibtex
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
-from granwave.analysis.formatting.units import printed_unit
+from granwave.analysis.formatting.values import printed_unit
 from granwave.analysis.inference.tables import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from granwave.analysis.formatting.numbers import interval, tick, with_interval
-from granwave.analysis.formatting.units import shown_unit
-from granwave.analysis.formatting.values import as_label, unique_labels
+from granwave.analysis.formatting.values import as_label, shown_unit, unique_labels
 from granwave.analysis.statistics import estimate, exactly
 
 

@@ -87,3 +87,9 @@ def test_failure_while_writing_keeps_the_old_report(runs, tmp_path, monkeypatch)
     monkeypatch.undo()
     assert output.read_bytes() == before
     assert not list(tmp_path.glob(".r.html*"))
+
+
+def test_a_report_of_runs_that_share_nothing_is_written_anew(runs, tmp_path):
+    report = tmp_path / "r.md"
+    report.write_text("# Report: bar, chain, driven and 5 more\n\n8 runs.\n\n")
+    assert "8 runs." not in write_report(runs, report).read_text()
