@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.run.target import target
+from granwave.analysis.figures.histories import target
 from granwave.analysis.measures.driven.amplitude_sweep import AmplitudeSweep, amplitude_sweep_of, fitted_amplitudes
 from granwave.analysis.measures.driven.transmission import steady_amplitudes, transfer, transmission_of
 from granwave.analysis.result.reader import Result
