@@ -139,7 +139,7 @@ def _film_and_page(directory: Path, report: Callable[[str], None]) -> None:
         options = result.figure_options
     made: list[tuple[str, Callable[[], object]]] = []
     if options.film != "none":
-        from granwave.analysis.films.film import write_film
+        from granwave.analysis.films import write_film
 
         film = FILM_FILE.format(options.film)
         claim(directory, [film])

@@ -170,7 +170,7 @@ def bands(
     columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
     drawn: Figures = {}
     if figures:
-        from granwave.analysis.figures.spectra import bands as draw  # the drawing library takes a second to load
+        from granwave.analysis.figures import spectra as draw  # the drawing library takes a second to load
 
         drawn = {
             "bands": lambda: draw.band_diagram(found),
@@ -226,7 +226,7 @@ def modes(
     }
     drawn: Figures = {}
     if figures:
-        from granwave.analysis.figures.spectra import finite as draw
+        from granwave.analysis.figures import spectra as draw
 
         drawn = {
             "density_of_states": lambda: draw.density_of_states(found.modes),
@@ -292,7 +292,7 @@ def steady(
     }
     drawn: Figures = {}
     if figures:
-        from granwave.analysis.figures.spectra import finite as draw
+        from granwave.analysis.figures import spectra as draw
 
         drawn = {"transmission": lambda: draw.transmission_curve(found)}
     tables = files.tables_of_transmission(state, found)

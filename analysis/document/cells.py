@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Cell, Column, Group, Report, Table, changed
@@ -49,12 +49,15 @@ def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
         return ()
     title = "What these values mean"
     called = grains_called_in(summaries)
-    rows = tuple(
-        (Cell(in_grains(entry.label, called)), Cell(entry.name), Cell(in_grains(entry.meaning, called)))
-        for entry in shown
-    )
-    columns = (Column("Quantity", key=True), Column("In summary.json"), Column("Meaning"))
-    return (Group(title, (Table(title, columns, rows, captioned=False),), folded=True),)
+    heads = ("Quantity", "In summary.json", "Meaning")
+    rows = [(in_grains(entry.label, called), entry.name, in_grains(entry.meaning, called)) for entry in shown]
+    return (Group(title, (text_table(title, heads, rows, captioned=False),), folded=True),)
+
+
+def text_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any) -> Table:
+    """Table of texts, the first of each row its key; ``options``: as of `Table`."""
+    cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
+    return Table(caption, (Column(heads[0], key=True), *map(Column, heads[1:])), cells, **options)
 
 
 def unit_of_value(key: str) -> str:

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import gc
+import logging
+import pickle
+import sys
+import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
+from typing import BinaryIO
 
-from granwave.analysis.figures.run import (
-    chain,
-    directions,
-    dissipation,
-    histories,
-    lines,
-    packing3d,
-    sections,
-    target,
-    timestep,
-    transmission,
-    zone,
-)
+from granwave.analysis.figures import dissipation, histories, packing3d, rows, sections
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
@@ -110,7 +105,7 @@ FIGURES: dict[str, RunFigure] = {
         "Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run.",
     ),
     "plastic_zone_size": RunFigure(
-        "Size of the plastic zone: energy of yielding that lies farther out", zone.plastic_zone_size,
+        "Size of the plastic zone: energy of yielding that lies farther out", dissipation.plastic_zone_size,
         "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly.",
     ),
     "energies": RunFigure(
@@ -118,7 +113,7 @@ FIGURES: dict[str, RunFigure] = {
         "Where the dissipated energy is level, the impact is over; the residual must stay small.",
     ),
     "timestep": RunFigure(
-        "Timestep, and the error of the energy balance that it follows", timestep.timestep,
+        "Timestep, and the error of the energy balance that it follows", histories.timestep,
         "Steps are short while contacts are stiff; the residual stays below the line, the tolerance.",
     ),
     "bottom_force": RunFigure(
@@ -126,7 +121,7 @@ FIGURES: dict[str, RunFigure] = {
         "The first rise is the arrival of the wave; the impulse is the area below the force.",
     ),
     "target": RunFigure(
-        "What reaches the target, and the force there without the packing", target.target,
+        "What reaches the target, and the force there without the packing", histories.target,
         "Compare the two peaks of force: their ratio is the peak reduction. The packing makes the pulse longer.",
     ),
     "impactor_velocity": RunFigure(
@@ -150,45 +145,45 @@ FIGURES: dict[str, RunFigure] = {
         "The edge of the coloured region is the front: how far it is in each direction shows where the wave is fast.",
     ),
     "force_map": RunFigure(
-        "Contact force in place and time", chain.force_map,
+        "Contact force in place and time", rows.force_map,
         "A wave is a slanted line, the faster the flatter; it decays where its colour fades, and is reflected where it "
         "turns back.",
     ),
     "force_histories": RunFigure(
-        "Forces of single contacts", chain.force_histories,
+        "Forces of single contacts", rows.force_histories,
         "Equal pulses one after the other are a steady wave; pulses that become lower and longer lose energy.",
     ),
     "along_chain": RunFigure(
-        "Peak force and dissipation along the chain", chain.along_chain,
+        "Peak force and dissipation along the chain", rows.along_chain,
         "Level dots are a wave that keeps its force; falling ones are its decay.",
     ),
     "bead_velocities": RunFigure(
-        "Velocities along the chain", chain.bead_velocities,
+        "Velocities along the chain", rows.bead_velocities,
         "Each curve is the whole row at one instant: the front goes to the right, and its height tells the decay.",
     ),
     "transmission": RunFigure(
         "Amplitude along the row, or transmission against frequency, of a load that oscillates",
-        transmission.transmission,
+        rows.transmission,
         "Where the curve is near zero, nothing comes through.",
     ),
     "amplitude_sweep": RunFigure(
-        "Answer of the row against the amplitude of its load", transmission.amplitude_sweep,
+        "Answer of the row against the amplitude of its load", rows.amplitude_sweep,
         "A jump, or two curves apart, means two states of the row at one amplitude.",
     ),
     "bars": RunFigure(
-        "Bars: contact force and energy", chain.bars,
+        "Bars: contact force and energy", rows.bars,
         "A second peak is the reflected pulse; the energies add up to what came in.",
     ),
     "sensors": RunFigure(
-        "Sensors", chain.sensors,
+        "Sensors", rows.sensors,
         "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay.",
     ),
     "line_speeds": RunFigure(
-        "Speeds along lines of grains", lines.line_speeds,
+        "Speeds along lines of grains", rows.line_speeds,
         "The first peak of each grain is the wave; what follows is rattling and what walls send back.",
     ),
     "line_decay": RunFigure(
-        "Peak speed along lines of grains, and its decay in two regions", lines.line_decay,
+        "Peak speed along lines of grains, and its decay in two regions", rows.line_decay,
         "A straight line is an exponential decay; where the two lines meet, it changes.",
     ),
     "accelerations": RunFigure(
@@ -196,7 +191,7 @@ FIGURES: dict[str, RunFigure] = {
         "Compare sensors that lie alike: ideally their curves are the same.",
     ),
     "directions": RunFigure(
-        "Energy and dissipation by direction from the impact point", directions.directions,
+        "Energy and dissipation by direction from the impact point", dissipation.directions,
         "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike.",
     ),
 }  # fmt: skip
@@ -248,7 +243,8 @@ def draw_figures(
     folder = FigureFolder(directory)
     if names is None:
         folder.remove(*(name for name in FIGURES if name not in chosen))
-    with painter(directory, options) as draw, _helpers(len(chosen), helpers) as others:
+    started = nullcontext(helpers) if helpers else start_helpers(len(chosen))
+    with painter(directory, options) as draw, started as others:
         request = (Path(directory).absolute(), chosen, options)
         outcomes = others.draw(chosen, draw, request, _shares(chosen))
         for name in chosen:
@@ -264,10 +260,6 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
     long = [[numbers[name] for name in share if name in numbers] for share in _LONG]
     taken = {number for share in long for number in share}
     return [share for share in long if share] + [[number] for number in numbers.values() if number not in taken]
-
-
-def _helpers(n_figures: int, started: Helpers | None) -> AbstractContextManager[Helpers]:
-    return nullcontext(started) if started else start_helpers(n_figures)
 
 
 @contextmanager
@@ -291,3 +283,52 @@ def painter(directory: str | Path, options: Figures) -> Iterator[Callable[[str],
     with Result(directory) as result, style(options.width):
         result.figure_options = options
         yield draw
+
+
+def work(requests: BinaryIO, outcomes: BinaryIO, directory: Path, names: Sequence[str], options: Figures) -> None:
+    """Draw figures for another process; see `granwave.analysis.figures.side_by_side`.
+
+    Parameters
+    ----------
+    requests, outcomes
+        Pipes: lists of numbers of figures come in; success and files of each figure go out.
+    directory
+        Directory of the run.
+    names
+        Names of all figures.
+    options
+        How they are drawn.
+    """
+    notes = _Notes()
+    logging.getLogger().addHandler(notes)
+    with painter(directory, options) as draw, contextlib.suppress(EOFError):
+        while True:
+            for number in pickle.load(requests):
+                notes.count = 0
+                with warnings.catch_warnings(record=True) as found:
+                    try:
+                        outcome = True, draw(names[number])
+                    except Exception:
+                        outcome = False, None
+                if found or notes.count:  # to be drawn where they are seen
+                    outcome = False, None
+                pickle.dump(outcome, outcomes)
+                outcomes.flush()
+
+
+class _Notes(logging.Handler):
+    """Count of warnings in the log."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.count = 0
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Count a warning."""
+        self.count += 1
+
+
+if __name__ == "__main__":
+    gc.freeze()  # modules stay to the end; collections need not look at them
+    pipe, sys.stdout = sys.stdout.buffer, sys.stderr
+    work(sys.stdin.buffer, pipe, *pickle.load(sys.stdin.buffer))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -22,8 +21,6 @@ from matplotlib.ticker import (
 from numpy.typing import NDArray
 
 _WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
-_NUMBER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?P<number>[\d.]+)\}\$")
-_POWER = re.compile(r"\$\\mathdefault\{(?P<sign>-?)(?:(?P<factor>[\d.]+)\\times)?10\^\{(?P<power>-?\d+)\}\}\$")
 _MANY, _MANY_OF_COLOURS = 1e4, 1e2  # largest over smallest value from which ticks are at powers of ten only
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
 _NARROW = 30.0  # largest over smallest value up to which labels are plain numbers, if these are short
@@ -58,22 +55,16 @@ class PowersOfTen(LogFormatterSciNotation):
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a value."""
-        found = str(super().__call__(x, pos))
-        if not found or x <= 0:
-            return self._plain_text(found)
-        factor = round(x / 10 ** math.floor(math.log10(x) + 1e-9), 6)
-        if self.few and factor not in _ROUND:
+        if not super().__call__(x, pos) or not x:
+            return "" if x else "0"
+        power = math.floor(math.log10(abs(x)) + 1e-9)
+        factor = round(abs(x) / 10.0**power, 6)
+        if x > 0 and self.few and factor not in _ROUND:
             return ""
-        return f"{x:g}" if self.plain else self._plain_text(found)
-
-    @staticmethod
-    def _plain_text(found: str) -> str:
-        if (match := _NUMBER.fullmatch(found)) is not None:
-            return f"{match['sign'].replace('-', _MINUS)}{match['number']}"
-        if (match := _POWER.fullmatch(found)) is None:
-            return found
-        factor = f"{match['factor']}{_TIMES}" if match["factor"] else ""
-        return f"{match['sign'].replace('-', _MINUS)}{factor}10{match['power'].translate(_RAISED)}"
+        if x > 0 and self.plain:
+            return f"{x:g}"
+        sign, times = _MINUS if x < 0 else "", f"{factor:g}{_TIMES}" if factor != 1 else ""
+        return f"{sign}{times}10{str(power).translate(_RAISED)}"
 
 
 def plain_powers(figure: Figure) -> None:

@@ -1,23 +1,24 @@
 """Drawing of the figures of a run in several processes.
 
-Helpers are programs of their own, `granwave.analysis.figures.helper`, not copies of this process, which may hold
-threads, MPI and open files. They load the drawing library, which takes most of a second, while the run is analysed.
-Then they and this process take shares of the figures from a common queue: a pipe with one byte for each share, the
-longest first, so that all end at about the same time. This process alone writes files, in the order of the figures,
-from what the helpers send. A figure that fails in a helper, or gives a warning there, is drawn again here, so that
-errors and warnings are those of drawing in one process.
+Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open files. They load the
+drawing library, which takes most of a second, while the run is analysed. Then they and this process take shares of the
+figures, the longest first, so that all end at about the same time: a thread for each helper hands it one share after
+the other. This process alone writes files, in the order of the figures, from what the helpers send. A figure that fails
+in a helper, or gives a warning there, is drawn again here, so that errors and warnings are those of drawing in one
+process.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import pickle
 import subprocess
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from multiprocessing import Pipe
-from multiprocessing.connection import Connection
+from concurrent.futures import Future
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
@@ -28,7 +29,7 @@ USUAL_FIGURES = 18  # of a packing; a chain has ten
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
 _MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
-_HELPER = "granwave.analysis.figures.helper"
+_HELPER = "granwave.analysis.figures.run_figures"
 
 Contents = Mapping[str, bytes]  # of the files of a figure, by suffix
 Outcome = Contents | None  # None: the figure does not apply
@@ -66,43 +67,26 @@ class Helpers:
     """Processes that draw figures beside this one; made by `helpers`."""
 
     def __init__(self) -> None:
-        self._queue, entry = os.pipe()
-        self._entry: int | None = entry
         self._processes: list[subprocess.Popen[bytes]] = []
-        self._connections: list[Connection] = []
-        self._receivers: list[threading.Thread] = []
-        self._news = threading.Condition()
-        self._received: dict[int, tuple[bool, Outcome]] = {}  # success and outcome, by number of the figure
-        self._at_work = 0  # helpers that may still send something
+        self._threads: list[threading.Thread] = []
+        self._left: deque[Sequence[int]] | None = None  # shares that no process has taken; None before drawing
+        self._drawn: list[Future[tuple[bool, Outcome]]] = []  # success and outcome of each figure
 
     def start(self) -> None:
         """Start a helper."""
-        ours, theirs = Pipe()
-        self._connections.append(ours)
-        with theirs:
-            fds = (theirs.fileno(), self._queue)
-            command = [sys.executable, "-P", "-m", _HELPER, *map(str, fds)]
-            silent: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-            # a new session: Ctrl-C reaches this process alone, which then ends its helpers
-            self._processes.append(subprocess.Popen(command, pass_fds=fds, start_new_session=True, **silent))
+        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        command = [sys.executable, "-P", "-m", _HELPER]
+        # a new session: Ctrl-C reaches this process alone, which then ends its helpers
+        self._processes.append(subprocess.Popen(command, start_new_session=True, **pipes))
 
     def end(self) -> None:
         """End the helpers, whether or not they are at work."""
         for process in self._processes:
             process.kill()
+        for thread in self._threads:
+            thread.join()  # the pipe ended with the helper
         for process in self._processes:
-            process.wait()
-        for receiver in self._receivers:
-            receiver.join()  # the connection ended with the helper
-        for connection in self._connections:
-            connection.close()
-        os.close(self._queue)
-        self._close_entry()
-
-    def _close_entry(self) -> None:
-        if self._entry is not None:
-            os.close(self._entry)
-        self._entry = None
+            process.communicate()
 
     def draw(
         self,
@@ -120,52 +104,46 @@ class Helpers:
         draw
             Function that draws a figure in this process.
         request
-            Arguments of `granwave.analysis.figures.helper.work` after the shares, to be pickled.
+            Arguments of `granwave.analysis.figures.run_figures.work` after its pipes, to be pickled.
         shares
-            Numbers of the figures that one process takes at a time, in the order in which they are taken; at most 256.
-            By default each figure alone, in their order.
+            Numbers of the figures that one process takes at a time, in the order in which they are taken. By default
+            each figure alone, in their order.
         """
-        shares = [[number] for number in range(len(names))] if shares is None else shares
-        if self._entry is None:
+        if self._left is not None:
             raise ValueError("these helpers have drawn; start others")
-        os.write(self._entry, bytes(range(len(shares))))
-        self._close_entry()  # so that readers find the end
-        self._at_work = len(self._processes)
-        for connection in self._connections[: self._at_work]:
-            with contextlib.suppress(OSError):  # the helper has died
-                connection.send((shares, *request))
-            self._receivers.append(threading.Thread(target=self._receive, args=(connection,), daemon=True))
-            self._receivers[-1].start()
-        own: dict[int, tuple[bool, Outcome]] = {}
+        self._left = deque([[number] for number in range(len(names))] if shares is None else shares)
+        self._drawn = [Future() for _ in names]
+        for process in self._processes:
+            self._threads.append(threading.Thread(target=self._hand_out, args=(process, request), daemon=True))
+            self._threads[-1].start()
         for number, name in enumerate(names):
-            while number not in own and number not in self._received and (taken := self._take()) is not None:
-                for one in shares[taken]:
-                    own[one] = (True, draw(name)) if one == number else _attempt(draw, names[one])
-            succeeded, outcome = own.pop(number) if number in own else self._wait_for(number)
+            while not self._drawn[number].done() and (share := self._take()):
+                for one in share:
+                    self._drawn[one].set_result(_attempt(draw, names[one]))
+            succeeded, outcome = self._drawn[number].result()
             yield outcome if succeeded else draw(name)
 
-    def _take(self) -> int | None:
-        """Take the number of a share from the queue; None if all are taken."""
-        taken = os.read(self._queue, 1)
-        return taken[0] if taken else None
+    def _take(self) -> Sequence[int]:
+        """Take a share for this process; empty if all are taken."""
+        with contextlib.suppress(IndexError):
+            return self._left.popleft() if self._left else ()
+        return ()
 
-    def _receive(self, connection: Connection) -> None:
-        """Take what a helper sends, until its end."""
-        with contextlib.suppress(EOFError, OSError):
+    def _hand_out(self, process: subprocess.Popen[bytes], request: tuple[Any, ...]) -> None:
+        """Let a helper draw one share after the other, until all are taken or it ends."""
+        share: Sequence[int] = ()
+        assert self._left is not None and process.stdin is not None and process.stdout is not None
+        with contextlib.suppress(IndexError, EOFError, OSError, pickle.UnpicklingError):
+            pickle.dump(request, process.stdin)
             while True:
-                number, *found = connection.recv()
-                with self._news:
-                    self._received[number] = tuple(found)
-                    self._news.notify()
-        with self._news:
-            self._at_work -= 1
-            self._news.notify()
-
-    def _wait_for(self, number: int) -> tuple[bool, Outcome]:
-        """Wait for a figure from a helper, which fails if all have ended."""
-        with self._news:
-            self._news.wait_for(lambda: number in self._received or not self._at_work)
-            return self._received.pop(number, (False, None))
+                share = self._left.popleft()
+                pickle.dump(share, process.stdin)
+                process.stdin.flush()
+                for number in share:
+                    self._drawn[number].set_result(pickle.load(process.stdout))
+        for number in share:
+            if not self._drawn[number].done():
+                self._drawn[number].set_result((False, None))
 
 
 def _attempt(draw: Callable[[str], Outcome], name: str) -> tuple[bool, Outcome]:

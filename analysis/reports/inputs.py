@@ -39,6 +39,7 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.lammps_inputs.run_state import changed_result, check_case, tables_as_run
 
 _LOG = logging.getLogger(__name__)
+_LONGEST = 60  # characters of a faulty value in a message
 
 Kind = Literal["run", "continuum", "spectra"]
 
@@ -267,7 +268,7 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Sc
         expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
         raise InputError(no_results(path, found, "neither a run nor a scan", expected))
     if SUMMARY_FILE not in found:
-        state = _record(path).get("state")
+        state = (read_json(path / RECORD_FILE) or {}).get("state")
         if state in UNFINISHED:
             raise InputError(
                 f"{path}: the run is not finished (state {state}), so there is no {SUMMARY_FILE}; "
@@ -315,19 +316,18 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
             continue  # words, such as the bounds that a zone reaches
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not number or abs(value) > sys.float_info.max:
-            found.append(f"{key}: found {_short(repr(value))}, expected a number")
+            text = repr(value)
+            text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+            found.append(f"{key}: found {text}, expected a number")
     return found
-
-
-def _short(text: str, longest: int = 60) -> str:
-    return text if len(text) <= longest else f"{text[:longest]}..."
 
 
 def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     check_case(path)
     if changed := changed_result(path):
         raise InputError(changed)
-    case, record = _case(path), _record(path)
+    case = _by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
+    record = read_json(path / RECORD_FILE) or {}
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
     return Run(
@@ -341,24 +341,15 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     )
 
 
-def _record(path: Path) -> dict[str, Any]:
-    return read_json(path / RECORD_FILE) or {}
-
-
-def _case(path: Path) -> dict[str, Any]:
-    return _by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
-
-
 def _by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
-    return dict(_flat({name: value for name, value in tables.items() if name not in ("name", "resolved")}))
-
-
-def _flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Return the values of a case by dotted key."""
+    found: dict[str, Any] = {}
     for name, value in tables.items():
-        if isinstance(value, dict):
-            yield from ((f"{name}.{key}", part) for key, part in value.items())
-        else:
-            yield name, value
+        if name not in ("name", "resolved"):
+            found |= (
+                {f"{name}.{key}": part for key, part in value.items()} if isinstance(value, dict) else {name: value}
+            )
+    return found
 
 
 def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from granwave.analysis.document.cells import named, show, tidied
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Group, Note, Report, Section, Table
+from granwave.analysis.document.cells import named, show, text_table, tidied
+from granwave.analysis.document.model import Block, Cell, Figure, Group, Note, Report, Section, Tone
+from granwave.analysis.reports.answer import answer_blocks, main_figures
+from granwave.analysis.reports.balance import SLUG as BALANCE
+from granwave.analysis.reports.balance import balance_notes, balance_section, zone_notes
+from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.reports.sections.answer import answer_blocks, main_figures
-from granwave.analysis.reports.sections.balance import SLUG as BALANCE
-from granwave.analysis.reports.sections.balance import balance_notes, balance_section
-from granwave.analysis.reports.sections.comparison import comparison_section
-from granwave.analysis.reports.sections.figures import figures_section
-from granwave.analysis.reports.sections.results import SLUG as RESULTS
-from granwave.analysis.reports.sections.results import failures_section, results_section, status_cell
-from granwave.analysis.reports.sections.setting import first_line, setting_of, symbols_note
-from granwave.analysis.reports.sections.settings import settings_blocks
-from granwave.analysis.reports.sections.studies import leads, main_picture, studies_of, studies_section, verdicts
-from granwave.analysis.reports.sections.zone import zone_notes
+from granwave.analysis.reports.results import SLUG as RESULTS
+from granwave.analysis.reports.results import failures_section, results_section, status_cell
+from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
+from granwave.analysis.reports.studies import (
+    comparison_section,
+    leads,
+    main_picture,
+    studies_of,
+    studies_section,
+    verdicts,
+)
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
@@ -91,92 +95,63 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     without = [run.label for run in results if not run.case]
     if without:
         notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))
-    notes += [_damaged(run, inputs) for run in results if run.damaged]
+    for run in (run for run in results if run.damaged):
+        text = (
+            f"The {RESULT_FILE} of {run.label} is damaged, so studies and comparisons leave it out: make it anew with"
+        )
+        notes.append(Note(f"{text} granwave analyse {inputs.path(run.directory)}", "bad"))
     if not notes and results:
         text = "Every run finished, its energy balance closed, and no contact left the range of its law."
         notes.append(Note(text, "good"))
     return notes
 
 
-def _damaged(run: Run, inputs: Inputs) -> Note:
-    text = f"The {RESULT_FILE} of {run.label} is damaged, so studies and comparisons leave it out: make it anew with"
-    return Note(f"{text} granwave analyse {inputs.path(run.directory)}", "bad")
-
-
 def _what_was_run(inputs: Inputs) -> Section:
-    columns = (
-        Column("Name", key=True),
-        Column("What"),
-        Column("Case"),
-        Column("Setting"),
-        Column("Status"),
-        Column("Directory"),
-    )
-    rows = tuple(_input_row(item, inputs) for item in inputs.items)
-    blocks: list[Block] = [Table("What this report is about", columns, rows), *settings_blocks(inputs)]
-    return Section("Settings and versions", "inputs", (*blocks, *_versions(list(inputs.results()))))
+    heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
+    table = text_table("What this report is about", heads, [_input_row(item, inputs) for item in inputs.items])
+    return Section("Settings and versions", "inputs", (table, *settings_blocks(inputs), *_versions(inputs)))
 
 
-def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[Cell, ...]:
+def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
     place = inputs.link(item.directory)
     if place.text == ".":
         place = inputs.link(item.directory, "that of this report")
-    where = Cell(place.text, place.text, link=place)
+    name, where = Cell(item.label, item.label), Cell(place.text, place.text, link=place)
     if isinstance(item, Run):
-        name = item.summary.get("name")
-        case = show(name) if name is not None else ""
-        return (
-            Cell(item.label, item.label), Cell(_kind(item)), Cell(case), Cell(setting_of(item.case)),
-            status_cell(item.status), where,
-        )  # fmt: skip
+        kind = "inferred forces" if item.is_inference else _KIND[item.kind]
+        case = show(item.summary["name"]) if item.summary.get("name") is not None else ""
+        return name, kind, case, setting_of(item.case), status_cell(item.status), where
     done, failed = sum(point.run is not None for point in item.points), item.count("failed")
-    status = f"{done} of {len(item.points)} points done"
-    complete = done == len(item.points)
-    return (
-        Cell(item.label, item.label),
-        Cell("scan"),
-        Cell(str(item.source.case_name)),
-        Cell("varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"),
-        Cell(status, done, "good" if complete else "bad" if failed else "note"),
-        where,
-    )
+    tone: Tone = "good" if done == len(item.points) else "bad" if failed else "note"
+    status = Cell(f"{done} of {len(item.points)} points done", done, tone)
+    setting = "varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"
+    return name, "scan", str(item.source.case_name), setting, status, where
 
 
-def _kind(run: Run) -> str:
-    return {"inference": "inferred forces"}.get(str(run.summary.get("kind")), _KIND[run.kind])
-
-
-def _versions(runs: Sequence[Run]) -> tuple[Block, ...]:
+def _versions(inputs: Inputs) -> list[Block]:
     """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
-    users: dict[str, dict[str, list[str]]] = {}
-    kinds: dict[str, set[str]] = {}
+    runs = list(inputs.results())
+    users: dict[str, dict[str, list[Run]]] = {}
     for run in runs:
         for name, version in run.versions.items():
-            users.setdefault(name, {}).setdefault(version, []).append(run.label)
-            kinds.setdefault(name, set()).add(run.kind)
-    common = {
-        name: version
-        for name, found in users.items()
-        for version, labels in found.items()
-        if len(labels) == sum(run.kind in kinds[name] for run in runs)
-    }
+            users.setdefault(name, {}).setdefault(version, []).append(run)
+    same, others = [], []
+    for name, found in users.items():
+        of_name = [run for alike in found.values() for run in alike]
+        kinds = {run.kind for run in of_name}
+        if len(found) == 1 and len(of_name) == sum(run.kind in kinds for run in runs):
+            same.append((name, *found))
+        else:
+            others += [(name, version, named([run.label for run in alike])) for version, alike in found.items()]
     blocks: list[Block] = []
-    if common:
-        columns = (Column("Program", key=True), Column("Version"))
-        rows = tuple((Cell(name), Cell(version)) for name, version in common.items())
+    if same:
         title = "Versions, the same in all" if len(runs) > 1 else "Versions"
-        blocks.append(Group(title, (Table(title, columns, rows, captioned=False),), folded=True))
-    others = tuple(
-        (Cell(name), Cell(version), Cell(named(labels)))
-        for name, found in users.items()
-        if name not in common
-        for version, labels in found.items()
-    )
+        table = text_table(title, ("Program", "Version"), same, captioned=False)
+        blocks.append(Group(title, (table,), folded=True))
     if others:
-        heads = (Column("Program", key=True), Column("Version"), Column("Runs"))
         blocks.append(Note("Not all runs were made with the same versions.", "note"))
-        blocks.append(Table("Versions that differ", heads, others))
+        blocks.append(text_table("Versions that differ", ("Program", "Version", "Runs"), others))
     unknown = [run.label for run in runs if not run.versions]
     if unknown:
         blocks.append(Note(f"No versions are recorded: {named(unknown)}.", "note"))
-    return tuple(blocks)
+    return blocks

@@ -113,15 +113,15 @@ def _folder(output: Path) -> Path:
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
     if suffix == ".html":
-        from granwave.analysis.reports.writers.html_page import html_page
+        from granwave.analysis.reports.writers import html_page
 
         replace_text(output, html_page(report))
     elif suffix == ".pdf":
-        from granwave.analysis.reports.writers.pdf import pdf_file
+        from granwave.analysis.reports.writers import pdf_file
 
         replace_bytes(output, pdf_file(report))
     else:
-        from granwave.analysis.reports.writers.markdown import markdown
+        from granwave.analysis.reports.writers import markdown
 
         folder = _folder(output)
         text, pictures = markdown(report, folder.name)

@@ -141,4 +141,8 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
     axes.legend(fontsize=6)
-    yield Picture("", "Force of finite elements over that of the contact law, on loading", Drawing(figure, data))
+    caption = (
+        "Force of finite elements over that of the contact law, less 1, against overlap, on loading. At zero they "
+        "agree; above it the contact is stiffer than the law, below it softer"
+    )
+    yield Picture("", caption, Drawing(figure, data))

@@ -16,7 +16,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.run.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
+from granwave.analysis.figures.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
 from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP
 from granwave.analysis.result.reader import Result
 

@@ -19,7 +19,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.run.outlines import plane_lines, tube_lines
+from granwave.analysis.figures.packing3d import plane_lines, tube_lines
 from granwave.analysis.figures.style import new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result

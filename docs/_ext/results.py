@@ -26,8 +26,7 @@ import results_table
 
 import granwave
 from granwave.analysis.reports.inputs import Inputs, read_inputs
-from granwave.analysis.reports.sections.comparison import comparison_of
-from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.reports.studies import comparison_of, studies_of
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.errors import InputError

@@ -15,8 +15,8 @@ from typing import Any
 
 from granwave.analysis.document.cells import significant, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
-from granwave.analysis.reports.sections.studies import row_tables
-from granwave.analysis.reports.writers.markdown import markdown
+from granwave.analysis.reports.studies import row_tables
+from granwave.analysis.reports.writers import markdown
 from granwave.analysis.studies.rows_file import record_of
 from granwave.analysis.studies.study import Row, Study
 from granwave.lammps_inputs.files import replace_text

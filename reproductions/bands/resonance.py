@@ -96,7 +96,10 @@ def answers(steady):
     data |= {"theory_frequency": 1 + SHIFT * size**2, "theory_amplitude": size}
     axes.set(xlabel="Frequency over that of small vibrations", ylabel="Amplitude over the static overlap")
     axes.legend()
-    caption = "Answer to a harmonic force, and the backbone of perturbation theory (dashed)"
+    caption = (
+        "Amplitude of a bead on a plane under a harmonic force: the larger, the lower the frequency of its largest "
+    )
+    caption += "value, which lies on the line of perturbation theory (dashed)"
     return gw.Picture("resonance_resonance", caption, figure, data)
 
 
@@ -110,4 +113,6 @@ def jumps(swept):
         data |= {f"force_N_{name}": x, f"amplitude_{name}": y, f"rising_{name}": one.sweep.rising.astype(int)}
     axes.set(xlabel="Amplitude of the force (N), dashed: falling", ylabel="Amplitude over the static overlap")
     axes.legend()
-    return gw.Picture("resonance_jumps", "Answer to a force that rises (solid) and falls (dashed)", figure, data)
+    caption = "Amplitude while the force rises (solid) and falls (dashed): where these differ, the bead has two steady "
+    caption += "motions, and jumps from one to the other at the ends"
+    return gw.Picture("resonance_jumps", caption, figure, data)

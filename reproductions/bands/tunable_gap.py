@@ -81,7 +81,11 @@ def pictures(runs):
             data[f"f{band + 1}_at_{a:g}_Hz"] = hertz[:, band]
     axes.set(xlabel="Phase per cell (π)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
     axes.legend()
-    yield gw.Picture("tunable_gap_bands", "The two lowest bands at three places of the walls", figure, data)
+    caption = (
+        "The two lowest bands of the row at three places of the walls: no wave passes between the two curves of a "
+    )
+    caption += "colour, and walls that approach move that gap up"
+    yield gw.Picture("tunable_gap_bands", caption, figure, data)
     figure = Figure((3.5, 2.6), layout="constrained")
     axes, places = figure.subplots(), np.linspace(-2e-5, 3e-5, 21)
     data = {"approach": places}
@@ -92,4 +96,8 @@ def pictures(runs):
         data |= {f"top_{ratio:g}_Hz": top, f"bottom_{ratio:g}_Hz": bottom}
     axes.set(xlabel="Approach of the walls (1e-5 diameters)", ylabel="Gap (kHz)", xlim=(-2, 3))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=7)
-    yield gw.Picture("tunable_gap_gaps", "The lowest gap against the place of the walls", figure, data)
+    caption = (
+        "The lowest gap (shaded) against the place of the walls, for cylinders of three lengths: 5e-5 diameters move "
+    )
+    caption += "it by as much as its own width or more; shorter cylinders have a higher one"
+    yield gw.Picture("tunable_gap_gaps", caption, figure, data)

@@ -124,9 +124,8 @@ def pictures(kinds):
     yield gw.Picture(f"composite_{light.replace('-', '_')}_length", caption, *against_length(kinds, SPEEDS[light]))
     shown = watched(kinds["elastic"])
     caption = (
-        f"{light}, {shown.n} beads: force in place and time, where slanted lines are waves, and at a contact of the "
-        "section, with the source's names (Fig. 6); energy by section (dashed: yielding; dips: at the chain's end), "
-        "and its largest density (Fig. 8)"
+        f"{light}, {shown.n} beads: force in place and time (slanted lines: waves), and at one contact, with the "
+        "source's names (Fig. 6). Below: energy by section (dashed: yielding), and its largest density (Fig. 8)"
     )
     waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
     yield gw.Picture(f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves))

@@ -104,7 +104,10 @@ def pictures(group):
     left.set(xlim=(0, 3), ylim=(0, 1.3))
     right.set(xlabel="Width (diameters)", ylabel="Depth where they part (diameters)", xlim=(0, None), ylim=(0, None))
     right.legend()
-    caption = f"Where the sides of a crystal are felt, {group.name}"
+    caption = (
+        f"{group.name}: peak speeds of crystals of several widths over those of the widest part where the signals of "
+    )
+    caption += "both sides meet (1 on the left); that depth grows with the width"
     yield gw.Picture(f"lateral_width_{group.name.lower()}", caption, figure, data)
 
 

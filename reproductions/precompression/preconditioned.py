@@ -105,7 +105,7 @@ def pictures(runs):
     figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
     caption = (
         "Dissipated share against the largest contact force of an impact, by the force that all contacts bore before "
-        "(dotted). To the left of its dotted line a curve is to be at zero: dents stay elastic up to that force"
+        "(dotted). To the left of its dotted line marks are to be at zero: dents stay elastic up to that force"
     )
     yield gw.Picture("_dissipation", caption, figure, data)
     if runs[0].case.packing.kind == "fcc":

@@ -6,7 +6,7 @@ import argparse
 import re
 
 from granwave.analysis.exports.export import FORMATS
-from granwave.analysis.films.scenes import QUANTITIES, VIEWS
+from granwave.analysis.films import QUANTITIES, VIEWS
 from granwave.workflows.cli.parser import make_parser
 
 

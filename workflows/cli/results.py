@@ -96,7 +96,7 @@ def film(options: argparse.Namespace) -> int:
     """Execute ``granwave film``."""
     from tqdm import tqdm
 
-    from granwave.analysis.films.film import size_of, write_film
+    from granwave.analysis.films import size_of, write_film
     from granwave.analysis.result.reader import Result
 
     with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:

@@ -334,8 +334,7 @@ def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> 
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.sections.comparison import comparison_of
-    from granwave.analysis.reports.sections.studies import studies_of
+    from granwave.analysis.reports.studies import comparison_of, studies_of
     from granwave.analysis.studies.rows_file import write_rows
     from granwave.analysis.studies.study import draw_studies
 

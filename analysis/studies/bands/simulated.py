@@ -201,4 +201,8 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
         axes.set(xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
         axes.set_title(run.label_of_kind)
         name = f"_transform_{number}"
-        yield Picture(name, f"Space-time transform and bands (dashed): {run.label_of_kind}", Drawing(figure, columns))
+        caption = (
+            "Space-time transform of the layers' motion, dark where a wave has that frequency and wave number, and "
+            f"computed bands (dashed), {run.label_of_kind}. Dark ridges on dashed lines confirm the bands"
+        )
+        yield Picture(name, caption, Drawing(figure, columns))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings.targets import reached_targets
+from granwave.analysis.figures.packings import reached_targets
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.studies.protection import runs as quantities
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
@@ -51,7 +51,10 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     plain = _plain(runs)
     targets = {name: (run.reached, *run.energy) for run, name in zip(plain, names(plain), strict=True)}
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
-    caption = f"Force, impulse and energy that reach the target through {through}"
+    caption = (
+        f"Force, impulse and energy that reach the target through {through}, against time. The lower the peak of the "
+        "force, the better the target is protected; the impulse is spread in time, not taken away"
+    )
     yield Picture("", caption, reached_targets(targets))
 
 

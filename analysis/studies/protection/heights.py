@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings.targets import Heights, reductions
+from granwave.analysis.figures.packings import Heights, reductions
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import power
 from granwave.analysis.studies.protection import runs as quantities
@@ -68,7 +68,10 @@ def verdict(found: AllSeries) -> Iterator[str]:
 def pictures(found: AllSeries) -> Iterator[Picture]:
     """Reduction, and what a kilogram adds, against layers."""
     labels = names([runs[-1] for runs in found])
-    caption = "Peak force without the packing over that with it, and what a kilogram adds to it, by layers"
+    caption = (
+        "Peak force without the packing over that with it, and what a kilogram adds to it, against the number of "
+        "layers. Above 1 the packing protects; where the right-hand curve is highest, its mass pays most"
+    )
     yield Picture("", caption, reductions([_heights(runs, name) for runs, name in zip(found, labels, strict=True)]))
 
 

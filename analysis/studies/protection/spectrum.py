@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from granwave.analysis.figures.packings.targets import Plates, shock_spectra
+from granwave.analysis.figures.packings import Plates, shock_spectra
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import period_of
@@ -117,7 +117,10 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
-    caption = "Largest displacement of the plate against its period, with what an oscillator does under the same force"
+    caption = (
+        "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "
+        "under the force on a plate held in place. The packing helps where full marks lie below open ones"
+    )
     yield Picture("", caption, shock_spectra(list(map(_plates, found))))
 
 

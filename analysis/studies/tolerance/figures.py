@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from granwave.analysis.figures.packings.convergence import convergence
+from granwave.analysis.figures.packings import convergence
 from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales
 from granwave.analysis.figures.series import legend_outside
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure

@@ -70,5 +70,6 @@ def pictures(found):
     axes.set(xlabel="Density of small spheres over that of beads", ylabel=r"Decay per contact $\times 10^3$")
     axes.legend()
     data = {"density_ratio": found.ratio, "decay_theory": found.theory, "decay": found.decay}
-    caption = "Decay of the wave against the density of the small spheres: resonances and valleys (thesis figure 6.7)"
+    caption = "Decay of the wave against the density of the small spheres: peaks at the resonances, hardly any between "
+    caption += "them (thesis figure 6.7)"
     yield gw.Picture("confined_resonance", caption, figure, data)

@@ -28,10 +28,10 @@ FASTEST = {0.0: 0.46, 4e-4: 0.53, 8e-4: 0.57, 12e-4: 0.60}  # gamma of the faste
 COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
-def measured(runs):
-    """Decay, 1e-3, and name by gamma and a, in rising order."""
+def select(runs):
+    """Decay, 1e-3, and name by gamma and a, in rising order; none of a scan alone, which has some of them."""
     found = {(row.gamma, row.a): (KILO * row.decay(), row.name) for row in map(FilterRow, runs)}
-    return dict(sorted(found.items()))
+    return [dict(sorted(found.items()))] if found.keys() >= {(gamma, a) for gamma in GAMMAS for a in OVER_GAMMA} else []
 
 
 def curve(decays, a):
@@ -39,8 +39,7 @@ def curve(decays, a):
     return np.array([(gamma, decay) for (gamma, at), (decay, _) in decays.items() if at == a]).T
 
 
-def rows(runs):
-    decays = measured(runs)
+def rows(decays):
     known = {(gamma, a): (decay, "a") for a, of in OVER_GAMMA.items() for gamma, decay in zip(GAMMAS, of, strict=True)}
     known |= {(gamma, a): (decay, "b") for gamma, of in OVER_A.items() for a, decay in of.items()}
     # fmt: off
@@ -61,8 +60,8 @@ def rows(runs):
     # fmt: on
 
 
-def pictures(runs):
-    decays, data = measured(runs), {}
+def pictures(decays):
+    data = {}
     figure = Figure((7, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     for a, mark in zip(OVER_GAMMA, "os^D", strict=True):

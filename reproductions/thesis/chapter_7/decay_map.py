@@ -18,14 +18,14 @@ FIT = (61, 111)  # contacts
 RATIO = 10.0  # end of the colours of Fig. 7.3
 
 
-def measured(runs):
-    """Decay, 1e-3, by a, eta and gamma, in rising order."""
+def select(runs):
+    """Decay, 1e-3, by a, eta and gamma, in rising order; none of a scan alone, whose a are all alike."""
     rows = map(FilterRow, runs)
-    return dict(sorted(((row.a, row.eta, row.gamma), KILO * row.decay(*FIT)) for row in rows))
+    found = dict(sorted(((row.a, row.eta, row.gamma), KILO * row.decay(*FIT)) for row in rows))
+    return [found] if len({a for a, _, _ in found}) > 1 else []
 
 
-def rows(runs):
-    decays = measured(runs)
+def rows(decays):
     # fmt: off
     for (a, eta, gamma), decay in decays.items():
         name = f"eta {eta:g}, gamma {gamma:g}, a = {a:g}"
@@ -38,8 +38,8 @@ def rows(runs):
     # fmt: on
 
 
-def pictures(runs):
-    decays, data = measured(runs), {}
+def pictures(decays):
+    data = {}
     figure = Figure((7, 2.8), layout="constrained")
     approaches, etas = (sorted({key[k] for key in decays}) for k in (0, 1))
     panels = figure.subplots(1, len(approaches), sharey=True)

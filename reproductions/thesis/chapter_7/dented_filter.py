@@ -91,5 +91,8 @@ def pictures(runs):
         data |= {"contact": row.contacts, f"{column(row.words)}_N": row.weak}
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = "A weak pulse along rows with cylinders, whole and after a strong pulse"
+    caption = (
+        "Peak forces of a weak pulse along rows with cylinders: in a row that yields it dies away, and passes once a "
+    )
+    caption += "strong pulse has left dents; the elastic rows show what is not the dents' doing"
     yield gw.Picture("filter_dented", caption, figure, data)

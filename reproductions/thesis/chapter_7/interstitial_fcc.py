@@ -76,5 +76,8 @@ def pictures(runs):
         left.set(xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log")
         right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond static (N)")
         figure.legend(loc="outside upper center", ncols=4, fontsize=7)
-        caption = f"Plane pulse in an fcc packing by what is in its octahedral holes, top layer at {velocity:g} m/s"
+        caption = (
+            f"Plane pulse in an fcc packing, top layer at {velocity:g} m/s, by the spheres in its octahedral holes: "
+        )
+        caption += "of aluminium and steel they hardly change it, soft ones of PTFE take from it all the way"
         yield gw.Picture(f"interstitial_fcc_{column(f'{velocity:g}')}_m_s", caption, figure, data)

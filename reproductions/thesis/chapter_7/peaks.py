@@ -29,10 +29,10 @@ DECAY = 8.0  # 1e-3 a contact: of the second solver at gamma 0.56, a = 8e-4
 PROBED, NEAR, FOOT = 121, 60, 0.01  # contact; contacts on either side for the speed; of the peak
 
 
-def measured(runs):
-    """Rows by density, gamma and a."""
+def select(runs):
+    """All rows of the figure by density, gamma and a; none of a scan alone, which has some of them."""
     found = {(row.density, row.gamma, row.a): row for row in map(FilterRow, runs)}
-    return {key: found[key] for key in PEAKS}
+    return [{key: found[key] for key in PEAKS}] if found.keys() >= PEAKS.keys() else []
 
 
 def span(row):
@@ -45,8 +45,7 @@ def span(row):
     return speed * (time[low[end]] - time[low[end - 1]])
 
 
-def rows(runs):
-    found = measured(runs)
+def rows(found):
     figure = {"where": "thesis Fig. 7.4"}
     # fmt: off
     for key, (said, *known) in PEAKS.items():
@@ -66,10 +65,10 @@ def rows(runs):
     # fmt: on
 
 
-def pictures(runs):
+def pictures(found):
     figure, contacts = Figure((3.4, 2.8), layout="constrained"), np.arange(20, 202)
     axes, data = figure.subplots(), {"contact": contacts}
-    for (density, *_), row in measured(runs).items():
+    for (density, *_), row in found.items():
         if density == DENSITY:
             axes.semilogy(contacts, row.peaks[contacts - 1], label=row.name)
             data[f"{column(row.name)}_N"] = row.peaks[contacts - 1]

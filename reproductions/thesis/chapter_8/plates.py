@@ -35,8 +35,13 @@ def difference(row):
     return ", ".join(parts)
 
 
-def rows(runs):
+def select(runs):
+    """Rows with cylinders; none of a scan alone, in which they all open the gaps or all lie loose."""
     found = [row for row in map(SwitchRow, runs) if row.n]
+    return [found] if {row.state for row in found} >= set(STATES[1:3]) else []
+
+
+def rows(found):
     opened = {round(row.height, 6): row for row in found if row.state == STATES[1]}
     loose = next(row for row in found if row.state == STATES[2])
     by_geometry, not_stated = {"where": "thesis 8.4", "verification": True}, {"where": "thesis 8"}
@@ -71,6 +76,6 @@ def rows(runs):
     # fmt: on
 
 
-def tables(runs):
+def tables(found):
     columns = zip(("where", "printed", "right, and why"), zip(*ERRATA, strict=True), strict=True)
     yield "Errata of the source, chapter 8", dict(columns)

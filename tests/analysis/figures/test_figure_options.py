@@ -9,7 +9,7 @@ from PIL import Image
 
 from granwave.analysis import analyse, draw_figures, write_result
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.figures.run import packing3d, sections
+from granwave.analysis.figures import packing3d, sections
 from granwave.analysis.figures.style import RESOLUTION, style
 from granwave.analysis.measures.geometry import own_plane
 from granwave.analysis.result.reader import Result

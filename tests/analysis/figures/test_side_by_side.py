@@ -74,7 +74,7 @@ def test_files_are_those_of_one_process(run, several, monkeypatch):
 def test_helpers_draw(run, several, monkeypatch):
     before = drawn_by_one(run, monkeypatch)
     with side_by_side.helpers(len(NAMES)) as others, style.style():
-        monkeypatch.setattr(others, "_take", lambda: None)
+        monkeypatch.setattr(others, "_take", lambda: ())
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
@@ -131,27 +131,16 @@ def test_helpers_that_die(run, several, monkeypatch, moment):
     before = drawn_by_one(run, monkeypatch)
     with side_by_side.helpers(len(NAMES)) as others:
         processes = others._processes
+        take = others._take
         assert len(processes) == 1
         if moment == "before":
             for process in processes:
                 process.kill()
                 process.wait()
         else:
-            monkeypatch.setattr(others, "_wait_for", ending(others, processes))
+            monkeypatch.setattr(others, "_take", lambda: [process.kill() for process in processes] and take())
         draw_figures(run, names=NAMES, helpers=others)
     assert files(run) == before
-
-
-def ending(others, processes):
-    """Function that kills the helpers before it waits for them."""
-    wait = others._wait_for
-
-    def killed(number):
-        for process in processes:
-            process.kill()
-        return wait(number)
-
-    return killed
 
 
 def test_no_python_for_helpers(run, several, monkeypatch):

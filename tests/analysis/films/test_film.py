@@ -15,8 +15,7 @@ from PIL import Image
 
 from granwave.analysis import analyse
 from granwave.analysis.figures.style import style
-from granwave.analysis.films.film import size_of, write_film
-from granwave.analysis.films.scenes import VIEWS, scene
+from granwave.analysis.films import VIEWS, scene, size_of, write_film
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.run.target import target
+from granwave.analysis.figures.histories import target
 from granwave.analysis.measures.driven import (
     AmplitudeSweep,
     amplitude_sweep_of,

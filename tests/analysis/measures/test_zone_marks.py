@@ -10,7 +10,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.run.zone import draw_zone_size
+from granwave.analysis.figures.dissipation import draw_zone_size
 from granwave.analysis.measures.zone_size import LABELS, Mark, bounds_in_words, mark_of, zone_warning
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult

@@ -10,11 +10,11 @@ import shutil
 import pytest
 
 from granwave.analysis.document.model import Beside, Figure, Group, Note, Report, Table
+from granwave.analysis.reports.answer import _of_runs_in_words, answer_blocks, main_figures
 from granwave.analysis.reports.inputs import Run, read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections.answer import _of_runs_in_words, answer_blocks, main_figures
-from granwave.analysis.reports.sections.results import compact_table
-from granwave.analysis.reports.sections.studies import leads, verdicts
+from granwave.analysis.reports.results import compact_table
+from granwave.analysis.reports.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import Row, Study

@@ -12,7 +12,7 @@ import pytest
 from granwave.analysis import analyse
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Report, Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import draw_studies

@@ -13,10 +13,10 @@ import pytest
 import granwave as gw
 from granwave.analysis.document.cells import BLANK
 from granwave.analysis.document.model import Note
+from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.inputs import Run, read_inputs
-from granwave.analysis.reports.sections.outcome import in_words
-from granwave.analysis.reports.sections.results import compact_table, value_rows
-from granwave.analysis.reports.sections.setting import setting_of, symbols_note
+from granwave.analysis.reports.results import compact_table, value_rows
+from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
 from tests.helpers.synthetic_report import build, write_run
@@ -111,7 +111,7 @@ def test_a_target_comes_first():
     ],
 )  # fmt: skip
 def test_a_chain_says_speed_and_decay(monkeypatch, peaks, said):
-    monkeypatch.setattr("granwave.analysis.reports.sections.outcome._peaks", lambda _: np.array(peaks))
+    monkeypatch.setattr("granwave.analysis.reports.answer._peaks", lambda _: np.array(peaks))
     run = run_with({"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0)
     assert in_words(run).startswith(f"The wave ran at 428.3 m/s. Its peak force {said} Nothing of the 2 J")
     assert labels(run)[0] == "Wave speed"

@@ -16,10 +16,9 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.document.model import Cell, Column, Gallery, Note, Report, Section, Table
+from granwave.analysis.reports import writers as pdf_writer
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.writers import pdf as pdf_writer
-from granwave.analysis.reports.writers.html_page import html_page, parts
-from granwave.analysis.reports.writers.markdown import markdown
+from granwave.analysis.reports.writers import html_page, markdown, parts
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
 

@@ -10,9 +10,9 @@ from granwave.analysis.document.cells import named, percent, show
 from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
+from granwave.analysis.reports import balance, figures
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections import balance, figures
 from granwave.workflows.run.checks import TOLERANCE
 from tests.helpers.synthetic_report import blocks, build, draw, notes, table, write_inputs, write_run
 from tests.helpers.synthetic_scan import grid, write_json, write_scan
@@ -151,7 +151,7 @@ def test_two_runs_side_by_side(runs, tmp_path):
     assert row["Difference"].value == pytest.approx(300.0)
     assert row["Difference"].text == "+300 %"
     (shown,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)][:1]
-    assert shown.figures[0].caption == "Dissipated share of the input against time"
+    assert shown.figures[0].caption.startswith("Dissipated share of the input against time. Where a curve is level")
     assert [c.heading for c in next(b for b in blocks(report, "results") if b.caption == "Runs").columns][
         1
     ] == "load.velocity"

@@ -10,11 +10,10 @@ import pytest
 from granwave.analysis.document.cells import BLANK, spread_cell, tidied_table, value_cell
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.sections.results import results_section
-from granwave.analysis.reports.sections.settings import settings_blocks
-from granwave.analysis.reports.sections.studies import studies_section
-from granwave.analysis.reports.writers.html_page import parts
-from granwave.analysis.reports.writers.template_files import text_of
+from granwave.analysis.reports.results import results_section
+from granwave.analysis.reports.setting import settings_blocks
+from granwave.analysis.reports.studies import studies_section
+from granwave.analysis.reports.writers import parts, text_of
 from granwave.analysis.studies.study import Row, Study
 from tests.helpers.synthetic_report import build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -167,6 +166,6 @@ def test_sections_have_names_of_their_own(tmp_path):
 
 def test_templates_give_a_wide_figure_the_whole_row():
     """The style of a figure alone in its gallery does not reduce the width of a wide one."""
-    css = (Path(__file__).parents[3] / "analysis/reports/writers/templates/report.css").read_text()
+    css = (Path(__file__).parents[3] / "analysis/reports/templates/report.css").read_text()
     for rule in re.findall(r"([^{}]*only-child[^{}]*)\{[^}]*max-width", css):
         assert ":not(.wide)" in rule

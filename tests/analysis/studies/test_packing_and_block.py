@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis.document.model import Note
+from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections import comparison
 from granwave.analysis.studies.packing_and_block import blocks, forces, packings, sides, zone
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select

@@ -12,7 +12,7 @@ import pytest
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.sections.studies import studies_section
+from granwave.analysis.reports.studies import studies_section
 from granwave.analysis.studies.rows_file import write_rows
 from granwave.analysis.studies.study import Row, Study
 from granwave.lammps_inputs.errors import InputError

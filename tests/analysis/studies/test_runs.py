@@ -7,7 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
-from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.studies.runs import all_but
 from granwave.workflows import load_case
 from tests.helpers.synthetic_report import write_run

@@ -9,7 +9,7 @@ import pytest
 
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.reports.studies import studies_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_scan, run_scan
 from granwave.workflows.scanning.suite import load_suite

@@ -13,7 +13,7 @@ import pytest
 
 from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.sections.studies import studies_of
+from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.statistics import estimate
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Study

@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.run.zone import draw_zone_size
+from granwave.analysis.figures.dissipation import draw_zone_size
 from granwave.analysis.figures.series import one_panel, panels
 from granwave.analysis.figures.style import (
     BLANK,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
+from collections.abc import Collection, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 
@@ -14,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Section
-from granwave.analysis.document.pictures import RESOLUTION, picture_of
+from granwave.analysis.document.model import Block, Figure, Gallery, Group, Link, Note, Section
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.figures.style import (
     BLUE,
@@ -26,6 +24,7 @@ from granwave.analysis.figures.style import (
     SKY,
     Drawing,
     FigureFolder,
+    lay_out,
     legend_above,
     new_figure,
     style,
@@ -40,6 +39,8 @@ from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
 
 SLUG = "figures"
+#: Dots per inch at which a page shows figures that take a whole row: their letters are as large as the page's.
+RESOLUTION = 150
 WIDTH, POINT_WIDTH = 900, 600  # largest width of pictures of runs and scans, and of points of scans, pixels
 WIDEST = 1200  # largest width of pictures that take a whole row, pixels
 POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
@@ -106,6 +107,7 @@ _QUANTITIES = {  # captions of figures of scans that differ from their names
     "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
+_LEVEL = "Where a curve is level, its impact is over; the higher it ends, the more is dissipated"
 _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
@@ -124,13 +126,9 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
-        labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
         left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
         left_out |= set(above) if isinstance(item, Scan) else of_other_kinds(item)
-        name, label = f"{number}-{item.label}", f"{what} {item.label}"
-        seen = partial(_seen, item)
-        parts = _pictures(item.directory, inputs, name, label, WIDTH, labels, left_out, called=_called(item), seen=seen)
-        parts = (*_pages(item.directory, inputs), *parts) if isinstance(item, Run) else parts
+        parts = _pictures(item, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, left_out)
         if parts:
             title = f"Figures of {what} {item.label}"
             folded = n_items > 2 and isinstance(item, Run)
@@ -161,7 +159,7 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
     blocks: list[Block] = []
     if curves:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
-        caption = f"Dissipated share of the input against time{more}"
+        caption = f"Dissipated share of the input against time{more}. {_LEVEL}"
         with style():
             blocks.append(Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),)))
     if missing:
@@ -172,11 +170,20 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
 def picture_in(item: Run | Scan, name: str, inputs: Inputs) -> Figure | None:
     """Return a figure of a run or scan by name; None if it is missing or damaged."""
     path = item.directory / FIGURES_DIRECTORY / f"{name}.png"
-    labels = _labels_of_keys(item) if isinstance(item, Scan) else {}
     try:
-        return _picture(path, inputs, f"answer-{item.label}", item.label, WIDTH, labels, called=_called(item))
+        return _picture(path, item, inputs, f"answer-{item.label}", item.label, WIDTH)
     except _UNREADABLE:  # or missing
         return None
+
+
+def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = None) -> Figure:
+    """A figure as a picture; its caption is its alternative text too."""
+    lay_out(drawing.figure, RESOLUTION)
+    stream = io.BytesIO()
+    drawing.figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
+    with Image.open(io.BytesIO(stream.getvalue())) as image:
+        size = image.size
+    return Figure(name, caption, caption, stream.getvalue(), size, data, drawing.figure.get_figwidth())
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
@@ -249,8 +256,7 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             left.append(inputs.link(run.directory / FIGURES_DIRECTORY, f"#{point.result.number}"))
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
-        parts = _pictures(run.directory, inputs, name, f"run {run.label}", POINT_WIDTH, {}, called=_called(run))
-        parts = (*_pages(run.directory, inputs), *parts)
+        parts = _pictures(run, inputs, name, f"run {run.label}", POINT_WIDTH)
         size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
         labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
         title = f"Point {point.result.number} of {scan.label}" + (f": {labels}" if labels else "")
@@ -260,44 +266,33 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     return blocks
 
 
-def _pages(directory: Path, inputs: Inputs) -> tuple[Note, ...]:
+def _pages(directory: Path, inputs: Inputs) -> list[Note]:
     """Return links to the page and the films of a run, as far as they have been made."""
     found = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
     found += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
-    return tuple(
-        Note(text, links=(inputs.link(directory / name, name),)) for name, text in found if (directory / name).is_file()
-    )
+    there = [(name, text) for name, text in found if (directory / name).is_file()]
+    return [Note(text, links=(inputs.link(directory / name, name),)) for name, text in there]
 
 
 def _pictures(
-    directory: Path,
-    inputs: Inputs,
-    name: str,
-    what: str,
-    width: int,
-    labels: Mapping[str, str],
-    left_out: Collection[str] = (),
-    *,
-    called: str,
-    seen: Callable[[str], str] | None = None,
+    item: Run | Scan, inputs: Inputs, name: str, what: str, width: int, left_out: Collection[str] = ()
 ) -> tuple[Gallery | Note, ...]:
-    """Return the PNG figures of a directory, in the order of the figures of a run, followed by others by name."""
+    """Return pages, films and PNG figures of a run or scan, in the order of the figures of a run, then by name."""
     order = list(_CAPTIONS)
     paths = sorted(
-        (directory / FIGURES_DIRECTORY).glob("*.png"),
+        (item.directory / FIGURES_DIRECTORY).glob("*.png"),
         key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
     )
     figures, damaged = [], []
-    for path in paths:
-        if path.stem in left_out:
-            continue
+    for path in (path for path in paths if path.stem not in left_out):
         try:
-            figures.append(_picture(path, inputs, name, what, width, labels, called=called, seen=seen))
+            figures.append(_picture(path, item, inputs, name, what, width, in_words=True))
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
-    gallery = (Gallery(tuple(figures)),) if figures else ()
-    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(directory).not_drawn().values()]
-    return (*gallery, *damaged, *failed)
+    pages = _pages(item.directory, inputs) if isinstance(item, Run) else []
+    gallery = [Gallery(tuple(figures))] if figures else []
+    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(item.directory).not_drawn().values()]
+    return (*pages, *gallery, *damaged, *failed)
 
 
 def _called(item: Run | Scan) -> str:
@@ -307,31 +302,27 @@ def _called(item: Run | Scan) -> str:
 
 
 def _picture(
-    path: Path,
-    inputs: Inputs,
-    name: str,
-    what: str,
-    width: int,
-    labels: Mapping[str, str],
-    *,
-    called: str,
-    seen: Callable[[str], str] | None = None,
+    path: Path, item: Run | Scan, inputs: Inputs, name: str, what: str, width: int, *, in_words: bool = False
 ) -> Figure:
     """Return a reduced picture, with its data; raise as `shrunk`.
 
     Parameters
     ----------
-    seen
-        Function of the name of a figure that gives what goes after its caption.
+    item
+        Run or scan that it is of; ``name`` and ``what``: its name in those of files, and in captions.
+    in_words
+        True to say after the caption what a figure of a scan shows.
     """
     png, size, inches = shrunk(path, width)
-    caption = in_grains(_caption(path.stem, labels), called)
+    called = _called(item)
+    caption = in_grains(_caption(path.stem, _labels_of_keys(item) if isinstance(item, Scan) else {}), called)
     look = in_grains(_LOOK.get(path.stem, ""), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
     alt = f"{caption}: {what}"
-    shown = (caption if alone else alt) + (f". {look}" if look else "") + (seen(path.stem) if seen else "")
+    said = _seen(item, path.stem) if in_words else ""
+    shown = (caption if alone else alt) + (f". {look}" if look else "") + said
     return Figure(_slug(f"{name}-{path.stem}"), shown, alt, png, size, link, inches)
 
 

@@ -1,4 +1,4 @@
-"""Figures of histories: energies, velocity of the struck sphere, force on the bottom, and probes."""
+"""Figures against time: energies, forces on bottom and target, timestep, probes and sensors."""
 
 from __future__ import annotations
 
@@ -21,10 +21,13 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
+from granwave.analysis.measures.bare_target import unprotected
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
+from granwave.analysis.measures.target import reached
+from granwave.analysis.result.balance import misfit, moved_mass, work_on_packing
 from granwave.analysis.result.reader import Result
 
-_MICRO = 1e6  # microseconds in a second
+_NANO, _MICRO, _MILLI = 1e9, 1e6, 1e3  # of a second, of a metre
 _MOST_POINTS = 20_000  # of a curve; the CSV file has all
 _PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
 _QUANTITIES = {
@@ -241,3 +244,79 @@ def _common_zero(first: Axes, second: Axes) -> None:
     below = max(max(-low, 0.0) / max(high, 1e-300) for low, high in limits)
     for axes, (_, high) in zip((first, second), limits, strict=True):
         axes.set_ylim(-below * high, high)
+
+
+def target(result: Result) -> Drawing | None:
+    """Draw force, impulse and work on the bottom against time, and the force without the packing.
+
+    None if the bottom does not move and there is no such force: the force on the bottom has a figure of its own.
+    """
+    found = reached(result)
+    if found is None or not np.any(found.force):
+        return None
+    time, end = found.time, float(result["energy/time"][-1])
+    without = unprotected(result.case, end)
+    moved, ground = found.displacement, found.ground_force
+    moves = moved is not None
+    if not moves and without is None:
+        return None
+    columns = {"time_s": time, "force_N": found.force, "impulse_Ns": found.impulse}
+    figure = new_figure(4.8 if moves else 3.5)
+    panels = figure.subplots(3 if moves else 2, 1, sharex=True)
+    force, impulse = panels[:2]
+    shown = thinned(found.force)
+    force.plot(time[shown] * _MICRO, found.force[shown], color=BLUE, linewidth=0.9, label="on the target")
+    if moved is not None and ground is not None:
+        columns |= {"displacement_m": moved, "ground_force_N": ground}
+        shown = thinned(ground)
+        force.plot(time[shown] * _MICRO, ground[shown], color=GREEN, linewidth=0.9, label="on the ground")
+    if without is not None and without.peak_force > 0:
+        columns |= {"without_packing_time_s": without.time, "without_packing_force_N": without.force}
+        force.plot(without.time * _MICRO, without.force, color=GREY, linestyle="--", label="target without packing")
+        force.set_yscale("log")
+        least = min(float(found.force.max()), without.peak_force)
+        force.set_ylim(1e-2 * least, 2 * max(float(found.force.max()), without.peak_force))
+    force.set_ylabel("Force (N)")
+    legend_above(force, 2)
+    impulse.plot(time * _MICRO, found.impulse * _MILLI, color=ORANGE)
+    impulse.set_ylabel("Impulse (mN s)")
+    if moves:
+        ledger, energy = result["energy/time"], result.get("energy/target")
+        if energy is None:
+            energy = np.zeros_like(ledger)
+        unit, name = energy_unit(float(np.abs(energy).max()))
+        panels[2].plot(ledger * _MICRO, energy * unit, color=BLUE)
+        panels[2].set_ylabel(f"Work on the\ntarget ({name})")
+        columns |= {"energy_time_s": ledger, "energy_J": energy}
+    time_axis(panels[-1], time)
+    return Drawing(figure, columns)
+
+
+_LEAST = 1e-3  # of the tolerance: where the axis of the error begins
+
+
+def timestep(result: Result) -> Drawing | None:
+    """Draw the timestep against time, and below it the error of the balance: measured, expected, and allowed."""
+    given = result.largest_input
+    if not given or not result.has("energy/timestep"):
+        return None
+    time, step = result["energy/time"], result["energy/timestep"]
+    error = misfit(result.ledger) / given
+    work = work_on_packing(result.ledger, moved_mass(result.assembly))
+    expected = np.abs(result["energy/expected_error"]) * work / given
+    figure = new_figure(3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.step(time * _MICRO, step * _NANO, where="pre", color=BLUE)
+    upper.set_yscale("log", base=2)
+    upper.yaxis.set_major_formatter("{x:.3g}")
+    upper.set_ylabel("Timestep (ns)")
+    for values, colour, label in ((error, GREY, "measured"), (expected, ORANGE, "expected")):
+        lower.semilogy(time * _MICRO, np.where(values > 0, values, np.nan), color=colour, linewidth=0.8, label=label)
+    tolerance = result.case.run.energy_tolerance
+    lower.set_ylim(_LEAST * tolerance, 3 * tolerance)
+    lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")
+    lower.set_ylabel("|Residual|\n/ input")
+    legend_above(lower, 3)
+    time_axis(lower, time)
+    columns = {"time_s": time, "timestep_s": step, "residual_over_input": error, "expected_over_input": expected}
+    return Drawing(figure, columns)

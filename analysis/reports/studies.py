@@ -1,4 +1,4 @@
-"""The studies that the scans of a report name: the sources beside ours, tolerances, protected targets."""
+"""Studies that the scans of a report name, and runs against each other: tables, figures, verdicts."""
 
 from __future__ import annotations
 
@@ -8,15 +8,26 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import BLANK, percent, significant, value_cell
-from granwave.analysis.document.model import Cell, Column, Figure, Gallery, Group, Note, Section, Table
-from granwave.analysis.document.pictures import picture_of
-from granwave.analysis.figures.style import NotDrawn, attempt
+from granwave.analysis.document.cells import BLANK, named, percent, significant, value_cell
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Group,
+    Note,
+    Section,
+    Table,
+)
+from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
+from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import Inputs, Run
-from granwave.analysis.studies.registry import OF_SPHERE_CONTACTS
-from granwave.analysis.studies.runs import FinishedRun, SphereContactRun, read_run
+from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
+from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.analysis.studies.study_file import is_study_file
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
@@ -225,3 +236,56 @@ def _cells(row: Row) -> tuple[Cell, ...]:
         Cell(row.where, row.where),
         Cell(row.remark, row.remark),
     )
+
+
+_COMPARISON = "comparison"
+
+
+def comparison_section(inputs: Inputs) -> Section:
+    """The section of the report; without blocks where there is nothing to compare.
+
+    Runs that are left out are named with the reason.
+    """
+    blocks: list[Block] = []
+    runs = _compared(inputs)
+    for study in _studies(runs):
+        if study.pictures or study.failed:
+            with style():
+                pictures = pictures_of(study, inputs, _COMPARISON)
+            blocks += [Note(study.text), *pictures, *study.tables]
+    if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
+        blocks.append(Note(f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"))
+    if blocks and (others := _left_out(runs)):
+        listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in others.items())
+        blocks.append(Note(f"Left out here: {listed}.", "note"))
+    return Section("Comparison", _COMPARISON, tuple(blocks))
+
+
+def comparison_of(inputs: Inputs) -> list[Study]:
+    """Comparison of a report's runs; empty if none can be compared."""
+    return _studies(_compared(inputs))
+
+
+def _studies(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Study]:
+    impacts = collect(runs)
+    if len(impacts.granular) + len(impacts.continuum) < 2:
+        return []
+    return make_studies(dict.fromkeys(COMPARISON, runs))
+
+
+def _compared(inputs: Inputs) -> list[FinishedRun | ContinuumRun]:
+    """Return the runs of grains and of blocks with a closed balance."""
+    whole = [run for run in inputs.whole() if run.has_balance and run.status != "refused"]
+    found = [read_run(run.label, run.directory, run.summary) for run in whole]
+    return [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
+
+
+def _left_out(runs: Sequence[FinishedRun | ContinuumRun]) -> dict[str, list[str]]:
+    """Return the labels of the runs that the comparison does not show, by the reason."""
+    found: dict[str, list[str]] = {}
+    for run in runs:
+        if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
+            found.setdefault(reason, []).append(run.label)
+    for other in collect(runs).other_packings:
+        found.setdefault("another packing than the reference's", []).append(other.label)
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -10,9 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.run.outlines import plane_lines, tube_lines
-from granwave.analysis.figures.run.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
-from granwave.analysis.figures.run.sphere_renderer import Camera, Picture, Surface, lit_surface, painted
+from granwave.analysis.figures.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
+from granwave.analysis.figures.sphere_renderer import Camera, Picture, Surface, lit_surface, painted
 from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.walls import walls
@@ -188,3 +188,39 @@ def _visible(result: Result, kept: NDArray, picture: Picture, colouring: Colouri
     place = result["spheres/position"][rows]
     columns = {"id": result["spheres/id"][rows], "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2]}
     return columns | {colouring.column: colouring.values[rows]}
+
+
+_CORNERS = 64  # of the rim of a tube; a multiple of 4
+
+
+def tube_lines(radius: float, top: float, bottom: float) -> Iterator[NDArray[np.float64]]:
+    """Yield the rims of a tube around the axis x = y = 0, and four lines along it.
+
+    Parameters
+    ----------
+    radius, top, bottom
+        Radius, and z of the rims, m.
+
+    Yields
+    ------
+    ndarray
+        Points of a line: (n_points, 3), m.
+    """
+    angle = 2 * np.pi * np.arange(_CORNERS + 1) / _CORNERS
+    circle = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    for level in (top, bottom):
+        yield np.column_stack([circle, np.full(len(circle), level)])
+    for place in circle[: -1 : _CORNERS // 4]:
+        yield np.array([[*place, top], [*place, bottom]])
+
+
+def plane_lines(
+    axis: int, coordinate: float, low: NDArray[np.float64], high: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the edges of a plane across an axis (0, 1, 2) between the bounds of a packing: (5, 3), m."""
+    first, second = (other for other in range(3) if other != axis)
+    corners = np.empty((4, 3))
+    corners[:, axis] = coordinate
+    corners[:, first] = [low[first], high[first], high[first], low[first]]
+    corners[:, second] = [low[second], low[second], high[second], high[second]]
+    return np.concatenate([corners, corners[:1]])

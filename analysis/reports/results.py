@@ -25,9 +25,9 @@ from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
+from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
-from granwave.analysis.reports.sections import other_kinds
-from granwave.analysis.reports.sections.setting import target_of
+from granwave.analysis.reports.setting import differing, target_of
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
@@ -62,7 +62,6 @@ _OF_STRUCK = ("impactor_velocity_m_s",)
 _OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "kind", "versions")
-_REMARKS = ("material.source",)  # keys of the case that change nothing
 _OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are marked where the zone reaches a bound
 
 
@@ -152,43 +151,21 @@ def status_cell(status: str) -> Cell:
     return Cell(status, status, _TONES.get(status, ""))
 
 
-def differing(runs: Sequence[Run]) -> list[str]:
-    """Return the keys of the case that differ between runs, in the order of the cases."""
-    keys = list(dict.fromkeys(key for run in runs for key in run.case))
-    keys = [key for key in keys if key not in _REMARKS]
-    return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
-
-
 def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False) -> Table:
-    values = [[run.case.get(key) for key in keys] for run in runs]
-    return _table(
-        "Runs",
-        [Column("Run", key=True)],
-        [[Cell(run.label, run.label)] for run in runs],
-        keys,
-        values,
-        [run.status for run in runs],
-        [run.summary for run in runs],
-        [run.case for run in runs],
-        shown,
-        readable=readable,
-    )
+    heads = [Cell(run.label, run.label) for run in runs]
+    settings = _settings(keys, [[run.case.get(key) for key in keys] for run in runs], [run.case for run in runs])
+    results = [(run.status, run.summary) for run in runs]
+    return _table("Runs", Column("Run", key=True), heads, settings, results, shown, readable=readable)
 
 
 def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
-    points = scan.points
-    keys = list(scan.source.varied)
-    table = _table(
-        f"Scan {scan.label}",
-        [Column("#", numeric=True, key=True)],
-        [[_number_cell(point, inputs)] for point in points],
-        keys,
-        [[_label(point, key) for key in keys] for point in points],
-        [_status(point) for point in points],
-        [point.run.summary if point.run else {} for point in points],
-        _cases(scan),
-        _worth_showing([point.run.summary if point.run else {} for point in points]),
-    )
+    points, keys = scan.points, list(scan.source.varied)
+    results = [(point.run.status, point.run.summary) if point.run else (point.result.status, {}) for point in points]
+    head = Column("#", numeric=True, key=True)
+    heads = [_number_cell(point, inputs) for point in points]
+    settings = _settings(keys, [[_label(point, key) for key in keys] for point in points], _cases(scan))
+    shown = _worth_showing([summary for _, summary in results])
+    table = _table(f"Scan {scan.label}", head, heads, settings, results, shown)
     blocks: list[Part] = [table]
     if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
         blocks += _replicates(scan)
@@ -210,22 +187,25 @@ def _label(point: Point, key: str) -> Any:
     return None if value == "" else value
 
 
-def _by_row(settings: Sequence[Sequence[Any]], n_rows: int) -> list[tuple[Cell, ...]]:
-    """Return rows of cells from the values of keys, a list for each key; tables are given by their labels."""
-    columns = []
-    for values in settings:
-        labels = unique_labels(values)
-        plain = [is_number(value) or value is None or value == text for value, text in zip(values, labels, strict=True)]
-        cells = [
-            value_cell(value) if flag else Cell(text, text)
-            for value, text, flag in zip(values, labels, plain, strict=True)
-        ]
-        columns.append(cells)
-    return list(zip(*columns, strict=True)) if columns else [()] * n_rows
+def _settings(
+    keys: Sequence[str], values: Sequence[Sequence[Any]], cases: Sequence[Mapping[str, Any]]
+) -> tuple[list[Column], list[tuple[Cell, ...]]]:
+    """Return columns of keys of the case, and their cells by row; tables are given by their labels.
 
-
-def _status(point: Point) -> str:
-    return point.run.status if point.run else point.result.status
+    Parameters
+    ----------
+    values
+        By row and key.
+    cases
+        Cases by dotted key, from which units follow.
+    """
+    columns, cells = [], []
+    for key, column in zip(keys, zip(*values, strict=True), strict=True):
+        numbers = [is_number(value) or value is None for value in column]
+        columns.append(case_column(key, unit_in_cases(key, cases), numeric=all(numbers)))
+        shown = zip(column, unique_labels(column), numbers, strict=True)
+        cells.append([value_cell(one) if number or one == text else Cell(text, text) for one, text, number in shown])
+    return columns, list(zip(*cells, strict=True)) if cells else [()] * len(values)
 
 
 def _number_cell(point: Point, inputs: Inputs) -> Cell:
@@ -235,44 +215,33 @@ def _number_cell(point: Point, inputs: Inputs) -> Cell:
 
 def _table(
     caption: str,
-    first: Sequence[Column],
-    heads: Sequence[Sequence[Cell]],
-    keys: Sequence[str],
-    values: Sequence[Sequence[Any]],
-    statuses: Sequence[str],
-    summaries: Sequence[Mapping[str, Any]],
-    cases: Sequence[Mapping[str, Any]],
+    head: Column,
+    heads: Sequence[Cell],
+    settings: tuple[list[Column], list[tuple[Cell, ...]]],
+    results: Sequence[tuple[str, Mapping[str, Any]]],
     shown: Sequence[str],
     *,
     readable: bool = False,
 ) -> Table:
-    """Make a table with the columns ``first``, varied keys, status, and the values ``shown``.
+    """Make a table with the column ``head``, keys of the case, status, and the values ``shown``.
 
     Parameters
     ----------
+    settings
+        As of `_settings`.
+    results
+        Status and summary of each row.
     readable
         Lengths and times are in the units of sentences and figures, else in those of summary.json.
     """
     units = {key: _readable(key) if readable else (unit_of_value(key), 1.0) for key in shown}
-    settings = [[row[n] for row in values] for n in range(len(keys))]
-    numeric = [all(is_number(value) or value is None for value in column) for column in settings]
-    called = grains_called_in(summaries)
-    columns = (
-        *first,
-        *(case_column(key, unit_in_cases(key, cases), numeric=flag) for key, flag in zip(keys, numeric, strict=True)),
-        Column(_STATUS),
-        *(dataclasses.replace(value_column(key, called), unit=units[key][0]) for key in shown),
-    )
-    rows = tuple(
-        (
-            *head,
-            *row,
-            status_cell(status),
-            *(_result_cell(key, summary, units[key][1]) for key in shown),
-        )
-        for head, row, status, summary in zip(heads, _by_row(settings, len(values)), statuses, summaries, strict=True)
-    )
-    return Table(caption, columns, rows, sortable=True)
+    called = grains_called_in(summary for _, summary in results)
+    values = [dataclasses.replace(value_column(key, called), unit=units[key][0]) for key in shown]
+    rows = [
+        (cell, *setting, status_cell(status), *(_result_cell(key, summary, units[key][1]) for key in shown))
+        for cell, setting, (status, summary) in zip(heads, settings[1], results, strict=True)
+    ]
+    return Table(caption, (head, *settings[0], Column(_STATUS), *values), tuple(rows), sortable=True)
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -303,10 +272,8 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     """Make a table of all values of the summaries, with a column for each run, and the difference of two runs."""
     keys = list(dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED))
     pair = len(runs) == 2
-    columns = [Column("Quantity", key=True), Column("Unit", key=True)]
-    columns += [Column(run.label, numeric=True) for run in runs]
-    if pair:
-        columns.append(Column("Difference", numeric=True))
+    numbers = [*(run.label for run in runs), *["Difference"] * pair]
+    columns = [Column("Quantity", key=True), Column("Unit", key=True), *(Column(one, numeric=True) for one in numbers)]
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
@@ -329,35 +296,19 @@ def _difference(first: Any, second: Any) -> Cell:
 def _replicates(scan: Scan) -> list[Table]:
     """Make a table of means over the seeds with confidence intervals, for points that are otherwise equal."""
     found = scan_statistics(scan.source)
-    counts = found.get(COUNT, [])
-    if not any(count > 1 for count in counts):
+    rows = [dict(zip(found, values, strict=True)) for values in zip(*found.values(), strict=True)]
+    if not any(row[COUNT] > 1 for row in rows):
         return []
     keys = [key for key in scan.source.varied if key != SEED]
-    means = [
-        {key: found[key + MEAN][row] for key in REPORT_COLUMNS if key + MEAN in found} for row in range(len(counts))
-    ]
-    shown, cases = _worth_showing(means), _cases(scan)
-    settings = [[None if value == "" else value for value in found[key]] for key in keys]
-    columns = (
-        *(
-            case_column(
-                key, unit_in_cases(key, cases), numeric=all(is_number(value) or value is None for value in column)
-            )
-            for key, column in zip(keys, settings, strict=True)
-        ),
-        Column("Replicates", numeric=True),
-        *(value_column(key) for key in shown),
+    shown = _worth_showing([{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows])
+    values = [[None if row[key] == "" else row[key] for key in keys] for row in rows]
+    settings, heads = _settings(keys, values, _cases(scan))
+    columns = (*settings, Column("Replicates", numeric=True), *map(value_column, shown))
+    cells = tuple(
+        (*head, value_cell(row[COUNT]), *(spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for key in shown))
+        for head, row in zip(heads, rows, strict=True)
     )
-    cells = _by_row(settings, len(counts))
-    rows = tuple(
-        (
-            *cells[row],
-            value_cell(count),
-            *(spread_cell(found[key + MEAN][row], found[key + CONFIDENCE][row]) for key in shown),
-        )
-        for row, count in enumerate(counts)
-    )
-    return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, rows, sortable=True)]
+    return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, cells, sortable=True)]
 
 
 def failures_section(inputs: Inputs) -> Section:
@@ -368,25 +319,13 @@ def failures_section(inputs: Inputs) -> Section:
         if not points:
             continue
         keys = list(scan.source.varied)
-        columns = (
-            Column("#", numeric=True, key=True),
-            *(Column(key, key=True) for key in keys),
-            Column("Status"),
-            Column("Attempts", numeric=True),
-            Column("Why"),
-            Column("Directory"),
-        )
-        settings = _by_row([[_label(point, key) for point in points] for key in keys], len(points))
+        after = (Column("Status"), Column("Attempts", numeric=True), Column("Why"), Column("Directory"))
+        columns = (Column("#", numeric=True, key=True), *(Column(key, key=True) for key in keys), *after)
+        settings = _settings(keys, [[_label(point, key) for key in keys] for point in points], ())[1]
+        results = [point.result for point in points]
         rows = tuple(
-            (
-                value_cell(point.result.number),
-                *cells,
-                status_cell(point.result.status),
-                value_cell(point.result.attempts),
-                Cell(_short(point.reason)),
-                _place(point, inputs),
-            )
-            for point, cells in zip(points, settings, strict=True)
+            (value_cell(one.number), *cells, status_cell(one.status), value_cell(one.attempts), *_why(point, inputs))
+            for one, cells, point in zip(results, settings, points, strict=True)
         )
         blocks.append(Table(f"Scan {scan.label}: points that are not done", columns, rows))
     for run in inputs.runs:
@@ -396,13 +335,14 @@ def failures_section(inputs: Inputs) -> Section:
     return Section("Failed and missing", "failures", tuple(blocks))
 
 
-def _place(point: Point, inputs: Inputs) -> Cell:
-    directory = point.result.directory
+def _why(point: Point, inputs: Inputs) -> tuple[Cell, Cell]:
+    """Return the reason why a point is not done, and where to read on."""
+    reason, directory = Cell(_short(point.reason)), point.result.directory
     if directory is None:
-        return Cell(BLANK)
+        return reason, Cell(BLANK)
     log = directory / "point.log"
     target = log if log.is_file() else directory
-    return Cell(inputs.path(target), link=inputs.link(target))
+    return reason, Cell(inputs.path(target), link=inputs.link(target))
 
 
 def _short(text: str, longest: int = 600) -> str:

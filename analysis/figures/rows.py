@@ -1,17 +1,30 @@
-"""Figures of a chain: maps of forces in space and time, histories of contacts, peak forces, bars and sensors."""
+"""Figures of chains, rows and lines of grains: forces and velocities in place and time, peaks, transmission."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import energy_unit, label, panels, velocity_unit
-from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, Drawing, legend_above
-from granwave.analysis.measures.lines import sensor_forces
+from granwave.analysis.figures.style import (
+    BLUE,
+    BOTH_SIDES_MAP,
+    FORCE_MAP,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    Drawing,
+    legend_above,
+)
+from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
+from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.chain import along
 from granwave.analysis.result.reader import Result
 
@@ -182,3 +195,127 @@ def _unit(force: NDArray[np.float64]) -> tuple[float, str]:
 def _extent(time: NDArray[np.float64]) -> tuple[float, float]:
     """Limits of an axis of time, µs."""
     return 0, float(time[-1]) * _MICRO or 1.0
+
+
+_MOST_OF_A_LINE = 12  # curves
+_MAP = "viridis"
+
+
+def line_speeds(result: Result) -> Drawing | None:
+    """Draw the speeds of the grains of each line against time, from first (dark) to last (light)."""
+    lines = [line for line in lines_of(result) if line.straight]
+    if not lines:
+        return None
+    figure, *stack = panels(0.7 + 1.9 * len(lines), rows=len(lines), sharex=True)
+    columns = {"time_s": result[f"lines/{lines[0].name}/time"]}
+    for axes, line in zip(stack, lines, strict=True):
+        group = f"lines/{line.name}"
+        time, speed = result[f"{group}/time"], np.linalg.norm(result[f"{group}/velocity"], axis=2)
+        n = speed.shape[1]
+        chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
+        for one in chosen:
+            axes.plot(time * _MICRO, speed[:, one], color=colormaps[_MAP](0.9 * one / max(n - 1, 1)), linewidth=0.8)
+            columns[f"{line.name}_{result[f'{group}/id'][one]}_m_s"] = speed[:, one]
+        title = line.name if len(lines) > 1 else ""
+        label(axes, y="Speed (m/s)", title=title, ylim=(0, None), xlim=(0, time[-1] * _MICRO))
+    label(stack[-1], "Time (µs)")
+    return Drawing(figure, columns)
+
+
+def line_decay(result: Result) -> Drawing | None:
+    """Draw the peak speeds along each line against distance, with the broken line that is fitted to them."""
+    lines = [line for line in lines_of(result) if line.straight and np.isfinite(line.peak_speed).sum() > 1]
+    if not lines:
+        return None
+    figure, *stack = panels(0.7 + 1.9 * len(lines), rows=len(lines))
+    columns: dict[str, NDArray] = {}
+    for axes, line in zip(stack, lines, strict=True):
+        _draw_decay(axes, line)
+        label(axes, y="Peak speed (m/s)", title=line.name if len(lines) > 1 else "", yscale="log")
+        axes.yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
+        columns |= {
+            f"{line.name}_distance_m": line.distance,
+            f"{line.name}_peak_m_s": line.peak_speed,
+            f"{line.name}_arrival_s": line.arrival,
+            f"{line.name}_width_s": line.width,
+            f"{line.name}_lateral_force_N": line.lateral_force,
+        }
+    label(stack[-1], "Distance along the line (mm)")
+    return Drawing(figure, columns)
+
+
+def _draw_decay(axes: Axes, line: LineRecord) -> None:
+    kept = np.arange(len(line.distance)) < line.fitted.stop
+    axes.plot(line.distance[kept] * _MILLI, line.peak_speed[kept], "o", color=BLUE, markersize=3)
+    axes.plot(
+        line.distance[~kept] * _MILLI, line.peak_speed[~kept], "o", color=GREY, markersize=3, markerfacecolor="white"
+    )
+    decay = line.decay
+    if decay is None:
+        return
+    known = kept & np.isfinite(line.peak_speed) & (line.peak_speed > 0)
+    x = np.sort(np.append(line.distance[known], decay.border))
+    shape = -decay.first * x - (decay.second - decay.first) * np.maximum(x - decay.border, 0)
+    at = -decay.first * line.distance[known] - (decay.second - decay.first) * np.maximum(
+        line.distance[known] - decay.border, 0
+    )
+    height = np.mean(np.log(line.peak_speed[known]) - at)
+    axes.plot(x * _MILLI, np.exp(shape + height), color=ORANGE, linewidth=0.9)
+    axes.axvline(decay.border * _MILLI, color=GREY, linestyle=":", linewidth=0.8)
+
+
+_WIDE = 0.05  # smallest over largest ratio below which the axis is logarithmic
+
+
+def transmission(result: Result) -> Drawing | None:
+    """Draw the amplitudes along a chain under a harmonic load, or the transmission of a burst, a sweep or noise."""
+    found = transmission_of(result)
+    if found is None:
+        return None
+    figure, axes = panels(2.6)
+    if isinstance(found, SteadyMotion):
+        bead = np.arange(1, len(found.velocity) + 1)
+        size = np.abs(found.velocity)
+        axes.semilogy(bead, np.where(size > 0, size, np.nan), ".-", color=BLUE, markersize=3, linewidth=0.8)
+        if found.last < len(size):
+            axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
+            place = (found.last + 0.5 + (len(size) - found.last) / 2, 0.04)
+            axes.text(*place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY)
+        label(axes, "Bead, from the loaded end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
+        axes.set_xlim(0.5, len(size) + 0.5)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        columns = {"bead": bead, "velocity_amplitude_m_s": size, "phase_rad": np.angle(found.velocity)}
+        return Drawing(figure, columns | {"left_by_fit": found.left})
+    ratio = np.abs(found.ratio)
+    axes.plot(found.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
+    label(axes, "Frequency (kHz)", f"Velocity of bead {found.last} over that of {found.first}")
+    axes.axhline(1.0, color=GREY, linewidth=0.6)
+    if ratio.min() < _WIDE * ratio.max():
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, None)
+    columns = {"frequency_Hz": found.frequency, "ratio": np.abs(found.ratio), "phase_rad": np.angle(found.ratio)}
+    return Drawing(figure, columns)
+
+
+def amplitude_sweep(result: Result) -> Drawing | None:
+    """Draw the velocity of the last bead against the amplitude of the load, rising and falling."""
+    found = amplitude_sweep_of(result)
+    if found is None:
+        return None
+    scale, unit = (1.0, "N") if result.case.load.kind == "force" else (1e6, "µm")
+    names = ("load's frequency", "twice", "three times", "half of it")
+    figure, axes = panels(2.9)
+    columns = {"load": found.load, "rising": found.rising.astype(int)}
+    for number, (name, colour) in enumerate(zip(names, (BLUE, ORANGE, GREEN, PURPLE), strict=True)):
+        for chosen, line in ((found.rising, "-"), (~found.rising, "--")):
+            size = found.last[number][chosen]
+            label_of = name if line == "-" else None
+            axes.plot(found.load[chosen] * scale, size, line, color=colour, linewidth=0.9, label=label_of)
+        columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = found.last[number]
+        columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = found.first[number]
+    label(axes, f"Amplitude of the load ({unit}), dashed: falling", "Velocity of the last bead (m/s)")
+    axes.set_xlim(0, None)
+    axes.set_yscale("log")
+    legend_above(axes, 2)
+    return Drawing(figure, columns)

@@ -1,4 +1,4 @@
-"""Section on the energy balance of all runs, with contacts beyond the range of the contact law."""
+"""Section on the energy balance of all runs, contacts beyond the range of the law, and zones that a boundary cuts."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from granwave.analysis.document.cells import named, value_cell, value_column
 from granwave.analysis.document.model import Cell, Column, Group, Note, Section, Table, Tone
 from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
@@ -133,3 +134,35 @@ def _table(runs: Sequence[Run]) -> Table:
             row.append(value_cell(count, tone="note" if (run.number("contacts_beyond_law") or 0) > 0 else ""))
         rows.append(tuple(row))
     return Table("Energies at the end, and the error of the balance", tuple(columns), tuple(rows), sortable=True)
+
+
+def zone_notes(runs: Sequence[Run], section: str = "") -> list[Note]:
+    """Return notes on runs whose zone reaches a boundary, and on runs in which a wave returned from one.
+
+    Parameters
+    ----------
+    section
+        Name of the section with details.
+    """
+    notes = []
+    cut = _with_bounds(_marked(runs, Mark.CUT))
+    if cut:
+        text = "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds "
+        notes.append(Note(f"{text}99 % of its energy: {cut}.", "note", section))
+    waves = [f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)" for run in _marked(runs, Mark.WAVE)]
+    if waves:
+        text = f"More than {100 * NOTED_SHARE:g} % of the energy of yielding was dissipated after a wave could be back "
+        notes.append(Note(f"{text}from a bound: {named(waves)}.", "note", section))
+    return notes
+
+
+def _with_bounds(runs: Sequence[Run]) -> str:
+    """Name runs with the bounds that their zones reach; those that all reach only once."""
+    labels, bounds = [run.label for run in runs], [bounds_in_words(run.summary["zone_cut"]) for run in runs]
+    if len(runs) > 1 and len(set(bounds)) == 1:
+        return f"{named(labels)} (all: {bounds[0]})"
+    return named([f"{label} ({one})" for label, one in zip(labels, bounds, strict=True)])
+
+
+def _marked(runs: Sequence[Run], mark: Mark) -> list[Run]:
+    return [run for run in runs if mark_of(run.summary) is mark]

@@ -1,4 +1,4 @@
-"""First line of a report: what was run, ``fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal``; symbols of its figures."""
+"""Setting of the runs of a report: its first line, symbols of its figures, tables of shared settings, versions."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.cells import show
-from granwave.analysis.document.model import Note
+from granwave.analysis.document.cells import show, text_table
+from granwave.analysis.document.model import Block, Group, Note
 from granwave.analysis.formatting.grains import grains_called_in
 from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.units import unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -30,6 +31,7 @@ _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text an
     "contact.initial_overlap": ("initial dents", ""),
     "replace": ("some spheres replaced", ""),
 }
+_REMARKS = ("material.source",)  # keys of the case that change nothing
 
 
 def first_line(inputs: Inputs) -> str:
@@ -236,3 +238,44 @@ def _unit_of_block(run: Run) -> float:
 def _range(values: Sequence[float], unit: str) -> str:
     texts = [f"{plain(f'{value:.4g}')}" for value in (min(values), max(values))]
     return f"{' to '.join(dict.fromkeys(texts))} {unit}".rstrip()
+
+
+def settings_blocks(inputs: Inputs) -> list[Block]:
+    """Make tables of the settings that runs share, for each scan and for the runs given directly."""
+    groups: list[tuple[str, list[Run], list[str]]] = []
+    if inputs.runs:
+        groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))
+    groups += [
+        (f"scan {scan.label}", [point.run for point in scan.points if point.run], list(scan.source.varied))
+        for scan in inputs.scans
+    ]
+    blocks: list[Block] = []
+    for title, runs, varied in groups:
+        known = [run for run in runs if run.case]
+        if not known:
+            continue
+        different = {*differing(known), *varied}
+        shared = {key: value for key, value in known[0].case.items() if key not in different}
+        cases = [run.case for run in known]
+        rows = [(key, show(one), unit_in_cases(key, cases)) for key, one in _spelt_out(shared)]
+        who = f"all points of {title}" if varied else f"all {title}"
+        name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
+        table = text_table(name, ("Key", "Value", "Unit"), rows, captioned=False)
+        blocks.append(Group(name, (table,), folded=True))
+    return blocks
+
+
+def differing(runs: Sequence[Run]) -> list[str]:
+    """Return the keys of the case that differ between runs, in the order of the cases."""
+    keys = list(dict.fromkeys(key for run in runs for key in run.case))
+    keys = [key for key in keys if key not in _REMARKS]
+    return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
+
+
+def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Iterate over values by full dotted key, including those of nested tables."""
+    for name, value in tables.items():
+        if isinstance(value, dict) and value:
+            yield from _spelt_out(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", value

@@ -1,4 +1,4 @@
-"""Band diagrams, attenuation, slowness and equal-frequency curves, mode shapes."""
+"""Figures of small waves: bands, attenuation, curves over a plane, modes, transmission."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from granwave.analysis.figures.series import COLOURS, one_panel
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, WIDTH, Drawing, legend_above, new_figure
 from granwave.analysis.spectra.band_structure import BandStructure
+from granwave.analysis.spectra.bands import Gap, Modes
 from granwave.analysis.spectra.network import FREEDOMS
+from granwave.analysis.spectra.transmission import Transmission
 
 _KILO = 1e-3
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676")
 _LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
 
 
@@ -87,7 +89,7 @@ def group_velocities(found: BandStructure) -> Drawing:
     along = step / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)
     velocity = np.einsum("kna,ka->kn", bands.velocity, along)
     for n, one in enumerate(velocity.T):
-        axes.plot(_KILO * bands.frequency[:, n], np.abs(one), ".", ms=2, color=_COLOURS[n % len(_COLOURS)])
+        axes.plot(_KILO * bands.frequency[:, n], np.abs(one), ".", ms=2, color=COLOURS[n % len(COLOURS)])
     axes.set(xlabel="Frequency (kHz)", ylabel="Group velocity along the path (m/s)", ylim=(0, None), xlim=(0, None))
     columns: dict[str, Any] = {"distance_rad_per_m": bands.path.distance}
     for n in range(bands.frequency.shape[1]):
@@ -106,7 +108,7 @@ def slowness_curves(found: BandStructure) -> Drawing | None:
     columns: dict[str, Any] = {"angle_rad": curves.angle}
     for n, one in enumerate(curves.slowness.T):
         closed = 1e3 * np.append(one, one[0])
-        axes.plot(closed * np.cos(angle), closed * np.sin(angle), color=_COLOURS[n], label=f"wave {n + 1}")
+        axes.plot(closed * np.cos(angle), closed * np.sin(angle), color=COLOURS[n], label=f"wave {n + 1}")
         columns[f"slowness{n + 1}_s_per_m"] = one
     first, second = (f"Slowness along {axis} (ms/m)" for axis in list(curves.plane))
     axes.set(xlabel=first, ylabel=second, aspect="equal")
@@ -165,4 +167,41 @@ def mode_shapes(found: BandStructure) -> Drawing | None:
     columns: dict[str, Any] = {"grain": network.ids[grain], "freedom": [FREEDOMS[one] for one in direction]}
     for number in range(bands.frequency.shape[1]):
         columns |= {f"real{number + 1}": shape[:, number].real, f"imaginary{number + 1}": shape[:, number].imag}
+    return Drawing(figure, columns)
+
+
+def density_of_states(modes: Modes) -> Drawing:
+    """Draw the density of states."""
+    figure, axes = one_panel(2.2, "Frequency (kHz)", "Density of states (1/kHz)", xlim=(0, None))
+    axes.fill_between(_KILO * modes.density_frequency, modes.density / _KILO, color=BLUE, alpha=0.3, lw=0)
+    axes.plot(_KILO * modes.density_frequency, modes.density / _KILO, color=BLUE)
+    axes.set_xlim(0, _KILO * float(modes.density_frequency[-1]))
+    axes.set_ylim(0, None)
+    return Drawing(figure, {"frequency_Hz": modes.density_frequency, "density_per_Hz": modes.density})
+
+
+def participation(modes: Modes) -> Drawing:
+    """Draw the participation ratios of the modes."""
+    figure, axes = one_panel(2.2, "Frequency (kHz)", "Participation ratio", ylim=(0, 1.05))
+    axes.plot(_KILO * modes.frequency, modes.participation, "o", ms=2, color=BLUE)
+    axes.set_xlim(0, None)
+    return Drawing(figure, {"frequency_Hz": modes.frequency, "participation_ratio": modes.participation})
+
+
+def transmission_curve(found: Transmission, gaps: tuple[Gap, ...] = ()) -> Drawing:
+    """Draw the ratios of amplitudes against frequency, with gaps of the bands shaded where they are known."""
+    figure, axes = one_panel(2.4, "Frequency (kHz)", "Amplitude over that of the drive", yscale="log")
+    for gap in gaps:
+        high = min(gap.high, float(found.frequency[-1]))
+        if high > gap.low:
+            axes.axvspan(_KILO * gap.low, _KILO * high, color="0.9", lw=0, zorder=0)
+    for sensor, one, colour in zip(found.sensors, found.amplitude.T, COLOURS * len(found.sensors), strict=False):
+        axes.plot(_KILO * found.frequency, np.maximum(one, 1e-300), color=colour, label=f"grain {sensor}")
+    axes.set_xlim(_KILO * float(found.frequency[0]), max(_KILO * float(found.frequency[-1]), 1e-9))
+    largest = float(found.amplitude.max())
+    axes.set_ylim(max(float(found.amplitude.min()) / 2, 1e-12 * largest), 2 * largest)
+    legend_above(axes, min(len(found.sensors), 4))
+    columns: dict[str, Any] = {"frequency_Hz": found.frequency}
+    for n, sensor in enumerate(found.sensors):
+        columns |= {f"amplitude_{sensor}": found.amplitude[:, n], f"phase_{sensor}_rad": found.phase[:, n]}
     return Drawing(figure, columns)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -139,11 +140,8 @@ def dents_section(result: Result, name: str) -> Drawing | None:
         return None
     unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
     if result.has_yield_force:
-        unit, label, column = (
-            result.law.yield_overlap,
-            r"Dent before the run $\alpha/\alpha_\mathrm{y}$",
-            "initial_over_alpha_y",
-        )
+        unit, column = result.law.yield_overlap, "initial_over_alpha_y"
+        label = r"Dent before the run $\alpha/\alpha_\mathrm{y}$"
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
     low, high = decades_up_to(float(values.max()), 1.0 if result.has_yield_force else None)
@@ -307,18 +305,9 @@ def draw_discs(
             )
         )
         size = np.where(long, 0.0, size)
-    discs = EllipseCollection(
-        size,
-        size,
-        np.zeros(len(size)),
-        units="xy",
-        offsets=np.stack([cut.across, cut.down], axis=1) * _MILLI,
-        offset_transform=axes.transData,
-        facecolors=faces,
-        edgecolors=edges,
-        linewidths=widths,
-    )
-    axes.add_collection(discs)
+    places = {"offsets": np.stack([cut.across, cut.down], axis=1) * _MILLI, "offset_transform": axes.transData}
+    look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
+    axes.add_collection(EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look))
 
 
 def _corners(
@@ -349,17 +338,12 @@ def colour_bar(
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
     mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
-    figure.colorbar(
-        mappable,
-        ax=axes,
-        label=colouring.label,
-        location=location,
-        extend=extend,
-        aspect=28,
-        fraction=0.08 if location in ("top", "bottom") else 0.05,
-        pad=0.03,
-        shrink=0.9,
-    )
+    place: dict[str, Any] = {
+        "ax": axes,
+        "location": location,
+        "fraction": 0.08 if location in ("top", "bottom") else 0.05,
+    }
+    figure.colorbar(mappable, label=colouring.label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place)
 
 
 def window_around(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:

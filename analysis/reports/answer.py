@@ -8,19 +8,24 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.document.cells import label_of, spread_cell, value_column
 from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
 from granwave.analysis.formatting.grains import grains_called_in
+from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.quantities import quantity
+from granwave.analysis.reports import other_kinds
+from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_in
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.reports.sections.figures import of_other_kinds, overlay, picture_in
-from granwave.analysis.reports.sections.other_kinds import by_kind
-from granwave.analysis.reports.sections.outcome import in_words, share
-from granwave.analysis.reports.sections.results import compact_table, value_rows
-from granwave.analysis.reports.sections.setting import target_of
+from granwave.analysis.reports.other_kinds import by_kind, share
+from granwave.analysis.reports.results import compact_table, value_rows
+from granwave.analysis.reports.setting import target_of
+from granwave.analysis.result.chain import along
+from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import Key
-from granwave.analysis.scans.means import Means
+from granwave.analysis.scans.means import WORTH, Means
+from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
@@ -35,6 +40,9 @@ _MAIN_FIGURES = (
 )  # fmt: skip
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a row from which pictures of its grains are lines
+_FEW = 0.5  # of the contacts
+_KEPT = 0.1  # relative change of a peak force along a chain that is none
+_REACHED = 1e-3  # of the largest peak force: contacts that the wave has reached
 
 
 def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
@@ -205,3 +213,145 @@ def _of_runs_in_words(runs: Sequence[Run]) -> str:
             return f"{what}: {listed}."
         return f"{what}: from {share(found[0][0])} ({found[0][1]}) to {share(found[-1][0])} ({found[-1][1]})."
     return ""
+
+
+def in_words(run: Run) -> str:
+    """Return what came out of a run; the answer that it was made for comes first."""
+    if not run.has_balance:
+        return other_kinds.in_words(run)
+    target = bool(target_of(run.case))
+    bottom, chain = _bottom(run, target=target), _chain(run)
+    energy = [*_energies(run), *_transmission(run)]
+    parts = [*([bottom] if target else []), *chain, *energy]
+    force = run.number("peak_force_N") or run.number("max_force_N")
+    if force is not None:
+        parts.append(f"The largest contact force was {_four(force)} N.")
+    depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
+    if depth and radius is not None:
+        parts.append(
+            f"90 % of the energy of yielding stays within {1e3 * depth:.4g} mm below the impact and "
+            f"{1e3 * radius:.4g} mm beside it."
+        )
+    plate = run.number("plate_velocity_m_s")
+    if plate is not None:
+        parts.append(f"The plate {'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s.")
+    parts += [_line(run, name) for name in _lines(run)]
+    parts += [_loaded(run), _sensors(run)]
+    parts += [] if target else [bottom]
+    return " ".join(part for part in parts if part)
+
+
+def _four(value: float) -> str:
+    """Return a number with four digits, without an exponent for common magnitudes."""
+    return plain(f"{float(f'{value:.4g}'):g}")
+
+
+def _bottom(run: Run, *, target: bool) -> str:
+    """Return what the bottom or the target bore, and how much less than without the packing."""
+    force, bare = run.number("wall_peak_force_N"), run.number("unprotected_peak_force_N")
+    if not force:
+        return ""
+    text = f"The {'target' if target else 'bottom'} bore {_four(force)} N at most"
+    reduction = run.number("peak_reduction")
+    if bare and reduction:
+        text += f", {_less(force, bare)} {_four(bare)} N without the packing"
+    ground, without = run.number("ground_peak_force_N"), run.number("unprotected_ground_peak_force_N")
+    if target and ground and without and ground != force:
+        text += f"; the ground bore {_four(ground)} N, {_less(ground, without)} {_four(without)} N without it"
+    return f"{text}."
+
+
+def _less(force: float, bare: float) -> str:
+    change = force / bare - 1
+    return f"{share(abs(change))} {'less' if change < 0 else 'more'} than the"
+
+
+def _chain(run: Run) -> list[str]:
+    """Return speed and decay of the wave along a chain."""
+    if run.case.get("packing.kind") != "chain" or run.number("transmission") is not None:
+        return []
+    speed, text = run.number("wave_speed_m_s"), _decay(run)
+    parts = [f"The wave ran at {_four(speed)} m/s."] if speed is not None else []
+    return [*parts, text] if text else parts
+
+
+def _decay(run: Run) -> str:
+    """Return how the peak force of a wave changes along a chain; empty where that is not known."""
+    peaks = _peaks(run)
+    reached = np.flatnonzero(peaks > _REACHED * peaks.max(initial=0.0))
+    if len(reached) < 2:
+        return ""
+    numbers, forces = reached + 1, peaks[reached]
+    first, last = f"{_four(forces[0])} N in contact {numbers[0]}", f"{_four(forces[-1])} N in contact {numbers[-1]}"
+    if abs(forces[-1] / forces[0] - 1) < _KEPT:
+        return f"Its peak force is about the same at both ends: {first}, {last}."
+    if forces[-1] > forces[0]:
+        return f"Its peak force grows from {first} to {last}."
+    below = [(words, numbers[forces <= part * forces[0]]) for words, part in (("half", 0.5), ("a tenth", 0.1))]
+    steps = [f"{words} of it in contact {found[0]}" for words, found in below if len(found)]
+    return f"Its peak force falls from {first} to {' and '.join(steps) if len(steps) > 1 else last}."
+
+
+def _peaks(run: Run) -> NDArray[np.float64]:
+    """Return the largest force of each contact along a chain beyond the static one: (n_contacts,), N; or nothing."""
+    try:
+        with Result(run.directory) as result:
+            if "chain" not in result:
+                return np.empty(0)
+            static = result["chain/contact_force"][0] if result.case.precompression is not None else 0.0
+            return np.maximum(along(result, "peak_force") - static, 0.0)
+    except (GranwaveError, KeyError, ValueError, IndexError):
+        return np.empty(0)
+
+
+def _energies(run: Run) -> list[str]:
+    given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
+    if given is None or lost is None:
+        return []
+    absorbed = run.number("absorbed_fraction") or 0.0
+    of_it = f"of the {plain(f'{given:.4g}')} J put in"
+    dissipated = share(lost - absorbed) if lost - absorbed > WORTH else "Nothing"
+    if absorbed <= WORTH:
+        return [f"{dissipated} {of_it} was dissipated."]
+    rest = f", and {dissipated} was dissipated" if lost - absorbed > WORTH else ""
+    return [f"{share(absorbed)} {of_it} was taken by absorbing spheres{rest}."]
+
+
+def _transmission(run: Run) -> list[str]:
+    passed, driven = run.number("transmission"), run.number("driven_velocity_m_s")
+    if passed is None or driven is None:
+        return []
+    return [f"{share(passed)} of the driven end's velocity, {plain(f'{driven:.4g}')} m/s, came through."]
+
+
+def _loaded(run: Run) -> str:
+    """Return how many contacts bore a force, where most did not."""
+    loaded, contacts = run.number("n_loaded_contacts"), run.number("n_contacts")
+    few = loaded is not None and contacts and loaded < _FEW * contacts and run.case.get("packing.kind") != "chain"
+    return f"{loaded:.0f} of {contacts:.0f} contacts bore a force." if few else ""
+
+
+def _sensors(run: Run) -> str:
+    """Return the largest and the smallest peak velocity of the sensors."""
+    start, end = "sensor_", "_peak_velocity_m_s"
+    seen = {key[len(start) : -len(end)]: run.number(key) or 0.0 for key in run.summary if key.endswith(end)}
+    if len(seen) < 2:
+        return ""
+    most, least = max(seen, key=lambda name: seen[name]), min(seen, key=lambda name: seen[name])
+    return f"Sensors saw at most {seen[most]:.4g} m/s ({most}) and at least {seen[least]:.4g} m/s ({least})."
+
+
+def _lines(run: Run) -> list[str]:
+    """Return the names of the lines of grains along which a wave was followed."""
+    ending = "_front_speed_m_s"
+    return [key[5 : -len(ending)] for key in run.summary if key.startswith("line_") and key.endswith(ending)]
+
+
+def _line(run: Run, name: str) -> str:
+    speed, decay = (run.number(f"line_{name}_{what}") for what in ("front_speed_m_s", "decay_per_m"))
+    if speed is None:
+        return ""
+    text = f"Along the line {name} the front runs at {_four(speed)} m/s"
+    if decay is None or decay <= 0:
+        return f"{text}."
+    return f"{text}, and the peak speed falls by half in {1e3 * np.log(2) / decay:.3g} mm."

@@ -2,7 +2,7 @@
 
 Equal spheres that do not overlap hide one another in the order of the distances of their centres (the plane midway
 between two of them separates them), so that drawing the farthest first is exact. Cylinders are then drawn where they
-lie before what is drawn already, pixel by pixel (`granwave.analysis.figures.run.cylinders`). A first pass at low
+lie before what is drawn already, pixel by pixel. A first pass at low
 resolution finds the visible grains; only these are drawn at full resolution. The light comes from above the viewer's
 left shoulder, and gaps that lie deeper than their surroundings are darkened.
 """
@@ -15,8 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from granwave.analysis.figures.run.cylinders import surface_of_cylinder
 
 _OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
@@ -65,7 +63,7 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """Result of `render`.
+    """Coloured spheres and cylinders.
 
     Attributes
     ----------
@@ -104,26 +102,6 @@ class Surface:
     gloss: NDArray[np.float32]
     visible: NDArray[np.int64]
     extent: tuple[float, float, float, float]
-
-
-def render(
-    centres: NDArray[np.float64],
-    radius: float | NDArray[np.float64],
-    colours: NDArray[np.float64],
-    camera: Camera,
-    width: int,
-    axes: NDArray[np.float64] | None = None,
-) -> Picture:
-    """Draw spheres and cylinders.
-
-    Parameters
-    ----------
-    centres, radius, camera, width, axes
-        As in `lit_surface`.
-    colours
-        Red, green, blue from 0 to 1: (n_spheres, 3).
-    """
-    return painted(lit_surface(centres, radius, camera, width, axes), colours)
 
 
 def lit_surface(
@@ -171,7 +149,7 @@ def lit_surface(
 
 
 def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
-    """Colour a surface; colours of all spheres as in `render`."""
+    """Colour a surface; ``colours``: red, green, blue of all spheres from 0 to 1, (n_spheres, 3)."""
     n_rows, n_columns = (size // _OVERSAMPLING for size in surface.front.shape)
     shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(np.float32)  # the last one: blank, -1
     pixels = np.empty((n_rows, n_columns, 4), dtype=np.float32)  # premultiplied by alpha
@@ -194,10 +172,6 @@ def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
     rows = sum((values[n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), values[::_OVERSAMPLING])
     both = sum((rows[:, n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), rows[:, ::_OVERSAMPLING])
     return np.asarray(both / np.float32(_OVERSAMPLING**2))
-
-
-def _blocks(n_pixels: int) -> list[slice]:
-    return [slice(start, start + _BLOCK) for start in range(0, n_pixels, _BLOCK)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -317,7 +291,8 @@ def _light(
     pitch: float,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return brightness and gloss of the pixels at rows and columns: (n_pixels,) each."""
-    blocks, front = _blocks(len(rows)), found.front
+    blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
+    front = found.front
     normal = np.empty((len(rows), 3), dtype=np.float32)
     depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
     for block in blocks:
@@ -388,3 +363,57 @@ def _weights(n: int, reach: float) -> NDArray[np.float32]:
     place = np.arange(n, dtype=np.float32)
     weights = np.exp(-0.5 * ((place[:, None] - place) / np.float32(reach)) ** 2)
     return weights / weights.sum(axis=1, keepdims=True)
+
+
+_ALONG = 1e-6  # component of the axis towards the viewer, or across, below which there is none
+
+
+def surface_of_cylinder(
+    centre: NDArray[np.float64],
+    half: NDArray[np.float64],
+    radius: float,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Find what can be seen of a cylinder with flat ends.
+
+    A point of the mantle lies at the distance of the radius from the axis, a quadratic equation for its depth; of the
+    two ends only that towards the viewer can be seen.
+
+    Parameters
+    ----------
+    centre, half
+        Centre, and the vector from it to one end, not 0: (3,), m; to the right, up and towards the viewer.
+    radius
+        Radius, m.
+    x, y
+        Places to the right and upwards: (n_x,) and (n_y,), m.
+
+    Returns
+    -------
+    depth, normal
+        Place towards the viewer, minus infinity beside the cylinder: (n_y, n_x), m; and unit vectors off the surface:
+        (n_y, n_x, 3).
+    """
+    length = float(np.linalg.norm(half))
+    axis = half / length if half[2] >= 0 else -half / length  # from the centre to the end that can be seen
+    across, up = np.meshgrid(x - centre[0], y - centre[1])
+    depth = np.full(across.shape, -np.inf)
+    normal = np.zeros((*across.shape, 3))
+    along = across * axis[0] + up * axis[1]  # at the depth of the centre
+    flat = 1 - axis[2] ** 2
+    if flat > _ALONG**2:
+        # flat d^2 - 2 along axis_z d + across^2 + up^2 - along^2 - radius^2 = 0
+        root = (along * axis[2]) ** 2 - flat * (across**2 + up**2 - along**2 - radius**2)
+        d = (along * axis[2] + np.sqrt(np.maximum(root, 0.0))) / flat
+        on_axis = along + d * axis[2]
+        seen = (root >= 0) & (np.abs(on_axis) <= length)
+        point = np.stack([across, up, d], axis=-1)
+        depth[seen] = d[seen]
+        normal[seen] = ((point - on_axis[..., None] * axis) / radius)[seen]
+    if axis[2] > _ALONG:
+        d = (length - along) / axis[2]
+        beside = across**2 + up**2 + d**2 - length**2
+        end = (beside <= radius**2) & (d > depth)
+        depth[end], normal[end] = d[end], axis
+    return depth + centre[2], normal

@@ -1,0 +1,367 @@
+"""Figures of where energy is lost: by sphere, by depth, in the plastic zone, by direction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.colors import Normalize
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
+from granwave.analysis.figures.style import (
+    BLUE,
+    DISSIPATION_MAP,
+    FORCE_MAP,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    WIDTH,
+    Drawing,
+    legend_above,
+    new_figure,
+)
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.measures.waves import (
+    LAYER_BINS,
+    PER_RING,
+    RINGS,
+    Spread,
+    energy_of_spheres,
+    is_layer,
+    spread,
+    travelling_frame,
+)
+from granwave.analysis.measures.zone import packing_zone
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, Array, bounds_in_words, extent_holding
+from granwave.analysis.quantities import SHARES
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.packing.cylinders import CYLINDERS
+from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+
+_MILLI = 1e3  # mm in a metre
+_MICRO = 1e6  # microseconds in a second
+_SHOWN_SHARE = 0.95  # share of the dissipation up to which the cumulated figure goes
+_RANGE = 1e-10  # smallest over largest dissipation in the ranked figure
+_ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
+
+
+def dissipation_ranked(result: Result) -> Drawing | None:
+    """Draw the dissipation of the spheres in descending order, with rings beyond the law's range.
+
+    With friction, also that by yielding and by friction, each in its own descending order.
+    """
+    dissipated = result["spheres/dissipated_energy"]
+    rows = ranked(dissipated)
+    if not len(rows) or not result.has_yield_force:
+        return None
+    law = result.law
+    unit = law.yield_force * law.yield_overlap
+    values = dissipated[rows] / unit
+    rank = np.arange(1, len(rows) + 1)
+    beyond = spheres_beyond_law(result)[rows]
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    parts = _parts(result)
+    axes.loglog(rank, values, color=BLUE, linewidth=0.8, label=_ALL.get(len(parts)))
+    axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
+    if beyond.any():
+        axes.plot(
+            rank[beyond], values[beyond], "o", color=BLUE, markersize=4, markeredgecolor="black", markeredgewidth=0.8,
+            label=r"contact beyond 0.2 $R^*$",
+        )  # fmt: skip
+    columns = {"rank": rank, "id": result["spheres/id"][rows], "dissipated_J": dissipated[rows]}
+    columns |= {"dissipated_over_Fy_alpha_y": values, "beyond_law": beyond.astype(int)}
+    for part, (share, colour, line) in parts.items():
+        own = share[ranked(share)]
+        axes.loglog(np.arange(1, len(own) + 1), own / unit, line, color=colour, linewidth=1.0, label=part)
+        columns[f"{part}_in_descending_order_J"] = own
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left")
+    axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
+    axes.set_xlabel("Number of spheres, in descending order")
+    axes.set_ylabel(r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
+    return Drawing(figure, columns)
+
+
+def dissipation_cumulated(result: Result) -> Drawing | None:
+    """Draw the volume of the spheres that dissipate a given share of the input.
+
+    With friction, also for dissipation by yielding and by friction alone.
+    """
+    if not np.any(result["spheres/dissipated_energy"] > 0):
+        return None
+    in_plane = result.assembly.grains_called == CYLINDERS  # of one length
+    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (2 if in_plane else 3)
+    fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
+    enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    parts = _parts(result)
+    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label=_ALL.get(len(parts)))
+    axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
+    columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
+    top = float(volume[min(enough, len(volume)) - 1])
+    for part, (share, colour, line) in parts.items():
+        own, spheres = cumulated(share, result.energy_input, volumes)
+        last = int(np.searchsorted(own, _SHOWN_SHARE * own[-1])) + 1 if len(own) else 0
+        axes.plot(own[:last], spheres[:last], line, color=colour, label=part)
+        top = max([top, *spheres[:last][-1:]])
+        columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="best")
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, max(1.05 * top, 2))
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.text(
+        fraction[-1] + 0.01, 0.97, f"all {len(volume)} spheres", rotation=90, ha="left", va="top",
+        transform=axes.get_xaxis_transform(),
+    )  # fmt: skip
+    axes.set_xlabel("Dissipation / energy input")
+    axes.set_ylabel("Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)")
+    return Drawing(figure, columns)
+
+
+def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
+    """Return the dissipation by yielding, friction and losses, with colour and line; empty if there is one kind."""
+    styles = {"friction": ("friction_energy", GREEN, ":"), "viscous losses": ("viscous_energy", PURPLE, "-.")}
+    others = {
+        part: (result[f"spheres/{name}"], colour, line)
+        for part, (name, colour, line) in styles.items()
+        if result.has(f"spheres/{name}")
+    }
+    yielding = result.yield_energy
+    if result.yields or yielding.any():
+        others = {"yielding": (yielding, ORANGE, "--")} | others
+    return others if len(others) > 1 else {}
+
+
+def plastic_zone_growth(result: Result) -> Drawing | None:
+    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost, against time.
+
+    The title names the boundaries that the zone reaches.
+    """
+    growth = zone_growth(result)
+    if not len(growth.time):
+        return None
+    end = float(result["energy/time"][-1])
+
+    def to_end(values: np.ndarray) -> np.ndarray:
+        return np.concatenate([[0], values, values[-1:]])
+
+    time = np.concatenate([[0.0], growth.time, [end]]) * _MICRO
+    figure = new_figure(3.2)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    if cut := packing_zone(result).cut:
+        upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
+    upper.step(time, to_end(growth.contacts), where="post", color=BLUE, label="contacts")
+    upper.step(time, to_end(growth.spheres), where="post", color=ORANGE, linestyle="--", label="spheres")
+    upper.set_ylabel("Number yielded")
+    upper.set_ylim(bottom=0)
+    lower.step(time, to_end(growth.depth) * _MILLI, where="post", color=BLUE, label="depth")
+    lower.step(time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius")
+    lower.set_ylabel("Outermost yield (mm)")
+    lower.set_ylim(bottom=0)
+    lower.set_xlabel("Time (µs)")
+    lower.set_xlim(0, end * _MICRO)
+    for axes in (upper, lower):
+        axes.legend(loc="lower right")
+    columns = {"time_s": growth.time, "contacts": growth.contacts, "spheres": growth.spheres}
+    return Drawing(figure, columns | {"depth_m": growth.depth, "radius_m": growth.radius})
+
+
+def peak_force_depth(result: Result) -> Drawing | None:
+    """Draw the decay of the peak force: largest of each layer, and along the preferred directions."""
+    depth, force = peak_force_by_depth(result)
+    if len(depth) < 2 or not np.any(force > 0) or "chain" in result:  # a chain has a figure of its own
+        return None
+    scale, label, name = force_scale(result)
+    along = rays(result)
+    n_contacts, n_rays = along.peak_force.shape
+    pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
+    middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
+    figure = new_figure(2.4)
+    axes = figure.subplots()
+    if n_rays > 1 and n_contacts > 1:
+        colours = (ORANGE, GREEN, "black", ORANGE)
+        for n, (marker, colour, values) in enumerate(zip("o^vs", colours, along.peak_force.T, strict=False)):
+            axes.plot(
+                middle * _MILLI, values / scale, marker, color=colour, markerfacecolor="none",
+                markersize=5 - 0.5 * n, markeredgewidth=0.8, label=f"preferred direction {n + 1}",
+            )  # fmt: skip
+    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1)
+    axes.set_yscale("log")
+    axes.set_xlim(0, depth[-1] * _MILLI)
+    axes.set_xlabel("Depth (mm)")
+    axes.set_ylabel(f"Peak force {label}")
+    axes.legend(fontsize=8)
+    columns = {"layer_depth_m": depth, f"layer_peak_{name}": force / scale, "contact_depth_m": middle}
+    columns |= {f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)}
+    return Drawing(figure, columns)
+
+
+_LEAST = 1e-5  # smallest share of the energy in the figure
+_NOTHING = 1e-12  # share of the energy that is due to rounding
+_STYLES = {"depth": (BLUE, "-", "o", BOTTOM, 0.97), "radius": (ORANGE, "--", "s", SIDES, 0.6)}  # height of a label last
+_SAME = 1e-9  # relative difference of distances that are equal up to rounding
+
+
+def plastic_zone_size(result: Result) -> Drawing | None:
+    """Draw the shares of the dissipation by yielding beyond a depth and a radius, with the sizes of the zone."""
+    if not result.yields:
+        return None
+    zone = packing_zone(result)
+    distances, bounds = {}, {}
+    for name, values, bound in (("depth", zone.depth, BOTTOM), ("radius", zone.radius, SIDES)):
+        if values is not None:
+            distances[name] = values
+            if bound in zone.cut:
+                bounds[bound] = float(values[zone.bounds[bound]].min())
+    return draw_zone_size(zone.energy, distances, result.case.packing.diameter, "D", bounds)
+
+
+def draw_zone_size(
+    energy: Array, distances: Mapping[str, Array], diameter: float, unit: str, bounds: Mapping[str, float]
+) -> Drawing | None:
+    """Draw the share of an energy beyond a distance, on a logarithmic axis; None without energy.
+
+    Parameters
+    ----------
+    energy
+        Energies of the parts: (n,), J.
+    distances
+        ``depth`` and ``radius`` of the parts, as far as they apply: (n,), m.
+    diameter
+        Unit of the axis, m.
+    unit
+        Symbol of this unit.
+    bounds
+        Distances of the boundaries that the zone reaches, by name, m.
+    """
+    if not distances or not np.any(energy > 0):
+        return None
+    figure = new_figure(2.7)
+    axes = figure.subplots()
+    columns: dict[str, Sequence[float] | Array] = {}
+    reach = 0.0
+    for name, values in distances.items():
+        colour, line, marker, bound, height = _STYLES[name]
+        place, outside = _outside(values, energy)
+        axes.step(place / diameter, np.maximum(outside, _NOTHING), line, where="post", color=colour, label=name)
+        sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
+        left = [1 - percent / 100 for percent in SHARES]
+        axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
+        beyond = np.flatnonzero(outside > _LEAST)  # none if all the energy is at distance 0
+        reach = max(reach, float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2)
+        if bound in bounds:
+            reach = max(reach, bounds[bound])
+            axes.axvline(bounds[bound] / diameter, color=colour, linestyle=":", linewidth=0.9)
+            axes.annotate(
+                f"cut: {bound}", (bounds[bound] / diameter, height), (-2, 0), xycoords=("data", "axes fraction"),
+                textcoords="offset points", rotation=90, ha="right", va="top", color=colour, fontsize=7,
+            )  # fmt: skip
+        columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
+        columns |= {f"{name}_holding_m": sizes, f"share_within_{name}": [percent / 100 for percent in SHARES]}
+    for percent in SHARES:
+        axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
+    axes.set_yscale("log")
+    axes.set_ylim(_LEAST, 1)
+    axes.set_xlim(0, 1.05 * (reach or diameter) / diameter)
+    words = {"depth": "depth", "radius": "distance from the impact axis"}
+    title = ", or ".join(words[name] for name in distances)
+    axes.set_xlabel(f"{title[:1].upper()}{title[1:]} $/{unit}$")
+    axes.set_ylabel("Energy of yielding farther out\n/ whole energy of yielding")
+    axes.plot([], [], "o", color=GREY, markersize=4, label="holds 50, 90, 99 %")
+    legend_above(axes, 3, fontsize=7)
+    return Drawing(figure, columns)
+
+
+def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
+    """Return distances, rising from 0, and the share of the energy that lies beyond each."""
+    order = np.argsort(distance, kind="stable")
+    place, held = distance[order], np.cumsum(energy[order])
+    last = np.append(np.diff(place) > _SAME * place[-1], True)  # last of the parts at the same distance
+    place, beyond = place[last], 1 - held[last] / held[-1]
+    if place[0] > 0:
+        place, beyond = np.insert(place, 0, 0.0), np.insert(beyond, 0, 1.0)
+    return place, beyond
+
+
+_LEAST_SPHERES = 8
+_TITLE_HEIGHT = 0.7  # inches
+
+
+def directions(result: Result) -> Drawing | None:
+    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic.
+
+    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a stereographic view.
+    """
+    kind = result.case.packing.kind
+    if kind == "chain" or is_plane_crystal(kind) or not len(preferred_directions(kind)):
+        return None
+    if result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
+        return None
+    frame = travelling_frame(result)
+    time = result.frame_times[frame]
+    found = {
+        f"Energy at {time * _MICRO:.0f} µs": spread(result, energy_of_spheres(result, frame)),
+        "Dissipation": spread(result, result["spheres/dissipated_energy"]),
+    }
+    panels = {name: one for name, one in found.items() if one is not None}
+    if not panels:
+        return None
+    return _layer(result, panels) if is_layer(result) else _half_sphere(result, panels)
+
+
+def _title(name: str, one: Spread) -> str:
+    return f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
+
+
+def _layer(result: Result, panels: dict[str, Spread]) -> Drawing:
+    figure = new_figure(WIDTH / 2 + _TITLE_HEIGHT if len(panels) > 1 else 0.7 * WIDTH + _TITLE_HEIGHT)
+    angle = np.arange(LAYER_BINS) * 360 / LAYER_BINS - 180
+    columns: dict[str, NDArray] = {"angle_deg": angle}
+    all_axes = figure.subplots(1, len(panels), subplot_kw={"projection": "polar"}, squeeze=False)[0]
+    for axes, (name, one), colour in zip(all_axes, panels.items(), (BLUE, ORANGE), strict=False):
+        axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / LAYER_BINS), color=colour)
+        axes.set_title(_title(name, one))
+        axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
+        axes.yaxis.set_major_formatter("{x:.0f} %")
+        axes.yaxis.get_major_locator().base.set_params(nbins=3)  # type: ignore[union-attr]
+        columns[f"{name.split()[0].lower()}_share"] = one.cells
+    return Drawing(figure, columns)
+
+
+def _half_sphere(result: Result, panels: dict[str, Spread]) -> Drawing:
+    figure = new_figure(WIDTH / 2 + _TITLE_HEIGHT + 0.5 if len(panels) > 1 else 0.7 * WIDTH + _TITLE_HEIGHT + 0.5)
+    edges = np.deg2rad(np.arange(PER_RING + 1) * 360 / PER_RING - 180 - 180 / PER_RING)
+    depth = 1 - np.arange(RINGS + 1) / RINGS  # cosine of the angle to the impact axis
+    radius = 2 * np.tan(np.arccos(depth) / 2)
+    chosen = result.figure_options.colour_map
+    maps = (chosen or FORCE_MAP, chosen or DISSIPATION_MAP)
+    axis = preferred_directions(result.case.packing.kind)
+    columns: dict[str, NDArray] = {
+        "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), PER_RING),
+        "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), RINGS),
+    }
+    all_axes = figure.subplots(1, len(panels), subplot_kw={"projection": "polar"}, squeeze=False)[0]
+    for axes, (name, one), colours in zip(all_axes, panels.items(), maps, strict=False):
+        shown = one.relative
+        mesh = axes.pcolormesh(
+            edges, radius, shown, cmap=colours, norm=Normalize(0, float(shown.max())), rasterized=True
+        )
+        axes.plot(
+            np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o",
+            markerfacecolor="none", markeredgecolor="white", markersize=9,
+        )  # fmt: skip
+        axes.set_title(_title(name, one))
+        axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
+        axes.set_yticks(2 * np.tan(np.deg2rad([30, 60]) / 2), ["30°", "60°"], color="white")
+        axes.set_rlabel_position(90)
+        axes.grid(alpha=0.3)
+        figure.colorbar(mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12)
+        columns[f"{name.split()[0].lower()}_share"] = one.cells.ravel()
+    return Drawing(figure, columns)

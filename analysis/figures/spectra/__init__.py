@@ -1,1 +1,0 @@
-"""Figures of small waves: bands, curves over a plane, modes, transmission."""
