@@ -7,15 +7,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
-from granwave.analysis.result.reader import Result
+
+if TYPE_CHECKING:
+    from granwave.analysis.result.reader import Result
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
@@ -226,6 +228,8 @@ def elements_involved(path: Path, energy_input: float) -> Involved:
     OSError, KeyError
         It cannot be read, or is another file.
     """
+    import h5py  # takes longer to load than most commands need
+
     with h5py.File(path, "r") as file:
         density, volume = file["fields/plastic_energy"][()], file["element_volume"][()]
     order = np.argsort(-density, kind="stable")
