@@ -25,7 +25,8 @@ SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
     ".html": rb'<meta name="generator" content="granwave">',
     ".pdf": rb"%%EOF\n% report of granwave\n\Z|/Creator \(granwave\)",  # the second until version 0.2
-    ".md": rb"\A# Report: .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?(: .+|\. SI units)?\.\n",
+    ".md": rb"\A# Report: .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?"
+    rb"(: .+|\. SI units)?\.\n",
 }
 
 
