@@ -72,8 +72,14 @@ class ChainScales:
     ----------
     diameter
         Of a bead, m.
-    force, time, velocity, impulse
-        E* R*^2, N; tau, s; R*/tau, m/s; E* R*^2 tau, N s.
+    force
+        E* R*^2, N.
+    time
+        tau, s.
+    velocity
+        R*/tau, m/s.
+    impulse
+        E* R*^2 tau, N s.
     """
 
     def __init__(self, case: Case) -> None:
