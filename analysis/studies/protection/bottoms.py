@@ -8,16 +8,30 @@ from collections.abc import Iterator, Sequence
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import reached_targets
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.studies.protection import runs as quantities
-from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
+from granwave.analysis.studies.protection.runs import (
+    ENERGY,
+    FORCE,
+    GROUND,
+    GROUND_REDUCTION,
+    IMPULSE,
+    LOCAL,
+    MOMENTUM,
+    MOVED,
+    REDUCTION,
+    UNPROTECTED,
+    TargetRun,
+    impacts,
+    names,
+    table,
+)
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.titles import impact_title
 
 _MOST = 12  # curves of a figure
 _QUANTITIES = (
-    quantities.FORCE, quantities.LOCAL, quantities.UNPROTECTED, quantities.REDUCTION, quantities.GROUND,
-    quantities.GROUND_REDUCTION, quantities.IMPULSE, quantities.MOMENTUM, quantities.ENERGY, quantities.MOVED,
+    FORCE, LOCAL, UNPROTECTED, REDUCTION, GROUND,
+    GROUND_REDUCTION, IMPULSE, MOMENTUM, ENERGY, MOVED,
 )  # fmt: skip
 
 
@@ -43,7 +57,7 @@ def text(runs: Sequence[TargetRun]) -> str:
 
 def tables(runs: Sequence[TargetRun]) -> list[Table]:
     """All runs."""
-    return [quantities.table("What reaches the target, by bottom", runs, _QUANTITIES)]
+    return [table("What reaches the target, by bottom", runs, _QUANTITIES)]
 
 
 def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
@@ -64,7 +78,7 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
     known = [run for run in plain if math.isfinite(run.value("peak_reduction"))]
     if known:
         yield from _of_forces(known)
-    gained = [quantities.MOMENTUM.value(run) for run in plain]
+    gained = [MOMENTUM.value(run) for run in plain]
     if all(map(math.isfinite, gained)):
         yield (
             f"The impulse on the target is {number(min(gained))} to {number(max(gained))} times the "
@@ -72,8 +86,8 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
             "rebound add to it."
         )
     if moving := [run for run in plain if run.moves]:
-        most = max(moving, key=quantities.ENERGY.value)
-        share = number(100 * quantities.ENERGY.value(most))
+        most = max(moving, key=ENERGY.value)
+        share = number(100 * ENERGY.value(most))
         yield f"Of the energy at most {share} % reach the target ({most.bottom})."
 
 
@@ -95,7 +109,7 @@ def _plain(runs: Sequence[TargetRun]) -> list[TargetRun]:
 
 def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
     """Make the rows of runs with a known reduction: that of the force, and the force of a single sphere."""
-    most, least = (pick(runs, key=quantities.REDUCTION.value) for pick in (max, min))
+    most, least = (pick(runs, key=REDUCTION.value) for pick in (max, min))
     mass, height = (number(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
     layers = f"{most.layers} layer{'s' if most.layers > 1 else ''}"
     yield f"{layers} ({mass} kg, {height} m) cut the peak force on the target {_cut(least)} to {_cut(most)}."

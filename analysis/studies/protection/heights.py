@@ -11,8 +11,23 @@ from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import Heights, reductions
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import power
-from granwave.analysis.studies.protection import runs as quantities
-from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
+from granwave.analysis.studies.protection.runs import (
+    ENERGY,
+    FORCE,
+    GAIN_PER_MASS,
+    HEIGHT,
+    IMPULSE,
+    MASS,
+    PER_HEIGHT,
+    PER_MASS,
+    REDUCTION,
+    UNPROTECTED,
+    TargetRun,
+    impacts,
+    names,
+    series,
+    table,
+)
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.titles import impact_title
@@ -25,8 +40,8 @@ TEXT = (
     "its height. What a kilogram adds: the reduction less 1, which is that of no packing, over the mass."
 )
 _QUANTITIES = (
-    quantities.HEIGHT, quantities.MASS, quantities.FORCE, quantities.UNPROTECTED, quantities.REDUCTION,
-    quantities.PER_MASS, quantities.PER_HEIGHT, quantities.GAIN_PER_MASS, quantities.IMPULSE, quantities.ENERGY,
+    HEIGHT, MASS, FORCE, UNPROTECTED, REDUCTION,
+    PER_MASS, PER_HEIGHT, GAIN_PER_MASS, IMPULSE, ENERGY,
 )  # fmt: skip
 
 
@@ -47,14 +62,14 @@ def title(found: AllSeries) -> str:
 
 def tables(found: AllSeries) -> list[Table]:
     """All runs."""
-    return [quantities.table("Peak reduction by height", [run for one in found for run in one], _QUANTITIES)]
+    return [table("Peak reduction by height", [run for one in found for run in one], _QUANTITIES)]
 
 
 def verdict(found: AllSeries) -> Iterator[str]:
     """The reduction of each series."""
     for runs in found:
         first, last = runs[0], runs[-1]
-        gained = [quantities.GAIN_PER_MASS.value(run) for run in runs]
+        gained = [GAIN_PER_MASS.value(run) for run in runs]
         reduction, layers = np.array([(run.value("peak_reduction"), run.layers) for run in runs]).T
         friction = f", friction {first.friction:g}" if first.case.has_friction else ""
         yield (
@@ -82,7 +97,7 @@ def _heights(runs: Sequence[TargetRun], name: str) -> Heights:
         last.bottom,
         last.friction,
         np.array([float(run.layers) for run in runs]),
-        quantities.REDUCTION.shown(runs),
-        quantities.GAIN_PER_MASS.shown(runs),
-        quantities.MASS.shown(runs),
+        REDUCTION.shown(runs),
+        GAIN_PER_MASS.shown(runs),
+        MASS.shown(runs),
     )
