@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import signal
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -48,8 +49,30 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
     OSError
         The file cannot be written; the error names it.
     """
-    with replacing(path) as scratch, unfailing(scratch) as stream, h5py.File(stream, "w", **options) as file:
+    with (
+        replacing(path) as scratch,
+        _signals_held_back(),
+        unfailing(scratch) as stream,
+        h5py.File(stream, "w", **options) as file,
+    ):
         yield file
+
+
+@contextlib.contextmanager
+def _signals_held_back() -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM wait for the end of the block: HDF5 crashes if an error leaves a write that it called."""
+    came: list[int] = []
+    before: dict[int, Any] = {}
+    with contextlib.suppress(ValueError):  # only the main thread can handle signals
+        for number in (signal.SIGINT, signal.SIGTERM):
+            before[number] = signal.signal(number, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if came:
+            signal.raise_signal(came[0])
 
 
 @contextlib.contextmanager

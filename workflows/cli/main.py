@@ -27,6 +27,7 @@ from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 FAILED, STOPPED, READER_LEFT = 1, 130, 141
 
 _ONCE_MORE = 0.05  # s until a Ctrl-C that was lost is repeated
+_REPEATED: list[threading.Timer] = []
 _LONGEST_SHOWN = 300  # characters of a path in a message
 _NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
@@ -70,6 +71,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         raise
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
+    finally:
+        for repeated in _REPEATED:
+            repeated.cancel()  # one that came now would be the process's end, by signal
 
 
 def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
@@ -77,7 +81,10 @@ def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
     if lost.exc_type is KeyboardInterrupt:
         main_thread = threading.main_thread().ident
         assert main_thread is not None
-        threading.Timer(_ONCE_MORE, signal.pthread_kill, (main_thread, signal.SIGINT)).start()
+        repeated = threading.Timer(_ONCE_MORE, signal.pthread_kill, (main_thread, signal.SIGINT))
+        repeated.daemon = True
+        _REPEATED.append(repeated)
+        repeated.start()
     else:
         sys.__unraisablehook__(lost)
 
