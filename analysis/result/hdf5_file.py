@@ -69,8 +69,8 @@ def _signals_held_back() -> Iterator[None]:
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for one, handler in before.items():
+            signal.signal(one, handler)
         if came:
             signal.raise_signal(came[0])
 
