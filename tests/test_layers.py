@@ -50,7 +50,7 @@ lammps_inputs/directories
 lammps_inputs/ownership
 lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/files lammps_inputs/roots
+lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots
 lammps_inputs/errors
 plugins
 """
@@ -184,7 +184,7 @@ NAME_A_SOURCE = (
 
 
 def test_the_packages_name_no_source() -> None:
-    """What others printed belongs into reproductions/."""
+    """Values that others printed belong into reproductions/."""
     word = re.compile(r"(?<![a-z])(thesis|errat(a|um)|source 00[123])(?![a-z])", re.IGNORECASE)
     files = [path for name in PACKAGES[:3] for path in sorted((ROOT / name).rglob("*.*"))]
     files = [path for path in files if path.is_file() and path.parent.name != "__pycache__"]

@@ -25,9 +25,8 @@ if __name__ == "__main__":
     if mpi.launched():
         # `python -m mpi4py` takes any exit status but 0 for a crash and aborts with a message of its own
         mpi.leave(status)
-    if (
-        status == 130
-    ):  # Python would end by SIGINT if the error has passed code that was made of a string, as of dataclasses
+    if status == 130:
+        # Python would end by a signal if the error has passed code that was made of a string, as of dataclasses
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

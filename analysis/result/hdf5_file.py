@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import signal
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -32,6 +31,7 @@ from granwave.lammps_inputs.deck.columns import (
     WALL_CONTACTS,
 )
 from granwave.lammps_inputs.files import naming, replacing
+from granwave.lammps_inputs.interrupts import held_back
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 
 
@@ -51,28 +51,11 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
     """
     with (
         replacing(path) as scratch,
-        _signals_held_back(),
+        held_back(),  # HDF5 crashes if an error leaves a write that it called
         unfailing(scratch) as stream,
         h5py.File(stream, "w", **options) as file,
     ):
         yield file
-
-
-@contextlib.contextmanager
-def _signals_held_back() -> Iterator[None]:
-    """Let Ctrl-C and SIGTERM wait for the end of the block: HDF5 crashes if an error leaves a write that it called."""
-    came: list[int] = []
-    before: dict[int, Any] = {}
-    with contextlib.suppress(ValueError):  # only the main thread can handle signals
-        for number in (signal.SIGINT, signal.SIGTERM):
-            before[number] = signal.signal(number, lambda number, _: came.append(number))
-    try:
-        yield
-    finally:
-        for one, handler in before.items():
-            signal.signal(one, handler)
-        if came:
-            signal.raise_signal(came[0])
 
 
 @contextlib.contextmanager

@@ -59,7 +59,7 @@ class Tunnel:
         return 2 * math.sqrt(1 - cosine**2) * self.constants[1] * d1**1.5 - at_wall
 
     def dynamical_matrix(self):
-        """Of the sphere along z and of the pair of cylinders along x and z: (wave numbers, 3, 3), s^-2."""
+        """Matrix of the sphere along z and of the pair of cylinders along x and z: (wave numbers, 3, 3), s^-2."""
         d1, d2, cosine = self.geometry(self.d0)
         sine, phase = math.sqrt(1 - cosine**2), np.exp(1j * self.k * DIAMETER)
         forces = self.constants[0] * self.d0**1.5, 2 * self.constants[1] * d1**1.5

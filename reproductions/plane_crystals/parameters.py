@@ -1,4 +1,4 @@
-"""What speed and decay in plane crystals depend on.
+"""Influences on speed and decay in plane crystals.
 
 The two crystals between walls with one thing changed: height, a gap at the walls, friction, the loss of contacts, the
 mass of the plate, the modulus, the size of the grains, or diameters that scatter. First pulses alone are compared:

@@ -1,4 +1,4 @@
-"""What a lasting dent changes.
+"""Changes by a lasting dent.
 
 Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the undeformed spheres
 part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with laws that yield, and LAMMPS's own

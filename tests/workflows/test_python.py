@@ -38,7 +38,7 @@ PAIR = {
 
 @pytest.mark.parametrize("name", ["run", "scan", "bands", "modes", "transmission", "infer"])
 def test_options_of_commands_are_keywords(name):
-    """What a command can do, its function can, by the same name and default; keys of cases are keywords."""
+    """Options of a command are keywords of its function, with the same defaults; keys of cases are keywords."""
     (command,) = (command for command in COMMANDS if command.name == name)
     options = [one for option in command.options for one in (option if isinstance(option, list) else [option])]
     parser = argparse.ArgumentParser()

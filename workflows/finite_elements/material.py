@@ -1,4 +1,4 @@
-"""What both finite-element programs share: material, state of an element, hourglass control.
+"""Material, state of an element and hourglass control, shared by both finite-element programs.
 
 The material is elastic-perfectly-plastic: von Mises yield, associative flow.
 

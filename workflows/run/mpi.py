@@ -19,41 +19,13 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, Any, NoReturn, Self, TypeVar
+from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.interrupts import Interrupts
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
-
-
-class Interrupts:
-    """Counter of Ctrl-C and SIGTERM, which do not stop the program within a ``with`` block.
-
-    Parameters
-    ----------
-    on_signal
-        Function called at each signal.
-    """
-
-    def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
-        self.count = 0
-        self._on_signal = on_signal
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> Self:
-        with contextlib.suppress(ValueError):  # only the main thread can handle signals
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._note)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    def _note(self, *_: object) -> None:
-        self.count += 1
-        self._on_signal()
 
 
 T = TypeVar("T")

@@ -1,4 +1,4 @@
-"""What a run tells while it is at work: a bar on a terminal or in a notebook, lines in a batch log, warnings once."""
+"""Messages of a run at work: a bar on a terminal or in a notebook, lines in a batch log, warnings once."""
 
 from __future__ import annotations
 

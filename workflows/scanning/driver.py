@@ -15,10 +15,10 @@ from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.run.directory import held
-from granwave.workflows.run.mpi import Interrupts
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.batches import Outlook, make_batches, start_of_job

@@ -192,7 +192,7 @@ def peak_forces(result: Result, unit: float) -> PeakForces:
     force = (result["contacts/peak_force"] / unit).tolist()
     depth = result["spheres/position"][result.ends, 2].mean(axis=1) - result.origin[2]
     inside = np.flatnonzero(in_cone(result)[result.ends].all(axis=1))
-    along = np.nanmax(rays(result).peak_force, axis=1) / unit
+    along = np.fmax.reduce(rays(result).peak_force, axis=1) / unit  # NaN where no ray has a contact
     return PeakForces(dict(zip(pairs, force, strict=True)), along, {pairs[k]: float(depth[k]) for k in inside})
 
 

@@ -83,7 +83,7 @@ class Window:
                 rates = self.accelerations(count * self.step)
 
     def accelerations(self, now):
-        """Of beads, and of small spheres along the row and outward; peaks are kept."""
+        """Return accelerations of beads, and of small spheres along the row and outward; peaks are kept."""
         overlap = np.maximum(self.z[:, :-1] - self.z[:, 1:], 0.0)
         push = K_BEADS * overlap * np.sqrt(overlap)
         higher = push > self.peak

@@ -1,0 +1,54 @@
+"""Ctrl-C and SIGTERM that wait, or are counted, instead of stopping the program at once."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+from collections.abc import Callable, Iterator
+from typing import Any, Self
+
+
+class Interrupts:
+    """Ctrl-C and SIGTERM, which do not stop the program within a ``with`` block.
+
+    Parameters
+    ----------
+    on_signal
+        Function called at each signal.
+    """
+
+    def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
+        self.numbers: list[int] = []  # of the signals that came
+        self._on_signal = on_signal
+        self._before: dict[int, Any] = {}
+
+    @property
+    def count(self) -> int:
+        """Number of signals that came."""
+        return len(self.numbers)
+
+    def __enter__(self) -> Self:
+        with contextlib.suppress(ValueError):  # only the main thread can handle signals
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._note)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, number: int, _: object) -> None:
+        self.numbers.append(number)
+        self._on_signal()
+
+
+@contextlib.contextmanager
+def held_back() -> Iterator[None]:
+    """Let Ctrl-C and SIGTERM wait for the end of the block."""
+    waiting = Interrupts()
+    try:
+        with waiting:
+            yield
+    finally:
+        for number in waiting.numbers[:1]:
+            signal.raise_signal(number)
