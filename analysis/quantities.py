@@ -255,6 +255,7 @@ ENTRIES = (
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
              "When the force on the bottom has first risen by 1 % of its largest rise."),
+    Quantity("target_peak_force_N", "Peak force on the target", "That on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target"),
     Quantity("energy_target_J", "Work on the target",
              "Work that the packing did on the bottom up to the end; none on a bottom that does not move."),

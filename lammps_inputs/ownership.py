@@ -20,6 +20,7 @@ GROUPS = {
     run_directory.SUITE: "a suite of scans",
     run_directory.SPECTRA: "bands or modes",
     run_directory.INFERENCE: "inferred forces",
+    run_directory.DESIGN: "a search for a design",
 }  # what a directory holds, one group each
 _SHOWN = 3  # names in a message
 _WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in run_directory.SCAN_WORK

@@ -79,6 +79,7 @@ SPECTRA_KINDS = ("bands", "modes", "transmission")
 # Kinds of results.
 RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
 INFERENCE, SPECTRA = "inference", "spectra"
+DESIGN = "design"
 
 
 @dataclasses.dataclass

@@ -20,6 +20,7 @@ workflows/__main__
 workflows/cli workflows/python
 workflows/bench
 workflows/inference workflows/spectra
+workflows/design
 workflows/scanning
 workflows/run
 workflows/library

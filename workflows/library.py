@@ -18,7 +18,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 CASES, SCANS = "cases", "scans"
-SCAN = "scan"  # command that runs scans
+SCAN, DESIGN = "scan", "design"  # commands that run scans, and searches for a design
 _PACKINGS, _CHAINS, _ELEMENTS = "Packings", "Chains and single contacts", "Finite elements (granwave continuum)"
 _SCANS, _SUITES = "Scans", "Suites of scans"
 GROUPS = (_PACKINGS, _CHAINS, _ELEMENTS, _SCANS, _SUITES)  # of the list of built-in studies
@@ -115,8 +115,10 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
 
 
 def verb_of(path: Path) -> str:
-    """Return the command that runs a file: run, continuum or scan."""
+    """Return the command that runs a file: run, continuum, scan or design."""
     tables = read_toml(path)
+    if "base" in tables and "variables" in tables:
+        return DESIGN
     of_scan = any(name in tables for name in _OF_SCAN) and not any(name in tables for name in _OF_CASE)
     return SCAN if of_scan else solver_of(tables).verb
 
@@ -126,8 +128,8 @@ def _all_names() -> list[str]:
 
 
 def _other_word(study: str, found: str, wanted: str) -> InputError:
-    nouns = _NOUNS if SCAN not in (found, wanted) else dict.fromkeys(_NOUNS, "a case")
-    nouns = nouns | {SCAN: "a scan"}
+    nouns = _NOUNS if not {SCAN, DESIGN} & {found, wanted} else dict.fromkeys(_NOUNS, "a case")
+    nouns = nouns | {SCAN: "a scan", DESIGN: "a search for a design"}
     return InputError(f"{study}: is {nouns[found]}, expected {nouns[wanted]}: granwave {found} {study}")
 
 

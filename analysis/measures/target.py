@@ -111,6 +111,7 @@ def protection(result: Result) -> dict[str, Any]:
 
     at_rest = 0.0 if "walls/bottom" in result else None  # what does not move takes no energy
     return {
+        "target_peak_force_N": found.peak_force if found else None,
         "ground_peak_force_N": found.ground_peak_force if found else None,
         "target_peak_displacement_m": float(np.abs(found.displacement).max())
         if found is not None and found.displacement is not None

@@ -286,7 +286,7 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
         raise InputError(
             f"{path / f'{kind}.json'}: cannot be read; make it anew with  granwave {kind} CASE -o {path} --force"
         )
-    return Run(label, "spectra", path, "done", {**values, "kind": kind, "versions": versions}, _by_key(tables), {})
+    return Run(label, "spectra", path, "done", {**values, "kind": kind, "versions": versions}, by_key(tables), {})
 
 
 def _summary(path: Path) -> dict[str, Any]:
@@ -326,7 +326,7 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     check_case(path)
     if changed := changed_result(path):
         raise InputError(changed)
-    case = _by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
+    case = by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
     record = read_json(path / RECORD_FILE) or {}
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
@@ -341,7 +341,7 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     )
 
 
-def _by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
+def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a case by dotted key."""
     found: dict[str, Any] = {}
     for name, value in tables.items():

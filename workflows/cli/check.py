@@ -35,7 +35,11 @@ _LOSSES = {"time_s": "time {:.4g} s", "dashpot": "dashpot {:.4g}"}
 
 def check(options: argparse.Namespace) -> int:
     """Plan a case and check that this machine can run it; return the exit status."""
-    path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb)
+    path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb, library.DESIGN)
+    if library.verb_of(path) == library.DESIGN:
+        from granwave.workflows.cli.design import plan_of_design  # loads SciPy, which takes longer than most checks
+
+        return plan_of_design(path, options)
     kind = solver_of(read_toml(path))
     case = kind.load(path, options.overrides)
     expected = kind.cost(case, options.ranks, True)

@@ -25,14 +25,15 @@ from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.terminal import BOLD, coloured
+from granwave.workflows.design.design_file import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
-CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE = FILES = (
-    "case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference",
+CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE, DESIGN = FILES = (
+    "case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference", "design",
 )  # fmt: skip
 #: What each kind of file is, and the command that reads it.
 TITLES = {
@@ -43,6 +44,7 @@ TITLES = {
     SUITE: "Suites of scans (granwave scan)",
     PROFILE: "Profiles of a cluster (granwave scan --profile)",
     INFERENCE: "Cases of inferred forces (granwave infer --case)",
+    DESIGN: "Searches for a design (granwave design)",
 }
 _MATERIAL = "the name of a material, or a table of its values as in [material]"
 _TABLE_OF_KEYS = "a table of dotted keys of the case"
@@ -116,6 +118,7 @@ def tables() -> tuple[Table, ...]:
         _of_section(SUITE, "", SuiteFile),
         _of_section(PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"),
         *(_of_section(INFERENCE, f"[{name}]", section) for name, section in InferCase.SECTIONS.items()),
+        *(_of_section(DESIGN, heading, section, what) for heading, (section, what) in DESIGN_TABLES.items()),
     )
 
 
@@ -342,5 +345,17 @@ _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
         Key("grid", "values of which every combination is a point", _LISTS_OF_VALUES),
         Key("zip", "tables [[zip]] of values that vary together, beside the grid", _LISTS_OF_VALUES + ", equally long"),
         Key("points", "tables [[points]], each a single point", _TABLE_OF_KEYS),
+    ),
+    (DESIGN, "design"): (
+        Key("set", "values that hold for all designs", _TABLE_OF_KEYS),
+        Key("variables", "what may vary: places in lists from 0, replace.ID.KEY of single grains, layers of a chain",
+            "for each key a list of choices, or {low = ..., high = ...} with log, integer or step", required=True),
+        Key("limits", "what a design must keep to: mass_kg, height_m, width_m, n_spheres, smallest_diameter_m, "
+            "yielded_share, or a value of summary.json",
+            "for each value the largest allowed one, or {low = ..., high = ...}"),
+    ),
+    (DESIGN, "uncertainty"): (
+        Key("velocity", "range of load.velocity; any key of a case likewise", "[smallest, largest], or one number"),
+        Key("tolerance", "the same of packing.diameter_scatter, m", "[smallest, largest], or one number"),
     ),
 }  # fmt: skip

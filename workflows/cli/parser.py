@@ -196,6 +196,15 @@ COMMANDS = (
         _flag("--plan", "say what the scan would be, and run nothing"),
         _json("the plan, or at the end all points and their values,"), _RESUME_OR_FORCE,
     )),
+    Command("design", _RUNNING, "search for the best packing: variables, limits, an objective, checks of the best",
+            "design.design", (
+        _option("file", type=input_name, metavar="FILE", help="a design file: base, variables, limits, objective"),
+        _directory(), _RANKS,
+        _option("--jobs", type=positive, metavar="N", help="runs at once (default: the cores of this machine)"),
+        _option("--budget", type=positive, metavar="N",
+                help="designs to run, in place of search.evaluations of the file"),
+        _json("the best design and its checks"), _RESUME_OR_FORCE,
+    )),
     Command("continuum", _RUNNING, "the continuum reference: a rigid punch on an elastic-plastic block",
             "running.continuum", (_CASE, _SET, _directory(), _NO_FIGURES, _json("the summary"), _RESUME_OR_FORCE)),
     Command("write", _RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "running.write", (

@@ -31,6 +31,7 @@ from granwave.workflows.python.contacts import (
     contact_stiffness,
     contact_yield,
 )
+from granwave.workflows.python.design import Designs, design
 from granwave.workflows.python.inference import InferredForces, infer
 from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan, words_of_python
 from granwave.workflows.python.spectra import bands, modes, transmission
@@ -40,6 +41,7 @@ from granwave.workflows.solvers import GRANULAR
 
 __all__ = [
     "Case",
+    "Designs",
     "GranwaveError",
     "InferredForces",
     "InputError",
@@ -57,6 +59,7 @@ __all__ = [
     "contact_overlap",
     "contact_stiffness",
     "contact_yield",
+    "design",
     "infer",
     "load",
     "modes",

@@ -1,0 +1,268 @@
+"""Report of a search for the best design: the answer, what the checks found, the ten best, and how they were found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.ticker import MaxNLocator
+
+from granwave.analysis.document.cells import case_column, label_of, show, text_table, unit_of_value, value_cell
+from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Report, Section, Table, cleaned
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.figures.packing3d import packing_3d
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Drawing,
+    FigureFolder,
+    NotDrawn,
+    attempt,
+    legend_above,
+    new_figure,
+    style,
+)
+from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.reports.figures import picture_of
+from granwave.analysis.reports.inputs import by_key
+from granwave.analysis.reports.setting import quantity_in, setting_of
+from granwave.analysis.reports.writers import html_page
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.directories import read_summary
+from granwave.lammps_inputs.files import read_json, read_toml, replace_text
+from granwave.lammps_inputs.run_directory import CASE_FILE, SCAN_REPORT
+
+DESIGNS, OUTCOME = "designs.csv", "design.json"
+_MOST_ROWS = 10
+_CAPTIONS = {
+    "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
+    "convergence": "Objective of each design in the order of the search, the best so far, and the best of as many "
+    "designs at random, as the model of the search expects it",
+    "front": "All designs that were run: those of the front are better than every other in at least one objective",
+    "importance": "Share of the variance of the objective that each variable makes alone, by the model of the search",
+    "coordinates": "Values of all designs that were run, scaled to their ranges; the darker, the better, and the best "
+    "in orange",
+}
+
+
+def write_design_report(directory: Path) -> Path:
+    """Write report.html of a search, of its design.json and designs.csv, and its figures; return the path."""
+    found = read_json(directory / OUTCOME) or {}
+    table = pd.read_csv(directory / DESIGNS)
+    output = directory / SCAN_REPORT
+    report = Report(f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory)))
+    replace_text(output, html_page(cleaned(report)))
+    return output
+
+
+def _lead(found: Mapping[str, Any]) -> str:
+    goals = " and ".join(f"the {which} {label_of(name).lower()}" for name, which in found["objectives"].items())
+    of = f" of {found['designs']} designs" if found["designs"] else ""
+    return f"Search for {goals}: {found['evaluations']}{of} were run"
+
+
+def _sections(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> list[Section]:
+    best = found["best"]
+    drawn = _drawn(found, table, directory)
+    sections = [Section("Answer", "answer", tuple(_answer(found, directory, drawn)))]
+    if best:
+        sections.append(Section("The best designs", "best", (_best_table(found, table),)))
+        sections.append(Section("Checks of the best", "checks", (_checks(best["guards"]),)))
+    figures = tuple(drawn[name] for name in ("convergence", "front", "importance", "coordinates") if name in drawn)
+    sections.append(Section("The search", "search", (*([Gallery(figures)] if figures else []), _cost(found))))
+    return sections
+
+
+def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figure]) -> list[Block]:
+    best = found["best"]
+    if best is None:
+        return [Note("No design that was run meets the limits; designs.csv tells how far each is from them.", "bad")]
+    blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
+    blocks += [Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note") for one in best["guards"] if one["warning"]]
+    if "packing" in drawn:
+        blocks.append(Gallery((drawn["packing"],)))
+    return blocks
+
+
+def answer_of(found: Mapping[str, Any], directory: Path) -> str:
+    """Return the best design and its objective in a sentence."""
+    best = found["best"]
+    place = directory / best["directory"]
+    case, summary = by_key(read_toml(place / CASE_FILE)), read_summary(place)
+    values = []
+    for name, value in best["objective"].items():
+        ends = best.get("spread", {}).get(name)
+        unit = unit_of_value(name)
+        spread = f" ({show(ends[0])} to {show(ends[1])} in {len(ends)} runs)" if ends else ""
+        values.append(f"{label_of(name).lower()} {quantity_in(value, unit) if unit else show(value)}{spread}")
+    reduction = summary.get("peak_reduction")
+    less = f", {reduction:.3g} times less than without the packing" if reduction else ""
+    chosen = ", ".join(f"{key} {show(value)}" for key, value in best["variables"].items())
+    where = f"{show(best['mass_kg'])} kg, {quantity_in(best['height_m'], 'm')} high"
+    return f"{chosen} ({setting_of(case)}): {' and '.join(values)}{less}; {where}."
+
+
+def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
+    """Return the ten best designs, or the front, with what varies, mass, height and objectives."""
+    objectives, keys = list(found["objectives"]), list(found["best"]["variables"])
+    complete = table[table["state"] == "complete"]
+    if found["front"]:
+        rows = complete[complete["number"].isin([one["number"] for one in found["front"]])].sort_values(objectives[0])
+    else:
+        ascending = found["objectives"][objectives[0]] == "smallest"
+        rows = complete.sort_values(objectives[0], ascending=ascending, kind="stable").head(_MOST_ROWS)
+    known = ["mass_kg", "height_m"]
+    spread = [f"{name}_{end}" for name in objectives for end in ("low", "high") if f"{name}_{end}" in table]
+    heads = [Column("Design", key=True)]
+    heads += [Column(label_of(name), unit_of_value(name), numeric=True) for name in objectives]
+    heads += [Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True) for name in spread]
+    heads += [Column("Mass", "kg", numeric=True), Column("Height", "m", numeric=True)]
+    heads += [case_column(key, "", numeric=False) for key in keys]
+    cells = tuple(
+        tuple(value_cell(_plain(row[name])) for name in ("number", *objectives, *spread, *known, *keys))
+        for _, row in rows.iterrows()
+    )
+    return Table("Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True)
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value
+
+
+def _checks(guards: Sequence[Mapping[str, Any]]) -> Table:
+    rows = [
+        (Cell(one["what"]), Cell(one["text"].removeprefix(f"{one['what']}: "), tone="note" if one["warning"] else ""))
+        for one in guards
+    ]
+    return text_table("What was changed or looked at, and what came of it", ("Check", "Found"), rows)
+
+
+def _cost(found: Mapping[str, Any]) -> Table:
+    states = ", ".join(f"{count} {state}" for state, count in found["states"].items())
+    rows = [("Designs", states), ("Time of all runs", duration(found["seconds"]))]
+    rows += [(name, version) for name, version in found["versions"].items() if name in ("granwave", "lammps", "python")]
+    return text_table("Cost and versions", ("", ""), rows)
+
+
+# ---------------------------------------------------------------------- figures
+
+
+def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> dict[str, Figure]:
+    """Draw the figures of a search and save them; return them by name."""
+    ran = table[table["state"].isin(["complete", "refused"])].dropna(subset=list(found["objectives"]))
+    folder = FigureFolder(directory)
+    makers = {
+        "packing": lambda: _packing(found, directory),
+        "convergence": lambda: _convergence(found, ran),
+        "front": lambda: _front(found, ran),
+        "importance": lambda: _importance(found),
+        "coordinates": lambda: _coordinates(found, ran),
+    }
+    figures = {}
+    with style():
+        for name, make in makers.items():
+            drawing = attempt(f"figure {name}", make)
+            folder.save(drawing, name, formats=())
+            if isinstance(drawing, Drawing):
+                figures[name] = picture_of(drawing, name, _CAPTIONS[name])
+    return figures
+
+
+def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | NotDrawn | None:
+    if not found["best"]:
+        return None
+    try:
+        with Result(directory / found["best"]["directory"]) as result:
+            return packing_3d(result)
+    except (MissingOutputError, OutputFormatError):
+        return None
+
+
+def _axis(name: str) -> str:
+    unit = unit_of_value(name)
+    return f"{label_of(name)} ({unit})" if unit else label_of(name)
+
+
+def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    if len(found["objectives"]) > 1 or not len(ran):
+        return None
+    ((name, which),) = found["objectives"].items()
+    values = ran[name].where(ran["state"] == "complete").to_numpy(float)
+    so_far = np.fmin.accumulate(values) if which == "smallest" else np.fmax.accumulate(values)
+    number = np.arange(1, len(ran) + 1)
+    figure = new_figure(2.6)
+    axes = figure.subplots()
+    axes.plot(number, ran[name], ".", color=GREY, label="designs")
+    axes.step(number, so_far, where="post", color=BLUE, label="best so far")
+    columns = {"number": number, name: ran[name], "best_so_far": so_far}
+    if found.get("random"):
+        random = np.array(found["random"])
+        axes.plot(np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected")
+        columns["random_expected"] = random
+    if (ran[name] > 0).all() and ran[name].max() > 3 * ran[name].min():
+        axes.set_yscale("log")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set(xlabel="Designs run", ylabel=_axis(name))
+    legend_above(axes, 3)
+    return Drawing(figure, columns)
+
+
+def _front(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    if not found["front"]:
+        return None
+    x, y = found["objectives"]
+    front = [[one["objective"][name] for one in found["front"]] for name in (x, y)]
+    figure = new_figure(2.8)
+    axes = figure.subplots()
+    axes.plot(ran[x], ran[y], ".", color=GREY, label="designs")
+    axes.plot(*front, "o-", color=BLUE, label="front")
+    axes.set(xlabel=_axis(x), ylabel=_axis(y))
+    legend_above(axes, 2)
+    return Drawing(figure, {x: ran[x], y: ran[y], f"front_{x}": front[0], f"front_{y}": front[1]})
+
+
+def _importance(found: Mapping[str, Any]) -> Drawing | None:
+    shares = found["importance"]
+    if not shares:
+        return None
+    figure = new_figure(0.8 + 0.22 * len(shares))
+    axes = figure.subplots()
+    names = list(shares)[::-1]
+    axes.barh(names, [shares[name] for name in names], color=BLUE)
+    axes.set(xlabel="Share of variance", xlim=(0, 1))
+    return Drawing(figure, {"variable": list(shares), "share": list(shares.values())})
+
+
+def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    if not found["best"] or len(ran) < 3:
+        return None
+    keys = list(found["best"]["variables"])
+    (name, which), *_ = found["objectives"].items()
+    scaled = pd.DataFrame({key: _scaled(ran[key]) for key in (*keys, name)})
+    goodness = 1 - scaled[name] if which == "smallest" else scaled[name]
+    figure = new_figure(3.2, width=max(3.4, 0.7 * len(keys) + 1.5))
+    axes = figure.subplots()
+    places = range(len(keys) + 1)
+    for row, good, number in zip(scaled.to_numpy(), goodness, ran["number"], strict=True):
+        chosen = number == found["best"]["number"]
+        axes.plot(
+            places,
+            row,
+            color=ORANGE if chosen else BLUE,
+            alpha=1.0 if chosen else 0.1 + 0.6 * good**3,
+            lw=2 if chosen else 0.8,
+        )
+    axes.set_xticks(places, [*keys, label_of(name)], rotation=30, ha="right")
+    axes.set(ylabel="Value, from smallest to largest", yticks=[0, 1])
+    return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
+
+
+def _scaled(column: pd.Series[Any]) -> np.ndarray:
+    """Return numbers from 0 to 1, words by their order."""
+    numbers = column.to_numpy(float) if pd.api.types.is_numeric_dtype(column) else pd.factorize(column, sort=True)[0]
+    span = np.ptp(numbers)
+    return (numbers - numbers.min()) / span if span else np.full(len(numbers), 0.5)

@@ -1,0 +1,123 @@
+"""Command ``granwave design``: plan and outcome of a search in the terminal."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.quantities import quantity
+from granwave.analysis.summary_table import lines
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.workflows.cli.terminal import print_json
+from granwave.workflows.design.design_file import Problem, load_problem
+from granwave.workflows.design.driver import REFUSED, examined, first_design, run_design
+from granwave.workflows.design.search import random_designs
+from granwave.workflows.design.study import OUTCOME, REPORT, Study
+
+_DRAWN = 64  # designs that a plan is made of
+
+
+def design(options: argparse.Namespace) -> int:
+    """Search for the best design; return the exit status."""
+    problem = load_problem(options.file, options.budget)
+    directory = results_directory(options.directory or problem.name)
+    jobs = options.jobs or max(1, len(os.sched_getaffinity(0)) // options.ranks)
+    values = plan_values(problem, jobs, options.ranks)
+    if not options.json:
+        print(plan_text(problem, values), flush=True)
+    outcome = run_design(
+        problem,
+        directory,
+        jobs=options.jobs,
+        ranks=options.ranks,
+        resume=options.resume,
+        force=options.force,
+        progress=True,
+    )
+    found = read_json(directory / OUTCOME)
+    if outcome.interrupted or found is None:
+        print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+        return 130
+    print_json(found) if options.json else print(outcome_text(found, str(directory / REPORT)))
+    if outcome.best is None:
+        print("granwave: no design that was run meets the limits; designs.csv tells why", file=sys.stderr)
+    elif outcome.n_failed:
+        print(f"granwave: {outcome.n_failed} designs failed; designs.csv tells why", file=sys.stderr)
+    return 0 if outcome.best is not None and not outcome.n_failed else 1
+
+
+def plan_of_design(path: Path, options: argparse.Namespace) -> int:
+    """Say what a search would be, as ``granwave check``; return the exit status."""
+    if options.overrides:
+        raise InputError(f"--set: {path} is a search for a design; set keys in its [set]")
+    problem = load_problem(path)
+    first_design(Study(problem, Path(problem.name)))
+    values = plan_values(problem, max(1, len(os.sched_getaffinity(0)) // options.ranks), options.ranks)
+    print_json(values) if options.json else print(plan_text(problem, values))
+    return 0
+
+
+def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
+    """Return the values of a planned search; units are part of the names."""
+    designs = [
+        examined(problem, n, values)
+        for n, values in zip(range(_DRAWN), random_designs(problem.space, problem.search.seed), strict=False)
+    ]
+    fit = [one for one in designs if one.state != REFUSED]
+    times = [plan(problem.case(problem.tables_of(one.values)), n_ranks=ranks).wall_time for one in fit[:8]]
+    size = problem.space.size
+    n = min(problem.search.evaluations, size)
+    return {
+        "name": problem.name,
+        "variables": [one.key for one in problem.space.variables],
+        "n_designs": None if size == float("inf") else int(size),
+        "share_within_limits": len(fit) / len(designs),
+        "evaluations": problem.search.evaluations,
+        "runs_each": len(problem.samples),
+        "jobs": jobs,
+        "wall_time_s": n * len(problem.samples) * sum(times) / len(times) / jobs if times else None,
+    }
+
+
+def plan_text(problem: Problem, values: dict[str, Any]) -> str:
+    """Return the table of a planned search."""
+    goals = [f"{'smallest' if one.sign > 0 else 'largest'} {one.name}" for one in problem.objectives]
+    n, seconds = values["n_designs"], values["wall_time_s"]
+    return lines(
+        [
+            ("design", problem.name),
+            ("wanted", " and ".join(goals)),
+            ("variables", ", ".join(values["variables"])),
+            ("designs", f"{n}" if n is not None else "without number: ranges are continuous"),
+            ("within limits", f"{100 * values['share_within_limits']:.0f} % of designs at random"),
+            ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
+            *([("expected time", f"about {duration(seconds)}, without the checks of the best")] if seconds else []),
+        ]
+    )
+
+
+def outcome_text(found: dict[str, Any], report: str) -> str:
+    """Return the best design, what was found about it, and where the rest is."""
+    best = found["best"]
+    if best is None:
+        return f"no design meets the limits; report in {report}"
+    rows = [("best design", f"number {best['number']}, of {found['evaluations']} that were run; in {best['directory']}")]
+    rows += [(key, show(value)) for key, value in best["variables"].items()]
+    for name, value in best["objective"].items():
+        ends = best.get("spread", {}).get(name)
+        spread = f" ({ends[0]:.4g} to {ends[1]:.4g})" if ends else ""
+        rows.append((quantity(name).label or name, f"{value:.5g}{spread}"))
+    rows += [("mass", f"{best['mass_kg']:.4g} kg"), ("height", f"{best['height_m']:.4g} m")]
+    text = lines(rows)
+    for one in best["guards"]:
+        if one["warning"]:
+            text += f"\nnote: {one['text']}"
+    return f"{text}\n\nten best: best-1.toml ...; report in {report}"

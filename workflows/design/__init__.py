@@ -1,0 +1,1 @@
+"""Search for the best packing: variables, limits, objective, evaluations, guards."""

@@ -1,0 +1,510 @@
+"""A design file: a case, what may vary, limits, objectives, uncertainty, and the cases that follow from it."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.scans.result import SEED
+from granwave.lammps_inputs.case.case import Case, case_keys
+from granwave.lammps_inputs.case.parse import apply_overrides
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    choice,
+    count,
+    custom,
+    did_you_mean,
+    finite,
+    plain_name,
+    read_table,
+    show,
+    text,
+    whole,
+)
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.workflows import library
+from granwave.workflows.design.variables import Space, Values, Variable, read_variables
+from granwave.workflows.scanning.header import flat
+from granwave.workflows.solvers import GRANULAR, solver_of
+
+_LOG = logging.getLogger("granwave")
+
+LAYERS = "layers"  # of [variables]: materials and diameters of each layer or bead
+_REPLACE = "replace"
+_ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
+#: Values of a packing that limits may concern and that are known before a run.
+KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
+_DERIVED = ("yielded_share",)  # values that are made of those of the summary
+_OF_TARGET = ("target_*", "wall_peak_force_N", "wall_impulse_Ns", "ground_*", "peak_reduction*", "unprotected_*")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Header:
+    """Top-level keys of a design file."""
+
+    name: str = custom("name of the search", plain_name, default="")
+    base: str = text("the case that is varied: a built-in study or a case file")
+
+
+def _parse_names(value: Any) -> tuple[str, ...]:
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not 1 <= len(names) <= 2 or not all(isinstance(name, str) for name in names):
+        raise ValidationError('the name of a value of summary.json, such as "target_peak_force_N", or a list of two')
+    for name in names:
+        if not _is_value(name):
+            raise ValidationError(f"the name of a value of summary.json{did_you_mean(name, _value_names())}")
+    return tuple(names)
+
+
+def _value_names() -> list[str]:
+    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES)]
+
+
+def _is_value(name: str) -> bool:
+    return any(fnmatchcase(name, known) for known in _value_names())
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ObjectiveTable:
+    """``[objective]``: what the best design has; two values in all make a Pareto front."""
+
+    minimise: tuple[str, ...] = custom("values that are to be small", _parse_names, default=())
+    maximise: tuple[str, ...] = custom("values that are to be large", _parse_names, default=())
+
+
+def _parse_statistic(value: Any) -> str | float:
+    expected = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
+    if value in ("mean", "worst"):
+        return str(value)
+    if isinstance(value, str) or not 0 < finite(value, expected) < 1:
+        raise ValidationError(expected)
+    return float(value)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class UncertaintyTable:
+    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case drawn from ranges."""
+
+    replicates: int = count("runs of each design", default=3, at_most=1000)
+    statistic: str | float = custom("objective made of the runs", _parse_statistic, default="mean")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SearchTable:
+    """``[search]``: how long and how."""
+
+    evaluations: int = count("designs that are run; refused ones do not count", default=60, at_most=100_000)
+    seed: int = custom(
+        "seed of the search", lambda value: whole(value, "a whole number from 0 up", at_least=0), default=1
+    )
+    sampler: str = choice(
+        "model: a Gaussian process of the objective; random: for comparison", ("model", "random"), default="model"
+    )
+    guards: bool = choice("checks of the best design by further runs", (True, False), default=True)
+
+
+#: Tables of a design file: class and description.
+DESIGN_TABLES: dict[str, tuple[type, str]] = {
+    "": (Header, "top-level keys, what may vary, and limits"),
+    "[objective]": (ObjectiveTable, "what the best design has; two values in all make a Pareto front"),
+    "[uncertainty]": (UncertaintyTable, "several runs of each design, with other seeds and keys drawn from ranges"),
+    "[search]": (SearchTable, "how long and how the search goes"),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Limit:
+    """Bounds of a value; None where there is none."""
+
+    name: str
+    low: float | None
+    high: float | None
+
+    def margin(self, value: float) -> float:
+        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is within."""
+        return max(
+            (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
+             if bound is not None),
+            default=0.0,
+        )  # fmt: skip
+
+    def fault(self, value: float) -> str:
+        """Say how a value is beyond its bounds; empty if it is within."""
+        if self.high is not None and value > self.high:
+            return f"{self.name} {value:.4g}, at most {self.high:g}"
+        if self.low is not None and value < self.low:
+            return f"{self.name} {value:.4g}, at least {self.low:g}"
+        return ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """A value of a summary; ``sign`` is 1 if it is to be small, -1 if it is to be large."""
+
+    name: str
+    sign: int
+
+    def loss(self, value: float) -> float:
+        """Return the number that is to be small, positive for a positive value."""
+        return value if self.sign > 0 else (1 / value if value > 0 else -value)
+
+
+@dataclasses.dataclass(frozen=True)
+class Problem:
+    """A checked design file.
+
+    Attributes
+    ----------
+    base
+        Tables of the case, with those of ``[set]``.
+    path
+        Design file; its folder is that of relative paths.
+    tables
+        Tables of the file, for comparison on a resumed search.
+    samples
+        Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
+    layers
+        Materials and relative diameters of ``layers``; empty without it.
+    """
+
+    name: str
+    base: dict[str, Any]
+    path: Path
+    tables: dict[str, Any]
+    space: Space
+    limits: tuple[Limit, ...]
+    objectives: tuple[Objective, ...]
+    search: SearchTable
+    statistic: str | float = "mean"
+    samples: tuple[dict[str, Any], ...] = ({},)
+    ignored: tuple[str, ...] = ()
+
+    def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the tables of the case of a design."""
+        found = with_values(self.base, values)
+        return apply_overrides(found, sample) if sample else found
+
+    def case(self, tables: Mapping[str, Any]) -> Case:
+        """Read a case; raise InputError if it is wrong."""
+        case: Case = GRANULAR.read(tables, self.path)
+        return case
+
+    def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
+        """Return the mean, the worst or a quantile of the values of the runs of a design."""
+        if self.statistic == "mean":
+            return float(np.mean(values))
+        if self.statistic == "worst":
+            return max(values) if objective.sign > 0 else min(values)
+        share = float(self.statistic)
+        return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
+
+
+def known_before(case: Case) -> dict[str, float]:
+    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
+    assembly = assemble(case)
+    n = assembly.lattice.n_spheres
+    diameters, positions = assembly.sphere_diameters()[:n], assembly.positions()[:n]
+    spans = (positions + diameters[:, None] / 2).max(axis=0) - (positions - diameters[:, None] / 2).min(axis=0)
+    return {
+        "mass_kg": float(assembly.sphere_masses()[:n].sum()),
+        "height_m": float(spans[2]),
+        "width_m": float(spans[:2].max()),
+        "n_spheres": float(n),
+        "smallest_diameter_m": float(diameters.min()),
+    }
+
+
+# ---------------------------------------------------------------------- values into a case
+
+
+def with_values(tables: Mapping[str, Any], values: Values) -> dict[str, Any]:
+    """Return the tables of a case with the values of a design.
+
+    Parts of a key that are numbers are places in a list, from 0; after ``replace`` the id of a grain, whose entry of
+    ``[[replace]]`` is changed or added.
+
+    Raises
+    ------
+    InputError
+        Part of a key is no table or list, or there is no such place.
+    """
+    found = copy.deepcopy(dict(tables))
+    errors = []
+    # whole tables first, then keys inside them
+    for key in sorted(values, key=lambda key: key.count(".")):
+        try:
+            _set(found, key.split("."), values[key])
+        except ValidationError as error:
+            errors.append(f"{key}: {error}")
+    if errors:
+        raise InputError(errors)
+    return found
+
+
+def _set(table: Any, path: Sequence[str], value: Any) -> None:
+    name, rest = path[0], path[1:]
+    if name == _REPLACE and len(rest) == 2 and rest[0].isdigit():
+        entries = table.setdefault(_REPLACE, [])
+        grain = int(rest[0])
+        own = next((one for one in entries if one.get("index") in (grain, [grain])), None)
+        if own is None:
+            entries.append(own := {"index": grain})
+        own[rest[1]] = copy.deepcopy(value)
+        return
+    place: Any = name
+    if isinstance(table, list):
+        if not name.isdigit() or int(name) >= len(table):
+            raise ValidationError(
+                f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
+            )
+        place = int(name)
+    elif not isinstance(table, dict):
+        raise ValidationError(f"found {show(table)} in the case, expected a table or a list")
+    if not rest:
+        table[place] = copy.deepcopy(value)
+        return
+    if isinstance(table, dict):
+        inner = table.setdefault(name, {})
+        if name == "material" and isinstance(inner, str):
+            table[name] = {"preset": inner}
+    _set(table[place], rest, value)
+
+
+# ---------------------------------------------------------------------- reading
+
+
+def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = None) -> Problem:
+    """Read a design file.
+
+    Parameters
+    ----------
+    source
+        Path of the file, or its tables.
+    budget
+        Number of designs to run, in place of that of the file.
+
+    Raises
+    ------
+    InputError
+        The file or its case is wrong; the message has a line for each fault.
+    """
+    path = Path("design") if isinstance(source, Mapping) else Path(source)
+    data: dict[str, Any] = copy.deepcopy(dict(source)) if isinstance(source, Mapping) else read_toml(path)
+    whole_file = copy.deepcopy(data)
+    vocabulary = [f"{table}.{key}" for table in ("set", "variables") for key in case_keys()]
+    errors = ErrorList(str(path), vocabulary=vocabulary)
+    known = ("set", "variables", "limits", "objective", "uncertainty", "search")
+    tables: dict[str, Any] = {name: data.pop(name, {}) for name in known}
+    header = read_table(Header, {"name": path.stem, **data}, "", errors)
+    search = read_table(SearchTable, tables["search"], "search", errors)
+    objective = read_table(ObjectiveTable, tables["objective"], "objective", errors)
+    fixed = flat(tables["set"], "set", errors)
+    base = _base(header, path, fixed, errors)
+    variables = _variables(tables["variables"], base, errors)
+    limits = _limits(tables["limits"], errors)
+    objectives = _objectives(objective, base, errors)
+    statistic, ranges, replicates = _uncertainty(tables["uncertainty"], errors)
+    twice = [one.key for one in variables if one.key in ranges or one.key in fixed]
+    errors.check(*((True, f"variables.{key}", "is given twice, expected it in one table alone") for key in twice))
+    if errors.lines or header is None or search is None:
+        raise InputError(errors.lines)
+    if budget is not None:
+        search = dataclasses.replace(search, evaluations=budget)
+    problem = Problem(
+        name=header.name,
+        base=base,
+        path=path,
+        tables=whole_file,
+        space=Space(tuple(variables)),
+        limits=limits,
+        objectives=objectives,
+        search=search,
+        statistic=statistic,
+    )
+    samples = tuple(_samples(problem, ranges, replicates)) if tables["uncertainty"] else ({},)
+    return dataclasses.replace(problem, samples=samples)
+
+
+def _base(header: Header | None, path: Path, fixed: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    if header is None:
+        return {}
+    try:
+        file = library.find_for(header.base, GRANULAR.verb, directory=path.parent)
+        base = {"name": file.stem, **read_toml(file)}
+        if solver_of(base) is not GRANULAR:
+            raise InputError(f"{header.base}: is a continuum case, expected one that granwave run takes")
+        base = apply_overrides(base, {key: fixed[key] for key in sorted(fixed, key=lambda key: key.count("."))})
+        GRANULAR.read(base, file)
+    except InputError as error:
+        errors.lines += [f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors]
+        return {}
+    return base
+
+
+def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Variable]:
+    if not isinstance(tables, Mapping) or not tables:
+        errors.add("variables", "found none, expected a table of keys of the case, each with choices or a range")
+        return []
+    keys = dict(tables)
+    layers = keys.pop(LAYERS, None)
+    written = {}
+    for key, value in keys.items():
+        nested = isinstance(value, Mapping) and not {"low", "high"} & set(value)
+        written |= {f"{key}.{inner}": held for inner, held in value.items()} if nested else {key: value}
+    found = read_variables(written, "variables", errors)
+    if layers is not None and base:
+        found += _layers(layers, base, errors)
+    names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
+    for one in found:
+        generic = _generic(one.key)
+        if generic not in names and not any(generic.startswith(f"{name}.") for name in names):
+            errors.add(
+                f"variables.{one.key}", f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
+            )
+        elif base:
+            try:
+                with_values(base, {one.key: one.value(0.0)})
+            except InputError as error:
+                errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
+    return found
+
+
+def _generic(key: str) -> str:
+    """Return a key without places in lists."""
+    return ".".join(part for part in key.split(".") if not part.isdigit())
+
+
+def _layers(value: Any, base: Mapping[str, Any], errors: ErrorList) -> list[Variable]:
+    """Return the variables of each bead of a chain: its material, and its diameter over that of the packing."""
+    expected = '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (over packing.diameter), or both'
+    packing = base.get("packing", {})
+    if not isinstance(value, Mapping) or not value or set(value) - {"materials", "diameters"}:
+        errors.add("variables.layers", f"found {show(value)}, expected {expected}")
+        return []
+    if packing.get("kind") != "chain" or not isinstance(packing.get("size"), int):
+        errors.add(
+            "variables.layers", f'found {show(packing.get("kind"))}, expected a base with packing.kind = "chain"'
+        )
+        return []
+    written: dict[str, Any] = {}
+    for n in range(1, packing["size"] + 1):
+        if "materials" in value:
+            written[f"replace.{n}.material"] = value["materials"]
+        if "diameters" in value:
+            ends = value["diameters"]
+            if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(e, int | float) for e in ends):
+                errors.add("variables.layers.diameters", f"found {show(ends)}, expected [smallest, largest]")
+                return []
+            nominal = float(packing.get("diameter", 0.0))
+            written[f"replace.{n}.diameter"] = {"low": ends[0] * nominal, "high": ends[1] * nominal}
+    return read_variables(written, "variables", errors)
+
+
+def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
+    found = []
+    if not isinstance(tables, Mapping):
+        errors.add("limits", f"found {show(tables)}, expected a table of values and their largest allowed ones")
+        return ()
+    for name, value in tables.items():
+        expected = "the largest allowed value, or {low = ..., high = ...}"
+        if not _is_value(name):
+            near = did_you_mean(name, _value_names())
+            errors.add(f"limits.{name}", f"is no value of summary.json, and none of {', '.join(KNOWN_BEFORE)}{near}")
+            continue
+        try:
+            ends = value if isinstance(value, Mapping) else {"high": value}
+            if not ends or set(ends) - {"low", "high"}:
+                raise ValidationError(expected)
+            low, high = (finite(ends[end], expected) if end in ends else None for end in ("low", "high"))
+            if low is not None and high is not None and high < low:
+                raise ValidationError("a high that is not below the low")
+        except ValidationError as error:
+            errors.add(f"limits.{name}", f"found {show(value)}, expected {error}")
+        else:
+            found.append(Limit(name, low, high))
+    return tuple(found)
+
+
+def _objectives(table: ObjectiveTable | None, base: Mapping[str, Any], errors: ErrorList) -> tuple[Objective, ...]:
+    if table is None:
+        return ()
+    found = [Objective(name, 1) for name in table.minimise] + [Objective(name, -1) for name in table.maximise]
+    if not 1 <= len(found) <= 2 or len({one.name for one in found}) < len(found):
+        errors.add(
+            "objective", f"found {len(found)} values, expected one, or two different ones, under minimise or maximise"
+        )
+    bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
+    if bottom in ("free", "periodic") and "bar" not in base:
+        for one in found:
+            if any(fnmatchcase(one.name, pattern) for pattern in _OF_TARGET):
+                errors.add(
+                    "objective",
+                    f"{one.name}: is null without a target: found boundary.bottom = {show(bottom)} in the base, "
+                    'expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}',
+                )
+    return tuple(found)
+
+
+def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, tuple[float, float]], int]:
+    if not isinstance(table, Mapping):
+        errors.add("uncertainty", f"found {show(table)}, expected a table")
+        return "mean", {}, 1
+    names = {field.name for field in dataclasses.fields(UncertaintyTable)}
+    own = read_table(UncertaintyTable, {key: table[key] for key in table if key in names}, "uncertainty", errors)
+    ranges: dict[str, tuple[float, float]] = {}
+    for key, value in flat({key: table[key] for key in table if key not in names}, "uncertainty", errors).items():
+        expected = "a range [smallest, largest], or one number"
+        name = _ALIASES.get(key, key)
+        try:
+            if isinstance(value, Mapping) and set(value) == {"low", "high"}:
+                value = [value["low"], value["high"]]
+            ends = value if isinstance(value, list) else [value, value]
+            if len(ends) != 2:
+                raise ValidationError(expected)
+            low, high = (finite(end, expected) for end in ends)
+            if high < low:
+                raise ValidationError(f"{expected}, the largest not below the smallest")
+        except ValidationError as error:
+            errors.add(f"uncertainty.{key}", f"found {show(value)}, expected {error}")
+            continue
+        known = {_generic(one) for one in case_keys()}
+        if _generic(name) not in known:
+            errors.add(
+                f"uncertainty.{key}", f"is no key of a case{did_you_mean(name, known)}; granwave keys lists them"
+            )
+        ranges[name] = (low, high)
+    return (own.statistic, ranges, own.replicates) if own else ("mean", ranges, 1)
+
+
+def _samples(problem: Problem, ranges: Mapping[str, tuple[float, float]], replicates: int) -> Iterator[dict[str, Any]]:
+    """Give the changes of the case for each run of a design: evenly spread over the ranges, and the seeds."""
+    varied = [key for key, (low, high) in ranges.items() if high > low]
+    middle = {key: (low + high) / 2 for key, (low, high) in ranges.items()}
+    random = is_random(problem.case(apply_overrides(problem.base, middle)))
+    if not random and not varied:
+        _LOG.warning("%s: uncertainty: nothing is random in these packings, so that each is run once", problem.path)
+        replicates = 1
+    rng = np.random.default_rng(problem.search.seed)
+    shares = {key: (rng.permutation(replicates) + 0.5) / replicates for key in varied}
+    for n in range(replicates):
+        drawn = {key: float(share[n]) for key, share in shares.items()}
+        found = {key: low + drawn.get(key, 0.0) * (high - low) for key, (low, high) in ranges.items()}
+        yield {**found, SEED: n + 1} if random else found
+
+
+def to_toml(tables: Mapping[str, Any]) -> str:
+    """Return the text of a case file."""
+    return tomli_w.dumps(dict(tables))

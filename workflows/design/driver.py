@@ -1,0 +1,464 @@
+"""One search from its file to the best designs, checks and report; interrupted ones go on."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import itertools
+import json
+import logging
+import os
+from collections import deque
+from collections.abc import Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.reports.design import write_design_report
+from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
+from granwave.lammps_inputs.run_directory import DESIGN, POINTS
+from granwave.workflows.design import guards
+from granwave.workflows.design.design_file import Problem, known_before, to_toml
+from granwave.workflows.design.points import Ended, Points, load, names
+from granwave.workflows.design.search import expected_random, importance, n_first, ordered
+from granwave.workflows.design.study import (
+    BEST,
+    COMPLETE,
+    FAILED,
+    OUTCOME,
+    PRUNED,
+    REFUSED,
+    REPORT,
+    RUNNING,
+    STUDY,
+    TABLE,
+    Design,
+    Study,
+    read_study,
+)
+from granwave.workflows.run.directory import held
+from granwave.workflows.run.progress import Progress
+from granwave.workflows.run.record import versions
+
+logger = logging.getLogger(__name__)
+
+MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
+_ASKED = 10  # designs that are refused until the model is made anew
+_MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
+_LOST = 1.2  # times the best: a design whose worst run is beyond it is not run further
+_OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
+_FILES = (STUDY, TABLE, OUTCOME, REPORT, *BEST)
+
+
+@dataclasses.dataclass(frozen=True)
+class DesignOutcome:
+    """Outcome of a search.
+
+    Attributes
+    ----------
+    best
+        The best design; None if none meets the limits.
+    n_failed
+        Number of designs whose runs failed.
+    interrupted
+        True if it was stopped before its end.
+    """
+
+    directory: Path
+    best: Design | None
+    n_evaluated: int
+    n_failed: int
+    interrupted: bool
+
+
+def run_design(
+    problem: Problem,
+    directory: str | Path,
+    *,
+    jobs: int | None = None,
+    ranks: int = 1,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool = False,
+) -> DesignOutcome:
+    """Search for the best design, check it by further runs, and write report and cases.
+
+    Parameters
+    ----------
+    directory
+        Directory of the results.
+    jobs
+        Number of simultaneous runs; by default the cores of this machine over the ranks.
+    ranks
+        MPI ranks of each run.
+    resume
+        Go on with an earlier start of the same search.
+    force
+        Replace existing results.
+    progress
+        Show a bar (on a terminal) or lines (in a log).
+
+    Raises
+    ------
+    InputError
+        The directory holds results, another search, or files of others; or no design meets the limits.
+    """
+    directory = results_directory(directory)
+    check_installed()
+    with held(directory), Interrupts() as stop:
+        study = prepare(problem, directory, resume=resume, force=force)
+        jobs = jobs or max(1, len(os.sched_getaffinity(0)) // ranks)
+        return _Search(study, jobs, ranks, stop, show=progress).run()
+
+
+def check_installed() -> None:
+    """Raise InputError if scikit-learn is missing."""
+    from importlib.util import find_spec
+
+    if find_spec("sklearn") is None:
+        raise InputError("granwave design: scikit-learn is not installed; pip install 'granwave[design]'")
+
+
+def prepare(problem: Problem, directory: Path, *, resume: bool, force: bool) -> Study:
+    """Check that the search can be made in a directory, and read what is there; raise as `run_design`."""
+    check_directory(directory, resume=resume, force=force)
+    refuse_other_kind(directory, DESIGN)
+    if not resume and not force:
+        refuse_results(directory)
+    refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
+    study = Study(problem, directory) if force else read_study(problem, directory)
+    first_design(study)
+    if force:
+        clear(directory)
+    claim(directory, _FILES, kind=DESIGN)
+    study.write()
+    return study
+
+
+def first_design(study: Study) -> None:
+    """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
+    if any(design.ran for design in study.designs):
+        return
+    nearest: tuple[float, Design] | None = None
+    faults: dict[str, int] = {}
+    trial = Study(study.problem, study.directory, list(study.designs))
+    for n, values in zip(range(MOST_REFUSED), ordered(*_asked(trial), guided=False), strict=False):
+        design = examined(study.problem, len(trial.designs) + n + 1, values)
+        if design.state != REFUSED:
+            return
+        if design.margins:
+            worst = max(design.margins.values())
+            nearest = min(nearest or (worst, design), (worst, design), key=lambda pair: pair[0])
+        else:
+            faults[design.reason] = faults.get(design.reason, 0) + 1
+    place = study.problem.path
+    if nearest is None:
+        raise InputError([f"{place}: variables: {fault}" for fault in list(faults)[:5]])
+    design = nearest[1]
+    made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
+    raise InputError(
+        f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
+        f"the nearest is {made}: {design.reason}; widen the limits or the ranges"
+    )
+
+
+def _asked(study: Study) -> tuple[Any, Any, int]:
+    return study.problem.space, study.known(), study.problem.search.seed
+
+
+def examined(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
+    """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
+    design = Design(number, dict(values))
+    try:
+        case = problem.case(problem.tables_of(design.values, problem.samples[0]))
+        design.known = known_before(case)
+    except InputError as error:
+        design.state, design.reason = REFUSED, "; ".join(error.errors)
+        return design
+    faults = []
+    for limit in problem.limits:
+        if limit.name in design.known:
+            design.margins[limit.name] = limit.margin(design.known[limit.name])
+            faults.append(limit.fault(design.known[limit.name]))
+    if any(faults):
+        design.state, design.reason = REFUSED, "; ".join(filter(None, faults))
+    return design
+
+
+class _Search:
+    def __init__(self, study: Study, jobs: int, ranks: int, stop: Interrupts, *, show: bool) -> None:
+        self.study, self.problem, self.jobs, self.stop, self.show = study, study.problem, jobs, stop, show
+        self.directory = study.directory
+        self.points = Points(self.directory / POINTS, ranks)
+        self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
+        self.at_work: dict[str, tuple[Design, int]] = {}
+        self.exhausted = False
+
+    def run(self) -> DesignOutcome:
+        """Search, check the best design, and write the results."""
+        load()
+        for design in self.study.designs:
+            if design.state == RUNNING:
+                self._queue(design)
+        with contextlib.closing(self._bar()) as self.bar:
+            while self._fill() and not self.stop.count:
+                self._take()
+            self._stop_runs()
+        self.study.write()
+        best = next(iter(self.study.best()), None)
+        findings: list[guards.Finding] = []
+        if best is not None and not self.stop.count:
+            findings = self._check(best)
+        if not self.stop.count:
+            self._publish(findings)
+        failed = sum(design.state == FAILED for design in self.study.designs)
+        return DesignOutcome(self.directory, best, self.study.n_evaluated, failed, bool(self.stop.count))
+
+    def _bar(self) -> Progress:
+        total = self.problem.search.evaluations
+        return Progress(total, self.problem.name, enabled=self.show, done=self._n_done(), at_most=True)
+
+    def _n_done(self) -> int:
+        return sum(design.ran and design.state != RUNNING for design in self.study.designs)
+
+    # ------------------------------------------------------------------ runs
+
+    def _queue(self, design: Design) -> None:
+        there = names(design.number, self.problem.samples)
+        self.queue.extend((design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {}))
+
+    def _fill(self) -> bool:
+        """Start runs until all jobs are busy; return True while any is."""
+        while len(self.points) < self.jobs and not self.stop.count:
+            if not self.queue and not self._choose():
+                break
+            design, n = self.queue.popleft()
+            name = names(design.number, self.problem.samples)[n]
+            run = design.runs.setdefault(name, {"longer": 1.0})
+            tables = self.problem.tables_of(design.values, self.problem.samples[n])
+            if run["longer"] > 1:
+                tables = guards.longer_end(tables, run["longer"])
+            self.study.write()
+            try:
+                self.points.start(name, tables)
+            except InputError as error:
+                run["reason"] = "; ".join(error.errors)
+                self._end(design, FAILED, run["reason"])
+                continue
+            self.at_work[name] = (design, n)
+        return bool(self.points)
+
+    def _choose(self) -> bool:
+        """Choose the next design and queue its runs; return False if the search has ended."""
+        study, problem = self.study, self.problem
+        if self.exhausted or study.n_evaluated >= problem.search.evaluations:
+            return False
+        guided = problem.search.sampler == "model"
+        guided = guided and study.n_evaluated >= n_first(problem.space, problem.search.evaluations)
+        before = len(study.designs)
+        while len(study.designs) < before + MOST_REFUSED:
+            first = len(study.designs)
+            for values in itertools.islice(ordered(*_asked(study), guided=guided), _ASKED):
+                design = examined(problem, len(study.designs) + 1, values)
+                study.designs.append(design)
+                if design.state != REFUSED:
+                    self._queue(design)
+                    return True
+            if len(study.designs) == first:
+                break
+        self.exhausted = True
+        return False
+
+    def _take(self) -> None:
+        """Take the values of runs that have ended."""
+        for ended in self.points.wait():
+            design, n = self.at_work.pop(ended.name)
+            design.seconds += ended.seconds
+            if ended.interrupted:
+                continue  # by a signal; it goes on with the next start
+            if design.state == RUNNING:
+                self._note(design, n, ended)
+            self.bar.update(self._n_done(), self._status())
+        self.study.write()
+
+    def _note(self, design: Design, n: int, ended: Ended) -> None:
+        """Enter the values of a run, or let it run longer; end the design with its last run."""
+        run = design.runs[ended.name]
+        if ended.reason:
+            return self._end(design, FAILED, ended.reason)
+        series = guards.target_force(self.directory / POINTS / ended.name)
+        if self._of_peak() and series is not None and not guards.has_passed(series[1]):
+            fixed = isinstance(self.problem.tables_of(design.values)["run"].get("end_time"), int | float)
+            if fixed and run["longer"] < 2**_MOST_LONGER:
+                run["longer"] *= 2
+                self.queue.appendleft((design, n))
+                return None
+            run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
+        values = with_derived(ended.summary)
+        wanted = [one.name for one in (*self.problem.objectives, *self.problem.limits)]
+        found = {name: float(values[name]) for name in wanted if values.get(name) is not None}
+        found |= {name: value for name, value in design.known.items() if name in wanted}
+        if missing := [one.name for one in self.problem.objectives if one.name not in found]:
+            return self._end(design, FAILED, f"{', '.join(missing)}: null in summary.json")
+        run["value"] = found
+        if self._is_lost(design):
+            self.queue = deque(entry for entry in self.queue if entry[0] is not design)
+            return self._end(design, PRUNED, "its worst run is beyond the best design's")
+        if sum("value" in one for one in design.runs.values()) == len(self.problem.samples):
+            self._complete(design)
+        return None
+
+    def _of_peak(self) -> bool:
+        return any(fnmatchcase(one.name, pattern) for one in self.problem.objectives for pattern in _OF_PEAK)
+
+    def _is_lost(self, design: Design) -> bool:
+        """Return True if the worst run so far is that much worse than the best design that more runs cannot help."""
+        problem = self.problem
+        if problem.statistic != "worst" or len(problem.samples) == 1 or len(problem.objectives) > 1:
+            return False
+        best, (objective,) = next(iter(self.study.best()), None), problem.objectives
+        values = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
+        if best is None or len(values) == len(problem.samples):
+            return False
+        worst = problem.statistic_of(objective, values)
+        design.objectives[objective.name] = worst
+        return objective.loss(worst) > _LOST * objective.loss(best.objectives[objective.name])
+
+    def _complete(self, design: Design) -> None:
+        """Make objectives and margins of the values of all runs."""
+        values = [run["value"] for run in design.runs.values()]
+        for one in self.problem.objectives:
+            found = [row[one.name] for row in values]
+            design.objectives[one.name] = self.problem.statistic_of(one, found)
+            if len(found) > 1:
+                design.spread[one.name] = [min(found), max(found)]
+        faults = []
+        for limit in self.problem.limits:
+            beyond = [row[limit.name] for row in values if limit.name in row]
+            if beyond:
+                worst = max(beyond, key=limit.margin)
+                design.margins[limit.name] = limit.margin(worst)
+                faults.append(limit.fault(worst))
+        reason = "; ".join(filter(None, faults))
+        self._end(design, REFUSED if reason else COMPLETE, reason)
+
+    def _end(self, design: Design, state: str, reason: str) -> None:
+        design.state, design.reason = state, reason
+        self.queue = deque(entry for entry in self.queue if entry[0] is not design)
+
+    def _stop_runs(self) -> None:
+        """After a signal, let the runs at work write checkpoints."""
+        if self.stop.count and self.points:
+            logger.warning("%s: stopping; the runs in work write checkpoints ...", self.problem.name)
+            self.points.stop()
+            while self.points:
+                self._take()
+
+    def _status(self) -> str:
+        best = next(iter(self.study.best()), None)
+        counts = {state: sum(design.state == state for design in self.study.designs) for state in (REFUSED, FAILED)}
+        parts = [f"{count} {state}" for state, count in counts.items() if count]
+        if best is not None:
+            values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
+            parts.insert(0, f"best {values} (design {best.number})")
+        return ", ".join(parts)
+
+    # ------------------------------------------------------------------ the best
+
+    def _check(self, best: Design) -> list[guards.Finding]:
+        """Run the guards of the best design."""
+        first = names(best.number, self.problem.samples)[0]
+        place = self.directory / POINTS / first
+        before = best.runs[first]["value"]
+        findings = guards.findings_without_runs(self.problem, best, read_summary(place), place)
+        if not self.problem.search.guards:
+            return findings
+        waiting, made = deque(guards.further_runs(self.problem, best)), {}
+        bar = Progress(len(waiting), f"{self.problem.name}: checks", enabled=self.show)
+        with contextlib.closing(bar):
+            total = len(waiting)
+            while (waiting or self.points) and not self.stop.count:
+                while waiting and len(self.points) < self.jobs:
+                    guard, tables = waiting.popleft()
+                    name = f"best-{guard.name}"
+                    if best.runs[first]["longer"] > 1 and guard.name != "longer":
+                        tables = guards.longer_end(tables, best.runs[first]["longer"])
+                    made[name] = guard
+                    self.points.start(name, tables)
+                for ended in self.points.wait():
+                    guard = made[ended.name]
+                    values = {**known_values(self.problem, ended.summary), **with_derived(ended.summary)}
+                    findings.append(guards.finding_of(guard, self.problem, before, values))
+                    bar.update(total - len(waiting) - len(self.points), guard.what)
+            if self.stop.count:
+                self.points.stop()
+                while self.points:
+                    self.points.wait()
+        return sorted(findings, key=lambda one: not one.warning)
+
+    def _publish(self, findings: list[guards.Finding]) -> None:
+        """Write the cases of the best designs, design.json and the report."""
+        study, problem = self.study, self.problem
+        best = study.best()
+        for name in BEST:
+            (self.directory / name).unlink(missing_ok=True)
+        for name, design in zip(BEST, best, strict=False):
+            run = next(iter(design.runs.values()))
+            tables = problem.tables_of(design.values)
+            if run["longer"] > 1:
+                tables = guards.longer_end(tables, run["longer"])
+            tables = problem.case({**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}).to_dict()
+            replace_text(self.directory / name, to_toml(tables))
+        states = [design.state for design in study.designs]
+        outcome = {
+            "name": problem.name,
+            "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
+            "best": self._values_of(best[0], findings) if best else None,
+            "front": [self._values_of(design) for design in best] if len(problem.objectives) > 1 else None,
+            "evaluations": study.n_evaluated,
+            "states": {state: states.count(state) for state in dict.fromkeys(states)},
+            "designs": problem.space.size if problem.space.size < float("inf") else None,
+            "importance": importance(problem.space, study.known()),
+            "random": self._random(),
+            "seconds": sum(design.seconds for design in study.designs),
+            "versions": versions(),
+        }
+        replace_text(self.directory / OUTCOME, json.dumps(outcome, indent=1) + "\n")
+        write_design_report(self.directory)
+
+    def _random(self) -> list[float]:
+        """Return the best of so many designs at random, by the model: what the search is compared with."""
+        (first, *others) = self.problem.objectives
+        counts = range(1, self.study.n_evaluated + 1)
+        losses = [] if others else expected_random(self.problem.space, self.study.known(), counts)
+        return [loss if first.sign > 0 else 1 / loss for loss in losses]
+
+    def _values_of(self, design: Design, findings: list[guards.Finding] | None = None) -> dict[str, Any]:
+        values: dict[str, Any] = {
+            "number": design.number,
+            "directory": f"{POINTS}/{names(design.number, self.problem.samples)[0]}",
+            "variables": design.values,
+            **design.known,
+            "objective": design.objectives,
+        }
+        if design.spread:
+            values["spread"] = design.spread
+        if findings is not None:
+            values["guards"] = [dataclasses.asdict(one) for one in findings]
+        return values
+
+
+def known_values(problem: Problem, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return objectives that a packing has before a run, under the names that a summary gives them."""
+    found = {"mass_kg": summary.get("packing_mass_kg"), "height_m": summary.get("packing_height_m")}
+    return {one.name: found[one.name] for one in problem.objectives if found.get(one.name) is not None}
+
+
+def with_derived(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a summary with the values that are made of others."""
+    count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
+    return {**summary, "yielded_share": yielded / count if count and yielded is not None else None}

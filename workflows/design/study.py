@@ -1,0 +1,178 @@
+"""Evaluated designs, kept in study.json, from which an interrupted search goes on; and designs.csv, made of them."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.run_directory import POINTS
+from granwave.workflows.design.design_file import Objective, Problem
+from granwave.workflows.design.points import names
+from granwave.workflows.design.search import Known, front
+from granwave.workflows.design.variables import Values
+
+STUDY, TABLE, OUTCOME, REPORT = "study.json", "designs.csv", "design.json", "report.html"
+MOST_BEST = 10
+BEST = tuple(f"best-{n}.toml" for n in range(1, MOST_BEST + 1))
+RUNNING, COMPLETE, PRUNED, REFUSED, FAILED = "running", "complete", "pruned", "refused", "failed"
+
+
+@dataclasses.dataclass
+class Design:
+    """A design and what is known of it.
+
+    Attributes
+    ----------
+    number
+        From 1, in the order of their choice.
+    state
+        `RUNNING`, `COMPLETE`, `PRUNED`, `REFUSED` or `FAILED`.
+    reason
+        Why it was pruned or refused, or has failed.
+    known
+        Values of the packing before a run, by name.
+    runs
+        Values of each run, by the name of its directory: objectives, limits, ``end_time`` and ``note``.
+    objectives, spread
+        Objectives by name; the smallest and the largest of several runs.
+    margins
+        By limit, how far its value is beyond it.
+    """
+
+    number: int
+    values: Values
+    state: str = RUNNING
+    reason: str = ""
+    known: dict[str, float] = dataclasses.field(default_factory=dict)
+    runs: dict[str, dict[str, Any]] = dataclasses.field(default_factory=dict)
+    objectives: dict[str, float] = dataclasses.field(default_factory=dict)
+    spread: dict[str, list[float]] = dataclasses.field(default_factory=dict)
+    margins: dict[str, float] = dataclasses.field(default_factory=dict)
+    seconds: float = 0.0
+
+    @property
+    def ran(self) -> bool:
+        """True if it was run, or is in work."""
+        return self.state != REFUSED or bool(self.runs)
+
+    @property
+    def feasible(self) -> bool:
+        """True if it was run to its end and meets all limits."""
+        return self.state == COMPLETE
+
+    @property
+    def notes(self) -> list[str]:
+        """Marks of its runs."""
+        return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
+
+    def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
+        """Return the numbers that are to be small; None without a value."""
+        if len(self.objectives) < len(objectives):
+            return None
+        return tuple(one.loss(self.objectives[one.name]) for one in objectives)
+
+    def as_known(self, objectives: tuple[Objective, ...]) -> Known:
+        """Return what the search is told."""
+        margins = {**self.margins, **({"failed": 1.0} if self.state == FAILED else {})}
+        return Known(self.values, self.losses(objectives), margins, self.state == RUNNING)
+
+
+@dataclasses.dataclass
+class Study:
+    """All designs of a search, in their order."""
+
+    problem: Problem
+    directory: Path
+    designs: list[Design] = dataclasses.field(default_factory=list)
+
+    @property
+    def n_evaluated(self) -> int:
+        """Number of designs that were run, or are in work."""
+        return sum(design.ran for design in self.designs)
+
+    def best(self) -> list[Design]:
+        """Return the designs that meet the limits, the best first; with two objectives those of the Pareto front."""
+        objectives = self.problem.objectives
+        found = [design for design in self.designs if design.feasible]
+        losses = [design.losses(objectives) or () for design in found]
+        if len(objectives) > 1:
+            return [found[n] for n in front(losses)]
+        return [found[n] for n in sorted(range(len(found)), key=lambda n: losses[n])]
+
+    def known(self) -> list[Known]:
+        """Return what the search is told of all designs."""
+        return [design.as_known(self.problem.objectives) for design in self.designs]
+
+    def write(self) -> None:
+        """Write study.json and designs.csv."""
+        content = {"problem": self.problem.tables, "designs": [dataclasses.asdict(one) for one in self.designs]}
+        replace_text(self.directory / STUDY, json.dumps(content, indent=1) + "\n")
+        replace_text(self.directory / TABLE, self._table())
+
+    def _table(self) -> str:
+        problem = self.problem
+        spread = len(problem.samples) > 1
+        several = [part for one in problem.objectives for part in (f"{one.name}_low", f"{one.name}_high")]
+        keys = [one.key for one in problem.space.variables]
+        stream = io.StringIO()
+        table = csv.writer(stream, lineterminator="\n")
+        named = [one.name for one in problem.objectives]
+        more = list(dict.fromkeys(name for one in self.designs for name in one.known))
+        table.writerow(["number", "state", "reason", "directory", *keys, *more, *named, *(several if spread else [])])
+        for design in self.designs:
+            place = f"{POINTS}/{names(design.number, problem.samples)[0]}" if design.runs else ""
+            cells = [_written(design.values[key]) for key in keys]
+            known = [design.known.get(name, "") for name in more]
+            objectives = [design.objectives.get(name, "") for name in named]
+            ends = [end for name in named for end in design.spread.get(name, ["", ""])] if spread else []
+            reason = "; ".join([design.reason, *design.notes] if design.reason else design.notes)
+            table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends])
+        return stream.getvalue()
+
+
+def _written(value: Any) -> Any:
+    return value if isinstance(value, bool | int | float | str) else show(value)
+
+
+def read_study(problem: Problem, directory: Path) -> Study:
+    """Read the designs of an earlier start of the same search.
+
+    Raises
+    ------
+    InputError
+        The directory holds another search; the message says what differs.
+    """
+    content = read_json(directory / STUDY)
+    if content is None:
+        return Study(problem, directory)
+    there, here = _comparable(content["problem"]), _comparable(problem.tables)
+    if differences := list(_differences(there, here)):
+        raise InputError(
+            f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
+            "--force replaces it, or choose another directory with -o"
+        )
+    return Study(problem, directory, [Design(**one) for one in content["designs"]])
+
+
+def _comparable(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables without what may change: the number of evaluations, and the guards."""
+    search = {key: value for key, value in tables.get("search", {}).items() if key not in ("evaluations", "guards")}
+    return json.loads(json.dumps({**tables, "search": search}))  # type: ignore[no-any-return]
+
+
+def _differences(there: Mapping[str, Any], here: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    for key in dict.fromkeys((*there, *here)):
+        before, now, name = there.get(key), here.get(key), f"{prefix}{key}"
+        if isinstance(before, Mapping) and isinstance(now, Mapping):
+            yield from _differences(before, now, f"{name}.")
+        elif before != now:
+            was, now_is = ("left out" if value is None else show(value) for value in (before, now))
+            yield f"{name} was {was}, is {now_is}"
