@@ -23,6 +23,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
+from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.python.api import __all__ as PYTHON_NAMES
 from granwave.workflows.scanning.suite import load_suite
 from tests.conftest import PLAIN
@@ -77,7 +78,18 @@ def load(block: Block, folder: Path) -> None:
     data = tomllib.loads(block.text)
     path = folder / (block.caption or "unnamed.toml")
     path.write_text(block.text, encoding="utf-8")
-    if "slurm" in data:
+    if "variables" in data:
+        load_problem(path)
+    elif "uncertainty" in data:
+        load_problem(
+            {
+                "base": "protected-target",
+                "variables": {"material": ["steel"]},
+                "objective": {"minimise": ["mass_kg"]},
+                **data,
+            }
+        )
+    elif "slurm" in data:
         load_profile(path)
     elif "scans" in data:
         load_suite(path)
@@ -133,8 +145,9 @@ def check_command(verb: str, options: argparse.Namespace, made: Collection[str])
         kind = library.SCANS if verb == "scan" else library.CASES
         built_in = name in library.names(kind)
         assert built_in or is_there(name), f"{name}: no such study"
-        granular = built_in and library.verb_of(library.find(name, kind)) == "run"
-        if verb in ("run", "check", "write") and (granular or Path(name).is_file()):
+        there = built_in or Path(name).is_file()
+        granular = there and library.verb_of(library.find(name, kind)) == "run"
+        if verb in ("run", "check", "write") and granular:
             library.load_case(name, [change for change in options.overrides if "initial_overlap" not in change])
     for name in [*getattr(options, "directories", []), *filter(None, [getattr(options, "profile", None)])]:
         assert is_there(name), f"{name}: no command of the page makes it"

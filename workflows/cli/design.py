@@ -109,7 +109,7 @@ def outcome_text(found: dict[str, Any], report: str) -> str:
     best = found["best"]
     if best is None:
         return f"no design meets the limits; report in {report}"
-    rows = [("best design", f"number {best['number']}, of {found['evaluations']} that were run; in {best['directory']}")]
+    rows = [("best design", f"number {best['number']}, in {best['directory']}; {found['evaluations']} were run")]
     rows += [(key, show(value)) for key, value in best["variables"].items()]
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)

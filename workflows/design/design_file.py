@@ -360,7 +360,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
         return []
     keys = dict(tables)
     layers = keys.pop(LAYERS, None)
-    written = {}
+    written: dict[str, Any] = {}
     for key, value in keys.items():
         nested = isinstance(value, Mapping) and not {"low", "high"} & set(value)
         written |= {f"{key}.{inner}": held for inner, held in value.items()} if nested else {key: value}
@@ -370,7 +370,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
     names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
     for one in found:
         generic = _generic(one.key)
-        if generic not in names and not any(generic.startswith(f"{name}.") for name in names):
+        if generic not in names and not any("." in name and generic.startswith(f"{name}.") for name in names):
             errors.add(
                 f"variables.{one.key}", f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
             )

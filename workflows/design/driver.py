@@ -299,7 +299,7 @@ class _Search:
                 return None
             run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
         values = with_derived(ended.summary)
-        wanted = [one.name for one in (*self.problem.objectives, *self.problem.limits)]
+        wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
         found = {name: float(values[name]) for name in wanted if values.get(name) is not None}
         found |= {name: value for name, value in design.known.items() if name in wanted}
         if missing := [one.name for one in self.problem.objectives if one.name not in found]:
@@ -377,7 +377,7 @@ class _Search:
         findings = guards.findings_without_runs(self.problem, best, read_summary(place), place)
         if not self.problem.search.guards:
             return findings
-        waiting, made = deque(guards.further_runs(self.problem, best)), {}
+        waiting, made = deque(guards.further_runs(self.problem, best, best.runs[first]["longer"])), {}
         bar = Progress(len(waiting), f"{self.problem.name}: checks", enabled=self.show)
         with contextlib.closing(bar):
             total = len(waiting)
@@ -385,8 +385,6 @@ class _Search:
                 while waiting and len(self.points) < self.jobs:
                     guard, tables = waiting.popleft()
                     name = f"best-{guard.name}"
-                    if best.runs[first]["longer"] > 1 and guard.name != "longer":
-                        tables = guards.longer_end(tables, best.runs[first]["longer"])
                     made[name] = guard
                     self.points.start(name, tables)
                 for ended in self.points.wait():

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 from granwave.workflows.design.design_file import Problem
 from granwave.workflows.design.study import Design
+from granwave.workflows.design.variables import Values
 
 Tables = dict[str, Any]
 NOTABLE = 0.05  # change of an objective that is said first
@@ -133,11 +134,18 @@ GUARDS = (
 )
 
 
-def further_runs(problem: Problem, best: Design) -> Iterator[tuple[Guard, Tables]]:
-    """Give the guards that apply to a design with the tables of their runs, and its neighbours in every variable."""
-    sample = problem.samples[0]
-    tables = problem.case(problem.tables_of(best.values, sample)).to_dict()
-    random = is_random(problem.case(problem.tables_of(best.values, sample)))
+def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tuple[Guard, Tables]]:
+    """Give the guards that apply to a design with the tables of their runs, and its neighbours in every variable.
+
+    ``longer``: how many times as late as in the design file its run has ended.
+    """
+
+    def tables_of(values: Values) -> Tables:
+        made = problem.tables_of(values, problem.samples[0])
+        return made if longer == 1 else longer_end(made, longer)
+
+    case = problem.case(tables_of(best.values))
+    tables, random = case.to_dict(), is_random(case)
     for guard in GUARDS:
         if (guard.name == "seed") > random:
             continue
@@ -145,7 +153,7 @@ def further_runs(problem: Problem, best: Design) -> Iterator[tuple[Guard, Tables
         if changed is not None and _reads(problem, changed):
             yield guard, changed
     for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
-        changed = problem.tables_of(values, sample)
+        changed = tables_of(values)
         if _reads(problem, changed):
             yield Guard(f"neighbour-{n}", f"{key} = {show(values[key])}", lambda tables: tables), changed
 

@@ -65,7 +65,7 @@ def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
     """Give designs at random, without end; those from the same start on are the same."""
     rng = np.random.default_rng([seed, start])
     while True:
-        yield space.at(rng.random(len(space.variables)))
+        yield space.at(rng.random(len(space.variables)).tolist())
 
 
 def candidates(space: Space, known: Sequence[Known], rng: Generator) -> list[Values]:

@@ -1,0 +1,298 @@
+"""Searches from a file to the best design: results, resumption, refusals, two objectives, uncertainty, Python."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+
+import pytest
+
+import granwave as gw
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.design.design_file import load_problem, with_values
+from granwave.workflows.design.driver import examined, first_design
+from granwave.workflows.design.guards import GUARDS, has_passed, late_impulse, target_force
+from granwave.workflows.design.study import Study
+from tests.conftest import PLAIN
+
+pytest.importorskip("sklearn")
+
+CHAIN = """
+name = "chain"
+material = "stainless-steel"
+[packing]
+kind = "chain"
+size = 3
+diameter = 0.010
+[load]
+velocity = 2.0
+[contact]
+law = "hertz"
+[run]
+end_time = 6e-5
+frames = 2
+"""
+MATERIALS = ["stainless-steel", "ptfe"]
+TABLES = {
+    "base": "chain.toml",
+    "variables": {f"replace.{n}.material": MATERIALS for n in (1, 2, 3)},
+    "objective": {"minimise": ["target_peak_force_N"]},
+    "search": {"evaluations": 8, "seed": 2},
+}
+TEXT = """
+base = "chain.toml"
+[variables]
+"replace.1.material" = ["stainless-steel", "ptfe"]
+"replace.2.material" = ["stainless-steel", "ptfe"]
+"replace.3.material" = ["stainless-steel", "ptfe"]
+[objective]
+minimise = ["target_peak_force_N"]
+[search]
+evaluations = 8
+seed = 2
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("design")
+    (found / "chain.toml").write_text(CHAIN)
+    (found / "beads.toml").write_text(TEXT)
+    return found
+
+
+@pytest.fixture(scope="module")
+def searched(folder):
+    """All eight chains of three beads, by the command line, one at a time."""
+    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "all", "--jobs", "1"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200, env=PLAIN, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder / "all", done.stdout
+
+
+def rows_of(directory):
+    with (directory / "designs.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def problem_of(folder, **changes):
+    return load_problem({**TABLES, "base": str(folder / "chain.toml"), **changes})
+
+
+def test_all_designs_of_a_small_space(searched):
+    directory, text = searched
+    rows = rows_of(directory)
+    assert len({tuple(row[f"replace.{n}.material"] for n in (1, 2, 3)) for row in rows}) == 8
+    assert {row["state"] for row in rows} == {"complete"}
+    forces = [float(row["target_peak_force_N"]) for row in rows]
+    for row, force in zip(rows, forces, strict=True):
+        summary = json.loads((directory / row["directory"] / "summary.json").read_text())
+        assert force == summary["target_peak_force_N"] == summary["wall_peak_force_N"]
+        assert float(row["mass_kg"]) == pytest.approx(summary["packing_mass_kg"], rel=1e-12)
+        assert float(row["height_m"]) == pytest.approx(summary["packing_height_m"], rel=1e-9)
+    found = json.loads((directory / "design.json").read_text())
+    assert found["best"]["objective"]["target_peak_force_N"] == min(forces)
+    assert found["evaluations"] == 8
+    assert f"{min(forces):.5g}" in text
+
+
+def test_a_run_ends_after_the_peak(searched):
+    """The end time of the file is before the wave arrives: runs go on until the force has fallen to a tenth."""
+    directory, _ = searched
+    for row in rows_of(directory):
+        run = gw.load(directory / row["directory"])
+        assert has_passed(target_force(run.directory)[1])
+        assert run.summary["end_time_s"] >= 1.2e-4
+        assert not row["reason"]
+
+
+def test_cases_of_the_best(searched, tmp_path):
+    directory, _ = searched
+    tables = tomllib.loads((directory / "best-1.toml").read_text())
+    run = gw.run(tables, directory=tmp_path / "again", progress=False)
+    best = json.loads((directory / "design.json").read_text())["best"]
+    assert run["target_peak_force_N"] == best["objective"]["target_peak_force_N"]
+    assert (directory / "best-8.toml").exists()
+    assert not (directory / "best-9.toml").exists()
+
+
+def test_checks_of_the_best(searched):
+    directory, _ = searched
+    guards = {one["name"]: one for one in json.loads((directory / "design.json").read_text())["best"]["guards"]}
+    assert {"flight", "impulse", "longer", "finer", "tolerance", "neighbour-1"} <= set(guards)
+    assert abs(guards["finer"]["changes"]["target_peak_force_N"]) < 1e-4
+    assert not guards["longer"]["warning"]
+    assert not guards["neighbour-1"]["warning"]  # all were tried
+    page = (directory / "report.html").read_text()
+    assert "Checks of the best" in page
+    assert 'alt="Objective of each design' in page
+
+
+def test_results_are_not_replaced(searched, granwave):
+    directory, _ = searched
+    done = granwave("design", "beads.toml", "-o", "all", cwd=directory.parent)
+    assert done.returncode == 2
+    assert "already holds results" in done.stderr
+    done = granwave("run", "chain.toml", "-o", "all", cwd=directory.parent)
+    assert done.returncode == 2
+    assert "holds a search for a design" in done.stderr
+
+
+def test_a_killed_search_goes_on_to_the_same_designs(searched, folder):
+    directory, _ = searched
+    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "killed", "--jobs", "1"]
+    killed = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=PLAIN)
+    begin = time.monotonic()
+    while not (folder / "killed/points/3/run.json").exists() and time.monotonic() < begin + 60:
+        time.sleep(0.02)
+    os.kill(killed.pid, signal.SIGKILL)
+    killed.wait()
+    assert len(rows_of(folder / "killed")) < 8
+    done = subprocess.run([*command, "--resume"], cwd=folder, capture_output=True, text=True, env=PLAIN, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "killed/designs.csv").read_text() == (directory / "designs.csv").read_text()
+
+
+def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
+    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "stopped"]
+    stopped = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=PLAIN
+    )
+    begin = time.monotonic()
+    while not (folder / "stopped/points/2").exists() and time.monotonic() < begin + 60:
+        time.sleep(0.02)
+    stopped.send_signal(signal.SIGINT)
+    _, text = stopped.communicate(timeout=60)
+    assert stopped.returncode == 130
+    assert "--resume goes on" in text
+    found = gw.design(folder / "beads.toml", directory=folder / "stopped", resume=True, budget=4, progress=False)
+    assert len(found.table) >= 4
+
+
+def test_another_file_does_not_go_on(searched, folder):
+    other = problem_of(folder, objective={"minimise": ["wall_impulse_Ns"]})
+    directory, _ = searched
+    with pytest.raises(InputError, match=r"objective\.minimise was"):
+        gw.design({**other.tables, "name": "beads"}, directory=directory, resume=True)
+
+
+def test_two_objectives_make_a_front(folder):
+    tables = {**problem_of(folder).tables, "objective": {"minimise": ["target_peak_force_N", "mass_kg"]}}
+    tables["search"] = {"evaluations": 8, "guards": False}
+    found = gw.design(tables, directory=folder / "front", progress=False)
+    rows = [(row["target_peak_force_N"], row["mass_kg"]) for _, row in found.table.iterrows()]
+    beaten = [any(a <= x and b <= y and (a, b) != (x, y) for a, b in rows) for x, y in rows]
+    front = {(one["objective"]["target_peak_force_N"], one["objective"]["mass_kg"]) for one in found.outcome["front"]}
+    assert front == {row for row, is_beaten in zip(rows, beaten, strict=True) if not is_beaten}
+
+
+def test_uncertainty_is_averaged(folder):
+    tables = {**problem_of(folder).tables, "uncertainty": {"velocity": [1.0, 3.0], "replicates": 2}}
+    tables |= {"variables": {"replace.1.material": MATERIALS}, "search": {"evaluations": 2, "guards": False}}
+    for statistic, of in (("mean", lambda low, high: (low + high) / 2), ("worst", lambda low, high: high)):
+        tables["uncertainty"]["statistic"] = statistic
+        found = gw.design(tables, directory=folder / statistic, progress=False)
+        for _, row in found.table[found.table["state"] == "complete"].iterrows():
+            low, high = row["target_peak_force_N_low"], row["target_peak_force_N_high"]
+            assert low < row["target_peak_force_N"] or statistic == "mean"
+            assert row["target_peak_force_N"] == pytest.approx(of(low, high))
+    cases = [tomllib.loads((path / "case.toml").read_text()) for path in (folder / "mean/points").glob("1-*")]
+    runs = sorted(case["load"]["velocity"] for case in cases)
+    assert runs == [1.5, 2.5]  # the middles of two halves
+
+
+def test_limits_after_a_run(folder):
+    tables = {**problem_of(folder).tables, "limits": {"wall_impulse_Ns": 1e-9}}
+    tables["search"] = {"evaluations": 2, "guards": False}
+    found = gw.design(tables, directory=folder / "impossible", progress=False)
+    assert found.best is None
+    assert set(found.table["state"]) == {"refused"}
+    assert "wall_impulse_Ns" in found.table["reason"][0]
+
+
+def test_values_go_into_lists_and_grains(folder):
+    base = {"packing": {"size": [4, 4, 5]}, "material": "steel", "replace": [{"index": 5, "diameter": 0.01}]}
+    made = with_values(base, {"packing.size.2": 9, "replace.5.material": "ptfe", "replace.7.material": "brass"})
+    assert made["packing"]["size"] == [4, 4, 9]
+    assert made["replace"] == [{"index": 5, "diameter": 0.01, "material": "ptfe"}, {"index": 7, "material": "brass"}]
+    assert base["packing"]["size"] == [4, 4, 5]
+
+
+def test_layers_are_variables_of_each_bead(folder):
+    problem = problem_of(folder, variables={"layers": {"materials": MATERIALS, "diameters": [0.5, 1.0]}})
+    assert len(problem.space.variables) == 6
+    sizes = [one for one in problem.space.variables if one.key == "replace.2.diameter"]
+    assert (sizes[0].low, sizes[0].high) == (0.005, 0.01)
+
+
+def test_limits_known_before_a_run(folder):
+    problem = problem_of(folder, limits={"mass_kg": 0.005, "n_spheres": {"low": 2}})
+    steel = examined(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
+    assert steel.state == "refused"
+    assert steel.reason.startswith("mass_kg 0.012")
+    assert examined(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state == "running"
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"limits": {"mass_kg": 1e-6}}, "no design meets them, of 200 drawn or all that there are; the nearest is"),
+        ({"variables": {"packing.diametr": [0.01]}}, "is no key of a case; did you mean packing.diameter?"),
+        ({"variables": {"packing.diameter": {"low": 2.0, "high": 1.0}}}, "whose high (1) is above its low (2)"),
+        ({"variables": {"packing.size.2": [3, 4]}}, "packing.size.2: found 3 in the case"),
+        ({"variables": {}}, "found none, expected a table of keys"),
+        ({"objective": {"minimise": ["target_peak_force"]}}, "did you mean target_peak_force_N?"),
+        ({"objective": {}}, "found 0 values, expected one"),
+        ({"set": {"boundary.bottom": "free"}}, "target_peak_force_N: is null without a target"),
+        ({"limits": {"mass": 1.0}}, "limits.mass: is no value of summary.json"),
+        ({"limits": {"mass_kg": {"low": 2.0, "high": 1.0}}}, "a high that is not below the low"),
+        ({"uncertainty": {"velocity": [3.0, 1.0]}}, "the largest not below the smallest"),
+        ({"uncertainty": {"statistic": "median"}}, '"mean", "worst"'),
+        ({"search": {"evaluations": 0}}, "evaluations: found 0"),
+        ({"search": {"evaluation": 5}}, "did you mean"),
+        ({"base": "no-such-case"}, "neither a file nor a built-in case"),
+        ({"variables": {"load.velocity": [-1.0, -2.0]}}, "load.velocity"),
+    ],
+)
+def test_bad_files_are_refused_before_anything_is_run(folder, changes, expected):
+    with pytest.raises(InputError) as error:
+        problem = problem_of(folder, **changes)
+        first_design(Study(problem, folder / "nowhere"))
+    assert expected in str(error.value)
+
+
+def test_check_plans_a_search(folder, granwave):
+    done = granwave("check", "beads.toml", "--json", cwd=folder)
+    found = json.loads(done.stdout)
+    assert (found["n_designs"], found["evaluations"], found["share_within_limits"]) == (8, 8, 1.0)
+    assert "granwave design beads.toml" in granwave("run", "beads.toml", cwd=folder).stderr
+
+
+def test_guards_change_one_thing():
+    tables = {
+        "packing": {"kind": "fcc", "size": [8, 8, 5], "diameter": 0.01},
+        "boundary": {"bottom": {"plate": {"stiffness": 1e6}}},
+        "run": {"end_time": 1e-3},
+    }
+    changed = {guard.name: guard.change(json.loads(json.dumps(tables))) for guard in GUARDS}
+    assert changed["wider"]["packing"]["size"] == [12, 12, 5]
+    assert changed["longer"]["run"]["end_time"] == pytest.approx(1.5e-3)
+    assert changed["finer"]["run"]["energy_tolerance"] == pytest.approx(1.5e-6)
+    assert changed["tolerance"]["packing"]["diameter_scatter"] == pytest.approx(5e-6)
+    assert changed["stiffer"]["boundary"]["bottom"]["plate"]["stiffness"] == 4e6
+
+
+def test_passed_forces_and_late_impulses():
+    import numpy as np
+
+    time_ = np.linspace(0.0, 1.0, 1001)
+    pulse = np.exp(-(((time_ - 0.5) / 0.1) ** 2))
+    assert has_passed(pulse)
+    assert not has_passed(pulse[:550])
+    assert late_impulse(time_, np.ones_like(time_)) == pytest.approx(0.1, rel=0.02)
