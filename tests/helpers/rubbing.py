@@ -41,8 +41,7 @@ def state(lmp, *names) -> dict[str, np.ndarray]:
 
 def oblique(lammps, tangential, normal=1.0, spins=(), steps=8000, radii=(R, R), density=8500.0, **options):
     """Two spheres in contact along z; the first has the velocity (tangential, 0, normal), the second is at rest."""
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         rubbing(
             [(0, 0, 0), (0, 0, sum(radii))],
             radius=list(radii),

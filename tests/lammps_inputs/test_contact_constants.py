@@ -129,7 +129,7 @@ def test_no_passive_law(lammps, own, fault):
         case(**own)
     assert len(refused.value.errors) == 1 and name in refused.value.errors[0]
     with pytest.raises(Exception, match=f"{name}|passive"):
-        lammps().commands_string(script_of(PAIR, style=f"elastoplastic 115e9 0.3 550e6 {name} {number}"))
+        lammps(script_of(PAIR, style=f"elastoplastic 115e9 0.3 550e6 {name} {number}"))
 
 
 @pytest.mark.parametrize(
@@ -143,7 +143,7 @@ def test_only_the_continuous_elastoplastic_law_takes_them(lammps, other):
     name = other.get("law", "elastoplastic")
     words = f"{name} 115e9 0.3{'' if name == 'hertz' else ' 550e6'}{' variant published' if 'variant' in other else ''}"
     with pytest.raises(Exception, match=r"no option of law|constants of its own"):
-        lammps().commands_string(script_of(PAIR, style=f"{words} area_slope 2.3"))
+        lammps(script_of(PAIR, style=f"{words} area_slope 2.3"))
 
 
 def test_collision_against_the_network_twin(lammps):
@@ -182,8 +182,7 @@ def test_restart(lammps, tmp_path, style):
     collide(lmp, steps=800, style=style)
     lmp.command(f"write_restart {tmp_path}/half.restart")
     lmp.command("run 19200")
-    again = lammps()
-    again.commands_string(f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n{AGAIN}")
+    again = lammps(f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n{AGAIN}")
     for formula in ("vz[1]", "vz[2]", "c_ep[1]"):
         assert value(again, formula) == value(lmp, formula)
 
@@ -191,8 +190,7 @@ def test_restart(lammps, tmp_path, style):
 def test_mixing_wants_equal_constants(lammps):
     first, second = (f"pair_coeff {n} {n} elastoplastic 115e9 0.3 550e6" for n in (1, 2))
     for words, fits in ((f"{second} area_slope 2.2", False), (second, True)):
-        lmp = lammps()
-        lmp.commands_string(script_of(PAIR, types=[1, 2], coefficients=[first, words]))
+        lmp = lammps(script_of(PAIR, types=[1, 2], coefficients=[first, words]))
         if fits:
             lmp.command("run 0")
         else:

@@ -51,38 +51,3 @@ def test_any_rate_is_stable(lammps):
     lmp = lone(lammps, "rate 1e9")
     lmp.command("run 50 post no")
     assert abs(value(lmp, "vz[1]")) < 3 and value(lmp, "f_calm") > 0
-
-
-@pytest.mark.parametrize("words", ["", " pre no"])
-def test_pieces_of_a_run_and_a_restart_are_the_run(lammps, tmp_path, words):
-    whole, cut = (lone(lammps, f"rate {RATE}") for _ in range(2))
-    whole.command("run 600 post no")
-    for k in range(3):
-        cut.command(f"run 200 post no{words if k else ''}")
-    for formula in ("vz[1]", "f_calm"):
-        assert value(cut, formula) == pytest.approx(value(whole, formula), rel=1e-12)
-    half = lone(lammps, f"rate {RATE}")
-    half.commands_string(f"run 300 post no\nwrite_restart {tmp_path}/half")
-    again = lammps()
-    again.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/half\nneighbor 1e-3 bin\npair_style gran/hysteretic 1e-3\n"
-        f"pair_coeff * * {LAW}\nfix motion all nve/sphere\nfix calm all gran/absorb rate {RATE}\ntimestep 1e-6\nrun 300 post no"
-    )
-    for formula in ("vz[1]", "f_calm"):
-        assert value(again, formula) == pytest.approx(value(whole, formula), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ("speed 1", "'speed' is neither rate nor impedance"),
-        ("rate 0", "rate must be positive, found 0"),
-        ("rate 1 z", "3 words after its name"),
-        ("rate 1 z 2 2", "must rise between two places, found 2 and 2"),
-        ("impedance 1", "2 words after its name"),
-        ("impedance 1 w", "'w' is no direction"),
-    ],
-)
-def test_wrong_words_are_refused(lammps, words, says):
-    with pytest.raises(Exception, match=says):
-        lone(lammps, words)

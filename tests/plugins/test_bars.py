@@ -38,8 +38,7 @@ def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05, ranks=1) -> tu
 
 def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
     script, speed = bar(300)
-    lmp = lammps()
-    lmp.commands_string(script)
+    lmp = lammps(script)
     dt = 0.05 * 5e-3 / speed
     centres = []
     for steps in (2400, 2400):

@@ -145,8 +145,7 @@ def test_sphere_between_cylinders(lammps):
             force[k] -= push
         return np.concatenate([v.ravel(), (force / np.array(mass)[:, None]).ravel()])
 
-    lmp = lammps()
-    lmp.commands_string(between_cylinders() + "run 0\n")
+    lmp = lammps(between_cylinders() + "run 0\n")
     start = np.concatenate([lmp.numpy.extract_atom(name).ravel() for name in "xv"])
     lmp.command("run 20000")
     found = np.concatenate([lmp.numpy.extract_atom(name).ravel() for name in "xv"])
@@ -208,8 +207,7 @@ def test_cylinder_on_a_plane(lammps, line):
 
 def test_powers_of_the_overlap(lammps):
     """F = K a^p, whatever the radii; and materials that do not touch."""
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         script_of([(0, 0, 0), (0, 0, 0.0069999), (0, 0, -0.006)], radius=[0.003, 0.004, 0.005], types=[1, 2, 3],
                   coefficients=["pair_coeff 1 2 power 1e9 0.3 2e9 0.3 constant 3e7 exponent 1.25",
                                 "pair_coeff * * none 1e9 0.3", "pair_coeff 1 2 power 1e9 0.3 2e9 0.3 constant 3e7 exponent 1.25"])
@@ -219,26 +217,6 @@ def test_powers_of_the_overlap(lammps):
         [-3e7 * 1e-7**1.25, 3e7 * 1e-7**1.25, 0.0], rel=1e-6
     )
     assert value(lmp, "pe") == pytest.approx(3e7 * 1e-7**2.25 / 2.25, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        ("1 0 0 1 0", "the length of a cylinder must be above 0"),
-        ("1 0.01 0 0 0", "must be a direction"),
-        ("2 0.01 0 1 0", "expected a type from 1 to 1"),
-        ("1 0.01 0 1 0 1 0.02 0 1 0", "found type 1 twice"),
-        ("1 0.01 0 1", "expected TYPE LENGTH AX AY AZ"),
-        ("1 0.01 0 1 1\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3\nrun 0", "oblique to the wall"),
-        ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3 line soft", "half-space or plane-strain"),
-        ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic tube 0.1 hertz 1e9 0.3\nrun 0", "a tube holds spheres"),
-        ("1 0.01 0 1 0\nset group all omega 1 0 0\nrun 0", "can turn about its axis only"),
-    ],
-)  # fmt: skip
-def test_faults(lammps, words, expected):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0)]))
-    refuses(lmp, f"fix round all gran/cylinder {words}", expected)
 
 
 def test_the_end_of_a_cylinder(lammps):
@@ -251,6 +229,5 @@ def test_the_end_of_a_cylinder(lammps):
     ]  # fmt: skip
     lmp.commands_string(scripts[0])
     refuses(lmp, "run 1000", "beyond the end of a cylinder")
-    other = lammps()
-    other.commands_string(scripts[1] + "run 100\n")
+    other = lammps(scripts[1] + "run 100\n")
     assert value(other, "pe") == 0 and value(other, "vz[2]") == 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.conftest import refuses, script_of
+from tests.conftest import script_of
 from tests.helpers.dented import MASS, REPORTS, meeting_in, reading, start, table
 from tests.helpers.rubbing import rubbing
 from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
@@ -130,21 +130,6 @@ def test_relaxed_under_pressure_then_begun(lammps):
     assert value(lmp, "c_en[5]") == pytest.approx(forces.mean(), rel=1e-6)
 
 
-def test_preconditioned_contacts_survive_restart(lammps, tmp_path):
-    dent = 20 * LAW.yield_overlap
-    lmp = lammps()
-    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 500")
-    lmp.command(f"write_restart {tmp_path}/a.restart")
-    lmp.command("run 5000")
-    again = lammps()
-    again.commands_string(
-        f"newton off\nread_restart {tmp_path}/a.restart\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\n"
-        f"fix motion all nve\ntimestep 1e-8\ncompute ke all ke\n{REPORTS}run 5000"
-    )
-    assert np.array_equal(table(lmp), table(again))
-    assert value(lmp, "c_en[1]") == value(again, "c_en[1]") > 0
-
-
 def test_two_ranks_take_the_same_dents(lmp, tmp_path):
     """Row of spheres on two processors, with dents of every second contact and of a wall, and `begin` after a run."""
     n = 12
@@ -173,59 +158,3 @@ def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
         lmp.command("run 20000")
     assert value(read, "vz[1]") == value(plain, "vz[1]")
     assert np.array_equal(table(read), table(plain))
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
-        ("1 4294967298 1e-6", "there is no sphere 4294967298"),
-        ("# first\n1 2 -1e-6", "line 2 of .*: the dent must not be negative, found '1 2 -1e-6'"),
-        ("1 2 0.006", "line 1 of .*: the dent, 0.006, exceeds the radius of the smaller sphere"),
-        ("1 1 1e-6", "a sphere has no contact with itself"),
-        ("1 2 deep", "the dent must be a number"),
-        ("1 2 nan", "the dent must be a number"),
-        ("1 2", "expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall, found '1 2'"),
-        ("1 2 1e-6 4", "expected 'i j peak'"),
-        ("floor 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'floor'"),
-        ("motion 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'motion'"),
-        ("1 2 1e-6\n2 1 1e-6", "line 2 of .*: this contact was given before"),
-        ("top 7 1e-6", "there is no sphere 7"),
-        ("top 1 0.006", "exceeds the radius of the sphere"),
-    ],
-)
-def test_wrong_lines_get_one_message(lammps, tmp_path, text, message):
-    lmp = lammps()
-    start(lmp, extra="fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n")
-    refuses(lmp, reading(tmp_path, text), message)
-
-
-def test_spheres_too_far_apart_keep_no_dent(lammps, tmp_path):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 3 * R)]))
-    message = "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"
-    refuses(lmp, reading(tmp_path, "1 2 1e-6"), message)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("", "expected 'read FILE' or 'begin'"),
-        ("begin now", "expected 'read FILE' or 'begin'"),
-        ("read /nowhere/dents", "cannot read file /nowhere/dents"),
-    ],
-)
-def test_wrong_words_get_a_message(lammps, words, message):
-    lmp = lammps()
-    start(lmp)
-    with pytest.raises(Exception, match=message):
-        lmp.command(f"gran/dents {words}")
-
-
-def test_the_command_needs_the_pair_style(lammps):
-    lmp = lammps()
-    lmp.commands_string(
-        "atom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\npair_style zero 1.0\npair_coeff * *"
-    )
-    with pytest.raises(Exception, match="requires pair style gran/hysteretic"):
-        lmp.command("gran/dents begin")

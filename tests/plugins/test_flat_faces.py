@@ -53,19 +53,6 @@ def test_face_and_wall_are_the_plane_of_the_law(lammps, law, strengths):
     )
 
 
-def test_strength_without_end_survives_a_restart(lammps, tmp_path):
-    lmp = on_a_face(lammps(), steps=800)
-    lmp.command(f"write_restart {tmp_path}/r")
-    again = lammps()
-    again.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\nfix motion all nve\ntimestep 1e-8\n"
-        "compute ep all pair gran/hysteretic\nthermo_style custom step pe c_ep[1]\nrun 19200"
-    )
-    lmp.command("run 19200")
-    for what in ("vz[1]", "c_ep[1]", "z[1]"):
-        assert value(again, what) == value(lmp, what)
-
-
 def test_forgotten_dent_in_a_face_stays_in_the_account(lammps):
     lmp = on_a_face(lammps(), steps=1000)
     lmp.command("run 19000")
@@ -76,8 +63,7 @@ def test_forgotten_dent_in_a_face_stays_in_the_account(lammps):
 
 
 def test_faces_never_touch_and_fall_through_no_wall(lammps):
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         script_of(
             [(0, 0, 0), (0, 0, 1e-4), (0, 0, 0.02)],
             radius=[0.0, 0.0, R],
@@ -95,13 +81,3 @@ def test_faces_never_touch_and_fall_through_no_wall(lammps):
 def test_hostile_states_at_a_face_get_a_message(lammps, speed, message):
     with pytest.raises(Exception, match=message):
         on_a_face(lammps(), speed=speed)
-
-
-@pytest.mark.parametrize("law", ["elastoplastic", "thornton", "bilinear"])
-@pytest.mark.parametrize("words", ["115e9 0.3 INF", "115e9 0.3 INF 1e9 0.3 INF"])
-def test_one_of_two_bodies_must_yield(lammps, law, words):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 0.03)], types=[1, 2]))
-    for command in (f"pair_coeff 1 2 {law} {words}", f"fix w all wall/gran/hysteretic zplane NULL 1 {law} {words}"):
-        with pytest.raises(Exception, match="needs a yield strength for one of the two bodies"):
-            lmp.command(command)

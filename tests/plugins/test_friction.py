@@ -116,8 +116,7 @@ def _surface_rebound(angle: float) -> float:
 def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
     modulus, ratio, mu, density, speed = 70e9, 0.33, 0.4, 2700.0, 0.2
     radii, signs = np.array([0.1, second]), np.array([1.0, -1.0])
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         rubbing(
             [(0, 0, 0), (0, 0, radii.sum())],
             f"hertz {modulus} {ratio} friction {mu}",
@@ -151,10 +150,7 @@ def test_stiffness_is_mindlins(lammps):
         "hertz", youngs_modulus=(E, E), poisson_ratio=(NU, NU), yield_strength=(np.inf,) * 2, radius=(R, R)
     )
     overlap, slip = 1e-5, 1e-9
-    lmp = lammps()
-    lmp.commands_string(
-        rubbing([(0, 0, 0), (0, 0, 2 * R - overlap)], extra="unfix motion\nfix motion all move linear 0 0 0")
-    )
+    lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R - overlap)], extra="unfix motion\nfix motion all move linear 0 0 0"))
     lmp.commands_string(
         "unfix motion\nvelocity all set 0 0 0\nset atom 1 vx 0.1\nfix motion all nve/noforce\nrun 1 post no"
     )
@@ -218,8 +214,7 @@ def test_against_mindlin_of_lammps_in_a_packing(lammps):
     own = LAMMPS_OWN.format(E=E, nu=NU, mu=MU, model="mindlin_rescale/force")
     found = []
     for style in (None, own):
-        lmp = lammps()
-        lmp.commands_string(rubbing(places, velocities=0.2 * speeds, spins=0.2 * spins, own=style))
+        lmp = lammps(rubbing(places, velocities=0.2 * speeds, spins=0.2 * spins, own=style))
         lmp.command("timestep 2e-8")
         lmp.command("run 4000 post no")
         found.append(state(lmp, "v", "omega"))
@@ -234,8 +229,7 @@ def test_against_mindlin_of_lammps_in_a_packing(lammps):
 def test_packing_keeps_its_energy(lammps):
     """Yielding, friction and rotation: kinetic + elastic + tangential + yielding + friction = input, to 1e-6."""
     places, speeds, spins = packing()
-    lmp = lammps()
-    lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=3 * spins))
+    lmp = lammps(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=3 * spins))
     lmp.commands_string(
         f"compute dents all gran/hysteretic/local\ncompute grains all gran/hysteretic/atom\ntimestep 1e-8\nrun 0 post no\nvariable start equal $({TOTAL}:%.17g)"
     )
@@ -270,8 +264,7 @@ def test_energy_of_an_oblique_impact(lammps, law, tangential):
 def test_unloading_creates_no_energy(lammps):
     """A spring stretched while the circle is large and released while it is small would return more energy than it absorbed
     without rescaling. A sphere is pressed in, shifted, withdrawn by one half, and shifted back."""
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         rubbing(
             [(0, 0, 0), (0, 0, 2 * R - 1e-5)], f"{HERTZ} friction 10", extra="unfix motion\nfix motion all nve/noforce"
         )

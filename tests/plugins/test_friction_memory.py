@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.conftest import refuses
 from tests.helpers.rubbing import BRASS, HERTZ, MU, R, oblique, packing, rubbing, state
 from tests.helpers.two_spheres import value
 
@@ -45,8 +44,7 @@ def test_friction_zero_is_no_friction(lammps, law):
     places, speeds, spins = packing(2)
     found = []
     for words in ("", " friction 0"):
-        lmp = lammps()
-        lmp.commands_string(rubbing(places, law + words, velocities=speeds, spins=spins))
+        lmp = lammps(rubbing(places, law + words, velocities=speeds, spins=spins))
         lmp.command("run 2000 post no")
         found.append(state(lmp, "x", "v", "f", "omega", "torque"))
         assert value(lmp, "c_en[6]") == value(lmp, "c_en[7]") == 0
@@ -71,8 +69,7 @@ def test_friction_by_pair_of_types(lammps):
     omega = state(lmp, "omega")["omega"]
     assert np.all(omega[:2, 1] != 0) and not omega[2:].any()
     with pytest.raises(Exception, match="Types 1 and 2 have different laws or options"):
-        other = lammps()
-        other.commands_string(rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients[:2]) + "run 1")
+        lammps(rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients[:2]) + "run 1")
 
 
 PIECES = {
@@ -90,52 +87,18 @@ def same(a, b) -> None:
         assert np.array_equal(values, b[name]), name
 
 
-@pytest.mark.parametrize("pieces", [[1500, 1500], [0, 700, 1, 2299]])
-@pytest.mark.parametrize("words", [" post no", " pre no post no", ""])
-def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
-    """A setup in between does not change springs: results are bitwise identical."""
-    places, speeds, spins = packing(2)
-    found = []
-    for steps in ([3000], pieces):
-        lmp = lammps()
-        lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins))
-        for k, n in enumerate(steps):
-            lmp.command(f"run {n}{words if k else ''}")
-        found.append(finish(lmp))
-    same(*found)
-
-
 @pytest.mark.parametrize("how", PIECES)
 def test_springs_outlive_new_lists_and_sorting(lammps, how):
     """Other neighbor settings and another order of spheres change only the order of sums, which are exact."""
     places, speeds, spins = packing(2)
     found = []
     for extra in ("", PIECES[how]):
-        lmp = lammps()
-        lmp.commands_string(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, extra=extra))
+        lmp = lammps(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, extra=extra))
         lmp.command("run 3000 post no")
         found.append(finish(lmp))
     for name in ("x", "v", "omega"):
         assert np.array_equal(found[0][name], found[1][name]), name
     assert found[0]["loss"] == pytest.approx(found[1]["loss"], rel=1e-12)
-
-
-def test_restart_in_the_middle_of_sliding(lammps, tmp_path):
-    places, speeds, spins = packing(2)
-    lmp = lammps()
-    lmp.commands_string(
-        rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins) + "run 1500 post no"
-    )
-    lmp.command(f"write_restart {tmp_path}/half.restart")
-    assert value(lmp, "c_en[6]") > 0
-    lmp.command("run 1500 post no")
-    again = lammps()
-    again.commands_string(
-        f"newton off\ncomm_modify vel yes\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n"
-        "neigh_modify delay 0 every 1 check yes\nfix motion all nve/sphere\ncompute en all gran/hysteretic/energy\n"
-        "timestep 1e-8\nrun 1500 post no"
-    )
-    same(finish(lmp), finish(again))
 
 
 def test_two_ranks_give_the_same_bits(lmp, tmp_path):
@@ -167,18 +130,3 @@ def test_springs_keep_still_in_a_minimisation(lammps):
     held = value(lmp, "c_one[6]")
     lmp.commands_string("min_style fire\nminimize 0 0 1 10")
     assert value(lmp, "c_one[6]") == held > 0
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("pair_coeff * * hertz 1e9 0.3 friction -0.1", "friction must not be negative, found '-0.1'"),
-        ("pair_coeff * * hertz 1e9 0.3 friction much", "friction must be a number, found 'much'"),
-        ("pair_coeff * * hertz 1e9 0.3 friction", "'friction' has no value"),
-        ("comm_modify vel no\nrun 0", "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
-    ],
-)
-def test_wrong_words_get_a_message(lammps, text, message):
-    lmp = lammps()
-    lmp.commands_string(rubbing([(0, 0, 0)]))
-    refuses(lmp, text, message)

@@ -5,27 +5,15 @@ from __future__ import annotations
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.two_spheres import PAIR, R, collide, value
+from tests.helpers.two_spheres import R, collide, value
 
 
 def test_omp_suffix_falls_back_to_the_plain_style(lammps):
-    plain, suffixed = lammps(), lammps("-sf", "omp", "-pk", "omp", "1")
+    plain, suffixed = lammps(), lammps(options=("-sf", "omp", "-pk", "omp", "1"))
     collide(plain)
     collide(suffixed)
     assert value(suffixed, "vz[1]") == pytest.approx(value(plain, "vz[1]"), rel=1e-13)
     assert value(suffixed, "c_ep[1]") == pytest.approx(value(plain, "c_ep[1]"), rel=1e-13)
-
-
-@pytest.mark.parametrize("pieces", [[20000], [500, 700, 18800], [0, 20000, 0]])
-@pytest.mark.parametrize("words", ["", " pre no", " post no"])
-def test_pieces_of_a_run_are_the_run(lammps, pieces, words):
-    whole, cut = lammps(), lammps()
-    collide(whole)
-    cut.commands_string(script_of(PAIR, velocities=[(0, 0, 1.0), (0, 0, -1.0)]))
-    for k, steps in enumerate(pieces):
-        cut.command(f"run {steps}{words if k else ''}")
-    for formula in ("vz[1]", "vz[2]", "c_ep[1]"):
-        assert value(cut, formula) == pytest.approx(value(whole, formula), rel=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -53,8 +41,7 @@ def test_dents_do_not_go_into_data_files(lammps, tmp_path):
     lmp = lammps()
     collide(lmp)
     lmp.command(f"write_data {tmp_path}/all.data nocoeff")
-    again = lammps()
-    again.commands_string(
+    again = lammps(
         f"units si\natom_style sphere\natom_modify map yes\nnewton off\nboundary m m m\nread_data {tmp_path}/all.data\n"
         "pair_style gran/hysteretic 1e-3\npair_coeff * * elastoplastic 115e9 0.3 550e6\ncompute ep all pair gran/hysteretic\n"
         "thermo_style custom step c_ep[1]\nrun 0"
@@ -82,8 +69,7 @@ def test_any_consistent_units(lammps):
 
 
 def test_only_the_group_is_reported(lammps):
-    lmp = lammps()
-    lmp.commands_string(
+    lmp = lammps(
         script_of(
             [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)],
             velocities=[(0, 0, 1.0), (0, 0, -1.0)] * 2,

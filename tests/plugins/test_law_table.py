@@ -53,23 +53,6 @@ def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
     assert f"**{law}**" in manual and f"*{law}*" in manual.partition("## Examples")[0]
 
 
-@pytest.mark.parametrize("law", TOUCHING)
-@pytest.mark.parametrize("steps", [800, 20000])  # loaded, and apart
-def test_restart_keeps_the_history_of_every_law(lammps, tmp_path, law, steps):
-    """After a restart two spheres collide a second time as without it."""
-    lmp, again = lammps(), lammps()
-    collide(lmp, style=law_coefficients(case(law).contact, case(law).material), steps=steps)
-    lmp.command(f"write_restart {tmp_path}/half.restart")
-    again.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/half.restart\nfix motion all nve\ntimestep 1e-8\n"
-        "compute ep all pair gran/hysteretic\nthermo_style custom step pe c_ep[1]"
-    )
-    for instance in (lmp, again):
-        instance.commands_string("set atom 1 vz 1\nset atom 2 vz -1\nrun 30000")
-    for formula in ("vz[1]", "vz[2]", "z[1]", "c_ep[1]"):
-        assert value(again, formula) == pytest.approx(value(lmp, formula), rel=1e-12)
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_elastic_limit(law):
     """Energy is dissipated only beyond the elastic limit."""

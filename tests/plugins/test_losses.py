@@ -174,25 +174,6 @@ def test_a_wall_loses_as_a_heavy_sphere(lammps, law):
     assert value(lmp, "f_wall[16]") > 0
 
 
-def test_a_restart_goes_on_with_the_same_bits(lammps, tmp_path):
-    """In the middle of a collision of three spheres and a wall; cutting the run in two changes nothing either."""
-    words, end = f"{LAWS['elastoplastic']} loss time 1e-6", "run 3000 post no"
-    wall = f"fix wall all wall/gran/hysteretic zplane NULL {5.0001 * R:.17g} {LAWS['hertz']} loss dashpot 0.2"
-    places, formulas = [*PAIR, (0, 0, 4 * R)], ("z[1]", "vz[2]", "z[3]", "vz[3]", "c_en[8]", "c_en[1]", "f_wall[16]")
-    show = "thermo_style custom step c_en[*] f_wall[*]\nset atom 3 vz 3"
-    once, cut = (spheres(lammps, words, places=places, extra=f"{wall}\n{show}") for _ in range(2))
-    again = lammps()
-    once.command("run 4500 post no")
-    cut.commands_string(f"run 1500\nwrite_restart {tmp_path}/half.restart\n{end}")
-    again.commands_string(
-        f"newton off\natom_modify map yes\ncomm_modify vel yes\nread_restart {tmp_path}/half.restart\n{wall}\n"
-        f"fix motion all nve\ntimestep 1e-8\ncompute en all gran/hysteretic/energy\n"
-        f"thermo_style custom step c_en[*] f_wall[*]\n{end}"
-    )
-    for formula in formulas:
-        assert value(once, formula) == value(cut, formula) == value(again, formula) != 0
-
-
 def test_friction_goes_with_the_whole_normal_force(lammps):
     """Spheres that slide past each other lose by friction and viscously, and the ledger closes."""
     lmp = spheres(lammps, f"{LAWS['hertz']} friction 0.3 loss dashpot 0.3", dt=1e-8)
@@ -204,29 +185,6 @@ def test_friction_goes_with_the_whole_normal_force(lammps):
     lmp.command("run 6000 post no")
     assert value(lmp, total) == pytest.approx(start, rel=1e-5)
     assert value(lmp, "c_en[7]") > 0.01 * start and value(lmp, "c_en[8]") > 0.01 * start
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("loss time", "'loss time' has no value"),
-        ("loss 1e-6 2", "loss must be time or dashpot, found '1e-6'"),
-        ("loss time -1e-6", "loss time must not be negative"),
-        ("loss time x", "loss time must be a number"),
-        ("loss time 1e-6 loss dashpot 0.1", "loss is given twice"),
-    ],
-)
-def test_wrong_words(lammps, words, said):
-    lmp = lammps()
-    with pytest.raises(Exception, match=said):
-        lmp.commands_string(script_of(PAIR, style=f"{LAWS['hertz']} {words}"))
-
-
-def test_ghosts_need_velocities(lammps):
-    lmp = lammps()
-    lmp.commands_string(script_of(PAIR, style=f"{LAWS['hertz']} loss time 1e-6"))
-    with pytest.raises(Exception, match="comm_modify vel yes"):
-        lmp.command("run 0")
 
 
 @pytest.mark.parametrize(

@@ -78,8 +78,7 @@ def test_a_damaged_byte_is_an_error(lammps, tmp_path):
 
 def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
     """The name of the fix that holds them is damaged: LAMMPS alone would go on without them."""
-    lmp = lammps()
-    lmp.commands_string(rubbing([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, 1), (0, 0, 0)]) + "run 300 post no")
+    lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, 1), (0, 0, 0)]) + "run 300 post no")
     lmp.command(f"write_restart {tmp_path}/a.restart")
     data = (tmp_path / "a.restart").read_bytes()
     (tmp_path / "a.restart").write_bytes(data.replace(b"GRAN_HYSTERETIC_HISTORY", b"GRAN_HYSTERETIC_HISTORx"))
@@ -88,8 +87,7 @@ def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
 
 
 def test_an_unknown_law_is_refused(lammps, tmp_path):
-    lmp = lammps()
-    lmp.commands_string(rubbing([(0, 0, 0), (0, 0, 2 * R)]) + f"run 0 post no\nwrite_restart {tmp_path}/a.restart")
+    lammps(rubbing([(0, 0, 0), (0, 0, 2 * R)]) + f"run 0 post no\nwrite_restart {tmp_path}/a.restart")
     data = (tmp_path / "a.restart").read_bytes()
     at = laws(data) + 16
     (size,) = struct.unpack("<d", data[at - 8 : at])

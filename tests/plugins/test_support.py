@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import refuses, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
 R = 0.005
@@ -213,29 +213,6 @@ def test_echo_of_a_bar(lammps, end, amplitude):
 # --------------------------------------------------------------------------- bits
 
 
-@pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000", f"{BAR} fixed"])
-def test_a_run_in_pieces_and_a_restart_give_the_same_bits(lammps, tmp_path, support):
-    law = "elastoplastic 115e9 0.3 550e6 friction 0.3"
-    at_once, pieces = (
-        thrown(
-            lammps(),
-            support,
-            law=law,
-            extra="set atom 1 vx 0.7 omega 10 50 -30\nunfix motion\nfix motion all nve/sphere",
-        )
-        for _ in range(2)
-    )
-    at_once.command("run 3000")
-    pieces.commands_string(f"run 700\nrun 0\nrun 300\nwrite_restart {tmp_path}/r")
-    again = lammps()
-    again.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\nfix motion all nve/sphere\ncompute ke all ke\n"
-        f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} {law} support {support}\n{REPORT}\ntimestep 1e-8\nrun 2000"
-    )
-    for formula in ("z[1]", "vz[1]", "vx[1]", *(f"f_plate[{n}]" for n in range(1, 16))):
-        assert value(again, formula) == value(at_once, formula), formula
-
-
 SHEET = """units si
 atom_style sphere
 newton off
@@ -286,52 +263,3 @@ def test_a_minimisation_ends_in_static_balance(lammps, support):
     assert value(lmp, "f_plate[10]") == pytest.approx(50 / stiffness, rel=1e-6)
     lmp.commands_string("velocity all set 0 0 0\nrun 1000")
     assert value(lmp, "c_ke") < 1e-12 * value(lmp, "f_plate[4]") or support.endswith("0 500")
-
-
-@pytest.mark.parametrize(
-    ("support", "message"),
-    [
-        ("-1 1e6 0", "MASS must be a number, 0 or more, found '-1'"),
-        ("1 0 0", "STIFFNESS and DAMPING are both 0"),
-        ("0 1e6 0", "MASS is 0 and DAMPING too"),
-        ("1 soft 0", "STIFFNESS must be a number"),
-        ("1 1e6", "2 words"),
-        ("bar 0 1 1e6 free", "ELEMENTS must be a whole number"),
-        ("bar 10 0 1e6 free", "MASS of a bar must be positive"),
-        ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
-        ("bar 10 1 1e6 loose", "END of a bar, unless free or fixed"),
-    ],
-)
-def test_wrong_supports_get_a_message(lammps, support, message):
-    with pytest.raises(Exception, match=message):
-        thrown(lammps(), support)
-
-
-def test_a_support_moves_one_plane(lammps):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0)]))
-    for planes, message in (("-1 1", "found two"), ("NULL NULL", "found none")):
-        with pytest.raises(Exception, match=message):
-            lmp.command(f"fix plate all wall/gran/hysteretic zplane {planes} hertz 1e9 0.3 support 1 1e6 0")
-
-
-@pytest.mark.parametrize(
-    ("support", "message"),
-    [
-        ("1e-6 1e9 0", "of the support, 6.32"),
-        ("1e-9 1e3 0", "with the spheres on it"),
-        ("0 0 0.1", "with the spheres on it"),
-    ],
-)
-def test_a_timestep_beyond_the_critical_one_is_refused(lammps, support, message):
-    refuses(thrown(lammps(), support, timestep=1e-7), "run 100", message)
-
-
-def test_a_restart_needs_its_support(lammps, tmp_path):
-    lmp = thrown(lammps(), f"{BAR} free")
-    lmp.commands_string(f"run 100\nwrite_restart {tmp_path}/r")
-    for support, message in (("", "with a support"), ("support 1 1e6 0", "another number of elements")):
-        again = lammps()
-        again.commands_string(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r")
-        with pytest.raises(Exception, match=message):
-            again.command(f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} {PLASTIC} {support}")

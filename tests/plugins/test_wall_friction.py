@@ -294,24 +294,3 @@ def test_springs_move_between_ranks(lmp, tmp_path):
         assert done.returncode == 0, done.stdout + log[-800:]
         found.append(log[log.rindex("Step") :].splitlines()[1])
     assert found[0] == found[1]
-
-
-@pytest.mark.parametrize("given", ["friction 0.3", ""])
-def test_springs_are_in_restart_files(lammps, tmp_path, given):
-    """Restarts with friction are bitwise identical; without friction the stored springs are ignored."""
-    lmp = lammps()
-    thrown(lmp, BRASS, 2.0, 0.3, law="elastoplastic", steps=1000, run=False)
-    lmp.commands_string(f"run 500\nwrite_restart {tmp_path}/r\nrun 1000")
-    again = lammps()
-    timestep = contact_time(BRASS, 2.0) / 1000
-    again.commands_string(
-        f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\nfix motion all nve/sphere\ntimestep {timestep:.17g}\n"
-        f"fix floor all wall/gran/hysteretic zplane NULL 0.005 elastoplastic 115e9 0.3 550e6 {given}\n"
-        "thermo_style custom step f_floor[*]\nrun 1000"
-    )
-    if given:
-        assert (outcome(again) == outcome(lmp)).all()
-        assert value(again, "f_floor[9]") == value(lmp, "f_floor[9]")
-    else:
-        assert outcome(again)[0] == pytest.approx(outcome(lmp)[0], rel=1e-3)
-        assert value(again, "vx[1]") != value(lmp, "vx[1]")

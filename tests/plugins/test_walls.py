@@ -46,8 +46,7 @@ def test_the_dent_stays_at_its_place(lammps, tmp_path, between):
     speed, lost = -value(lmp, "vz[1]"), value(lmp, "f_floor[5]")
     if between == "restart":
         lmp.command(f"write_restart {tmp_path}/w.restart")
-        lmp = lammps()
-        lmp.commands_string(
+        lmp = lammps(
             f"newton off\natom_modify map yes\nread_restart {tmp_path}/w.restart\nfix motion all nve\n"
             + WALL.format(z=R)
             + "\nthermo_style custom step f_floor[4] f_floor[5]"
@@ -81,16 +80,6 @@ def test_a_place_is_the_same_across_a_periodic_boundary(lammps):
     assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12)
     lmp.commands_string(f"set atom 1 x 0 vz {speed}\nrun 40000")  # half a box away
     assert value(lmp, "f_floor[5]") > 1.02 * lost
-
-
-def test_respa_is_refused(lammps):
-    lmp = lammps()
-    lmp.commands_string(
-        "atom_style sphere\nboundary f f f\nregion box block -1 1 -1 1 -1 1\ncreate_box 1 box\ncreate_atoms 1 single 0 0 0\n"
-        f"pair_style zero 1.0\npair_coeff * *\nfix motion all nve\n{WALL.format(z=R)}\nrun_style respa 2 2"
-    )
-    with pytest.raises(Exception, match="Fix wall/gran/hysteretic does not work with run_style respa"):
-        lmp.command("run 1")
 
 
 def test_wall_of_a_material(lammps):
@@ -156,22 +145,6 @@ def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
     assert value(lmp, f"f_floor[{k + 1}]") == pytest.approx(-value(lmp, f"f{axis}[1]"), rel=1e-12)
     lmp.command("run 20000")
     assert value(lmp, f"v{axis}[1]") ** 2 <= 1 + 1e-6
-
-
-@pytest.mark.parametrize(
-    ("fix", "message"),
-    [
-        ("zplane 0 1", "expected"),
-        ("qplane 0 1 hertz 1e9 0.3", "xplane"),
-        ("zplane 1 0 hertz 1e9 0.3", "below"),
-        ("zplane NULL 1 rubber 1 1", "unknown contact law"),
-    ],
-)
-def test_wrong_walls_get_a_message(lammps, fix, message):
-    lmp = lammps()
-    lmp.commands_string(script_of([(0, 0, 0)]))
-    with pytest.raises(Exception, match=message):
-        lmp.command(f"fix floor all wall/gran/hysteretic {fix}")
 
 
 def test_spheres_far_away_are_not_looked_at(lammps):

@@ -1,0 +1,151 @@
+"""A run in pieces, and one that goes on from a restart file, are the run at once: contacts, walls, loads, holders, every law."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granwave._contact_laws import LAWS
+from tests.conftest import script_of
+from tests.helpers.rubbing import BRASS, HERTZ, MU, packing, rubbing, state
+from tests.helpers.two_spheres import BOX, LAW, PAIR, R, value
+
+HEADS_ON = [(0, 0, 1.0), (0, 0, -1.0)]
+LINE = [(0, 0, 0), (0, 0, 2 * R + 1e-5), (0, 0, 4 * R + 2e-5)]
+SKEW = "set atom 1 vx 0.7 omega 10 50 -30\nunfix motion\nfix motion all nve/sphere\n"
+DRIVEN = "group driven id 1\ngroup rest id 2\nunfix motion\nfix motion rest nve\n"
+BAR = "bar 400 0.3082 6.283185e10"  # of steel
+STRENGTHS = {"hertz": "", "power": "constant 2e7 exponent 1.2", "none": ""}
+
+
+def law_words(law: str) -> str:
+    return f"{law} 115e9 0.3 {STRENGTHS.get(law, '550e6')}"
+
+
+def alone(extra: str, law: str = HERTZ, velocity=(0, 0, 2.0), **options) -> str:
+    return script_of([(0, 0, 0)], style=law, velocities=[velocity], box=BOX, extra=extra, **options)
+
+
+def supported(support: str) -> str:
+    wall = f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} {BRASS} friction 0.3 support {support}"
+    return alone(f"{wall}\n{SKEW}thermo_style custom step c_ke f_plate f_plate[*]")
+
+
+def loaded(load: str, extra: str) -> str:
+    fix = f"{extra}fix push driven gran/load z {load}\nthermo_style custom step pe c_ep[1] f_push f_push[*]"
+    return script_of(PAIR, box=BOX, extra=fix)
+
+
+def rubbed() -> str:
+    places, speeds, spins = packing(2)
+    return rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins)
+
+
+HOLDER = "fix holder all gran/holder z 0.3 9.81\nthermo_style custom step pe f_holder\ntimestep 1e-7"
+LOSSES = (
+    f"comm_modify vel yes\nfix wall all wall/gran/hysteretic zplane NULL {5.0001 * R:.17g} {HERTZ} loss dashpot 0.2\n"
+    "compute en all gran/hysteretic/energy\nthermo_style custom step c_en[*] f_wall[*]"
+)
+FACE = "set atom 2 density 1e12\nthermo_style custom step pe c_ep[1]"
+TICKS = (
+    "timestep 5e-9\ncompute contact all gran/hysteretic/energy\nvariable given equal 0.0556\n"
+    "fix step all gran/timestep 32 3e-6 v_given first 4\nthermo_style custom step f_step[3]"
+)
+PLATE = [f"f_plate[{n}]" for n in range(1, 16)]
+# script, steps of the run, values that must be equal beside places, velocities and spins
+RUNS = {
+    "collision": (script_of(PAIR, velocities=HEADS_ON), 2400, ["c_ep[1]"]),
+    "friction in a packing": (rubbed(), 3000, ["c_en[7]", "c_en[1]", "c_en[6]"]),
+    "holder": (script_of(LINE, style=HERTZ, velocities=[(0, 0, 0.2)], box=BOX, extra=HOLDER), 6000, ["f_holder"]),
+    "damping": (
+        alone(f"{SKEW}fix calm all gran/absorb rate 2e3\ntimestep 1e-6\nthermo_style custom step f_calm"), 600, ["f_calm"],
+    ),
+    "force": (loaded("force half-sine 5000 3e-5", "group driven id 1\n"), 3000, ["c_ep[1]", "f_push", "f_push[2]", "f_push[3]"]),
+    "displacement": (loaded("displacement harmonic 2e-5 8e3", DRIVEN), 3000, ["c_ep[1]", "f_push", "f_push[2]", "f_push[3]"]),
+    "plate": (supported("0.02 1e9 500"), 3000, PLATE),
+    "massless plate": (supported("0 5e7 2000"), 3000, PLATE),
+    "bar behind a plate": (supported(f"{BAR} fixed"), 3000, PLATE),
+    "viscous losses": (
+        script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} loss time 1e-6", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
+                  extra=LOSSES), 4500, ["c_en[1]", "c_en[8]", "f_wall[16]"],
+    ),
+    "flat face": (
+        script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], types=[1, 2], velocities=[(0, 0, 2.0)], box=BOX, extra=FACE,
+                  coefficients=[f"pair_coeff 1 1 {HERTZ}", f"pair_coeff 2 2 {HERTZ}", f"pair_coeff 1 2 {BRASS} 210e9 0.3 INF"]),
+        2400, ["c_ep[1]"],
+    ),
+    "timestep that follows the error": (
+        script_of([(0, 0, 2 * R * k + 2e-5 * (k > 0)) for k in range(6)], velocities=[(0, 0, 5.0)], extra=TICKS), 9600,
+        ["f_step[3]"],
+    ),
+    "friction of a wall": (
+        alone(f"{SKEW}fix floor all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.3\nthermo_style custom step f_floor[*]"),
+        2400, ["f_floor[4]", "f_floor[8]", "f_floor[9]"],
+    ),
+}  # fmt: skip
+
+
+def resumed(script: str, restart: Path) -> str:
+    """What goes on from a restart file, which holds spheres, groups and pair style: the rest of the script."""
+    words = ("neigh", "fix", "unfix", "compute", "thermo", "timestep", "variable")
+    rest = [line for line in script.splitlines() if line.startswith(words)]
+    head = ["newton off", "atom_modify map yes", *re.findall("comm_modify vel yes", script), f"read_restart {restart}"]
+    return "\n".join([*head, *rest]) + "\n"
+
+
+@pytest.mark.parametrize("how", ["", " post no", " pre no", "restart"])
+@pytest.mark.parametrize("name", RUNS)
+def test_a_run_that_goes_on_is_the_run(lammps, tmp_path, name, how):
+    script, steps, values = RUNS[name]
+    first = steps // 3 // 32 * 32
+    whole = lammps(f"{script}run {steps} post no")
+    cut = lammps(f"{script}run {first}{' post no' if 'post' in how else ''}")
+    if how == "restart":
+        cut.command(f"write_restart {tmp_path}/r")
+        cut = lammps(f"{resumed(script, tmp_path / 'r')}run {steps - first}")
+    else:
+        for piece in (0, 640, steps - first - 640) if steps > 1000 else (0, steps - first):
+            cut.command(f"run {piece}{how if piece else ''}")
+    for array, expected in state(whole, "x", "v", "omega").items():
+        assert np.array_equal(state(cut, array)[array], expected), array
+    for formula in values:
+        assert value(cut, formula) == pytest.approx(value(whole, formula), rel=1e-12), formula
+    assert any(value(whole, formula) for formula in values)
+
+
+@pytest.mark.parametrize("law", [law for law in LAWS if law != "none"])
+@pytest.mark.parametrize("steps", [800, 20000])  # loaded, and apart
+def test_restart_keeps_the_history_of_every_law(lammps, tmp_path, law, steps):
+    """After a restart two spheres collide a second time as without it, harder and as hard as before."""
+    script = script_of(PAIR, velocities=HEADS_ON, style=law_words(law))
+    lmp = lammps(f"{script}run {steps}\nwrite_restart {tmp_path}/half.restart")
+    again = lammps(resumed(script, tmp_path / "half.restart"))
+    for instance in (lmp, again):
+        instance.commands_string("set atom 1 vz 1\nset atom 2 vz -1\nrun 30000")
+    for formula in ("vz[1]", "vz[2]", "z[1]", "c_ep[1]"):
+        assert value(again, formula) == value(lmp, formula)
+
+
+def test_restart_keeps_initial_dents(lammps, tmp_path):
+    dent = 20 * LAW.yield_overlap
+    (tmp_path / "dents.txt").write_text(f"1 2 {dent:.17g}")
+    reports = "compute dents all gran/hysteretic/local\ncompute en all gran/hysteretic/energy\nthermo_style custom step c_en[*]"
+    script = script_of(
+        PAIR, velocities=[(0, 0, 2), (0, 0, -2)], extra=f"{reports}\ngran/dents read {tmp_path}/dents.txt"
+    )
+    lmp = lammps(f"{script}run 500\nwrite_restart {tmp_path}/r\nrun 5000")
+    again = lammps(f"{resumed(script, tmp_path / 'r')}run 5000")
+    rows = [one.numpy.extract_compute("dents", 2, 2).copy() for one in (lmp, again)]
+    assert np.array_equal(*rows) and rows[0][0, 15] == dent
+    assert value(lmp, "c_en[1]") == value(again, "c_en[1]") > 0
+
+
+def test_a_wall_without_friction_ignores_springs_of_a_restart(lammps, tmp_path):
+    script, *_ = RUNS["friction of a wall"]
+    lmp = lammps(f"{script}run 800\nwrite_restart {tmp_path}/r\nrun 1000")
+    again = lammps(resumed(script, tmp_path / "r").replace(" friction 0.3", "") + "run 1000")
+    assert value(again, "vz[1]") == pytest.approx(value(lmp, "vz[1]"), rel=1e-3)
+    assert value(again, "vx[1]") != value(lmp, "vx[1]")

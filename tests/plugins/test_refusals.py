@@ -1,0 +1,312 @@
+"""Words, values and commands that the styles refuse, with their messages."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.conftest import refuses, script_of
+from tests.helpers.rubbing import rubbing
+from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
+
+ONE = script_of([(0, 0, 0)])
+BARE = "newton off\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\n"
+GAP = f"{BARE}pair_style gran/hysteretic 0.1\n"
+LIGHT = ONE.replace(
+    "pair_style gran/hysteretic 0.001\npair_coeff * * elastoplastic 115e9 0.3 550e6",
+    "pair_style zero 1e-3\npair_coeff * *",
+)
+LIGHT = LIGHT.replace("compute ep all pair gran/hysteretic\n", "").replace(" c_ep[1] c_ep[2]", "")
+PUSHED = "fix push all gran/load z force harmonic 1 1\n"
+TOP = "fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n"
+GIVEN = "variable given equal 1.0\n"
+LOSSY = rubbing(PAIR, "hertz 1e9 0.3 loss time 1e-6")
+# what comes before, command with {} for the words, rows of words and message
+REFUSED = {
+    "damping": (ONE, "fix calm all gran/absorb {}", [
+        ("speed 1", "'speed' is neither rate nor impedance"),
+        ("rate 0", "rate must be positive, found 0"),
+        ("rate 1 z", "3 words after its name"),
+        ("rate 1 z 2 2", "must rise between two places, found 2 and 2"),
+        ("impedance 1", "2 words after its name"),
+        ("impedance 1 w", "'w' is no direction"),
+    ]),
+    "holder": (ONE, "fix holder all gran/holder {}", [
+        ("z 0.3", "2 words after its name"),
+        ("w 0.3 9.81", "'w' is no direction"),
+        ("z -0.1 9.81", "0 or positive, found -0.1"),
+        ("z 0.3 0", "acceleration must be positive, found 0"),
+        ("z 0.3 9.81\nfix pull all addforce 0 0 1\nrun 1", "but fix addforce pull"),  # forces that come after it
+    ]),
+    "cylinders": (ONE, "fix round all gran/cylinder {}", [
+        ("1 0 0 1 0", "the length of a cylinder must be above 0"),
+        ("1 0.01 0 0 0", "must be a direction"),
+        ("2 0.01 0 1 0", "expected a type from 1 to 1"),
+        ("1 0.01 0 1 0 1 0.02 0 1 0", "found type 1 twice"),
+        ("1 0.01 0 1", "expected TYPE LENGTH AX AY AZ"),
+        ("1 0.01 0 1 1\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3\nrun 0", "oblique to the wall"),
+        ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3 line soft", "half-space or plane-strain"),
+        ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic tube 0.1 hertz 1e9 0.3\nrun 0", "a tube holds spheres"),
+        ("1 0.01 0 1 0\nset group all omega 1 0 0\nrun 0", "can turn about its axis only"),
+    ]),
+    "dents": (ONE, "gran/dents {}", [
+        ("", "expected 'read FILE' or 'begin'"),
+        ("begin now", "expected 'read FILE' or 'begin'"),
+        ("read /nowhere/dents", "cannot read file /nowhere/dents"),
+    ]),
+    "dents without the pair style": (BARE + "pair_style zero 1.0\npair_coeff * *\n", "{}", [
+        ("gran/dents begin", "requires pair style gran/hysteretic"),
+    ]),
+    "loads": (ONE, "fix push all gran/load {}", [
+        ("q force half-sine 1 1", "'q' is no direction"),
+        ("z push half-sine 1 1", "neither force nor displacement"),
+        ("z force sawtooth 1 1", "'sawtooth' is no shape of a force"),
+        ("z displacement half-sine 1 1", "'half-sine' is no shape of a displacement"),
+        ("z force half-sine 0 1", "amplitude must be positive, found 0"),
+        ("z force half-sine 1 0", "duration must be positive, found 0"),
+        ("z force rectangle 1 -1e-5", "duration must be positive"),
+        ("z force harmonic 1 0", "frequency must be positive"),
+        ("z force half-sine 1", "words after 'half-sine'"),
+        ("z force harmonic 1 1 1 1", "4 words after 'harmonic'"),
+        ("z force burst 1 1e5 0", "number of cycles must be positive, found 0"),
+        ("z force sweep 1 1e5 2e5 1e-4 6e-5", "ramp must be at most half the duration"),
+        ("z force noise 1 1e3 2e3 1e-4 0 1", "noise cannot be used: no multiple of 1/T lies between its frequencies"),
+        ("z force half-sine", "expected x|y|z"),
+        ("z force table none.txt", "cannot read the table"),
+        ("z force table falls.txt", "row 3 does not"),
+        ("z force table early.txt", "first time is negative"),
+        ("z force table short.txt", "at least two rows, found 1"),
+        ("z force table words.txt", "line 3 of table .* must be two numbers, found '1 one'"),
+    ]),
+    "runs with a load": (ONE + PUSHED, "{}", [
+        ("minimize 0 0 1 1", "does not work with minimize"),
+        ("group none subtract all all\nfix more none gran/load z force harmonic 1 1\nrun 0", "has no atoms"),
+        ("fix more all gran/load z displacement harmonic 1 1\nrun 0", "that fix nve motion integrates"),
+    ]),
+    "other integrations": (LIGHT, "{}\nrun_style respa 2 2\nrun 1", [
+        (f"{PUSHED}unfix motion", "does not work with run_style respa"),
+        (TOP, "Fix wall/gran/hysteretic does not work with run_style respa"),
+    ]),
+    "losses": (ONE, "pair_coeff * * hertz 115e9 0.3 {}", [
+        ("loss time", "'loss time' has no value"),
+        ("loss 1e-6 2", "loss must be time or dashpot, found '1e-6'"),
+        ("loss time -1e-6", "loss time must not be negative"),
+        ("loss time x", "loss time must be a number"),
+        ("loss time 1e-6 loss dashpot 0.1", "loss is given twice"),
+        ("friction -0.1", "friction must not be negative, found '-0.1'"),
+        ("friction much", "friction must be a number, found 'much'"),
+        ("friction", "'friction' has no value"),
+    ]),
+    "ghosts": ("", "{}comm_modify vel no\nrun 0", [
+        (rubbing(PAIR), "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
+        (LOSSY, "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
+    ]),
+    "forgotten contacts": ("", "{}", [
+        (rubbing([(0, 0, 0)], gap=f"2e-5 {words}"), "'forgotten sum' or 'forgotten list', found")
+        for words in ("forgotten", "forgotten none", "remembered list", "forgotten list 1")
+    ]),
+    "walls": (ONE, "fix floor all wall/gran/hysteretic {}", [
+        ("zplane 0 1", "expected"),
+        ("qplane 0 1 hertz 1e9 0.3", "xplane"),
+        ("zplane 1 0 hertz 1e9 0.3", "below"),
+        ("zplane NULL 1 rubber 1 1", "unknown contact law"),
+        ("tube 0 hertz 115e9 0.3", "the radius of the tube must be above 0"),
+        ("tube -1 hertz 115e9 0.3", "the radius of the tube must be above 0"),
+        ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane or tube, found pipe"),
+        ("tube 0.01 hertz 115e9 0.3 support 0.5 1e8 2e3", "support moves a plane, found a tube"),
+        ("tube 0.002 hertz 1e9 0.3\nrun 0", "does not fit into the tube"),
+        ("zplane -1 1 hertz 1e9 0.3 support 1 1e6 0", "found two"),
+        ("zplane NULL NULL hertz 1e9 0.3 support 1 1e6 0", "found none"),
+    ]),
+    "supports": (ONE, "fix plate all wall/gran/hysteretic zplane NULL 0.005 hertz 115e9 0.3 support {}", [
+        ("-1 1e6 0", "MASS must be a number, 0 or more, found '-1'"),
+        ("1 0 0", "STIFFNESS and DAMPING are both 0"),
+        ("0 1e6 0", "MASS is 0 and DAMPING too"),
+        ("1 soft 0", "STIFFNESS must be a number"),
+        ("1 1e6", "2 words"),
+        ("bar 0 1 1e6 free", "ELEMENTS must be a whole number"),
+        ("bar 10 0 1e6 free", "MASS of a bar must be positive"),
+        ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
+        ("bar 10 1 1e6 loose", "END of a bar, unless free or fixed"),
+        ("1e-6 1e9 0\ntimestep 1e-7\nrun 100", "of the support, 6.32"),  # a timestep beyond the critical one
+        ("1e-9 1e3 0\ntimestep 1e-7\nrun 100", "with the spheres on it"),
+        ("0 0 0.1\ntimestep 1e-7\nrun 100", "with the spheres on it"),
+    ]),
+    "timesteps": (ONE + GIVEN, "fix step all gran/timestep {}", [
+        ("32 3e-6", "expected N TOLERANCE ENERGY"),
+        ("24 3e-6 1.0", "N must be a power of two"),
+        ("32 1e-2 1.0", "tolerance must be between 1e-12 and 0.001, found 1e-2"),
+        ("32 1e-14 1.0", "tolerance must be between"),
+        ("32 3e-6 -1", "energy must be positive, or v_NAME, found -1"),
+        ("32 3e-6 1.0 first 64", "first must be a power of two up to N, 32, found 64"),
+        ("32 3e-6 1.0 balance v_given 0", "balance every 0, expected 1 or more"),
+        ("32 3e-6 1.0 last 4", "found 'last'; expected N"),
+    ]),
+    "runs with a timestep": (ONE + GIVEN + "fix step all gran/timestep 32 3e-6 v_given\n", "{}\nrun 64", [
+        ("fix late all ave/time 32 1 32 v_given", "must come after all fixes that act at the end of a step, and fix late"),
+        ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset changes the timestep"),
+        ("run 64\ntimestep 1e-7", "the timestep was changed to 1e-07"),
+        ("variable given delete", "there is no variable given"),
+    ]),
+    "two bodies that cannot yield": (script_of([(0, 0, 0), (0, 0, 0.03)], types=[1, 2]), "{}", [
+        (f"{command} {law} {words}", "needs a yield strength for one of the two bodies")
+        for command in ("pair_coeff 1 2", "fix w all wall/gran/hysteretic zplane NULL 1")
+        for law in ("elastoplastic", "thornton", "bilinear")
+        for words in ("115e9 0.3 INF", "115e9 0.3 INF 1e9 0.3 INF")
+    ]),
+    "pair style": ("", "{}", [
+        (f"{GAP}create_atoms 1 single 0.5 0.5 0.5\nset atom 1 diameter 0.1 density 1\npair_coeff * * hertz 1e5 0.3\nrun 0"
+         .replace("newton off", "newton on"), "newton off"),
+        (GAP.replace("sphere", "atomic") + "mass 1 1\npair_coeff * * hertz 1e5 0.3\nrun 0", "atom_style sphere"),
+        (f"{GAP}pair_coeff * * rubber 1", "unknown contact law"),
+        (f"{GAP}pair_coeff * * elastoplastic 1e9 0.3", "material constants"),
+        (f"{GAP}pair_coeff * * elastoplastic 1e9 0.3 0.0", "positive"),
+        (f"{GAP}pair_coeff * * hertz 1e9 0.7", "Poisson"),
+        ("pair_style gran/hysteretic", "gap"),
+        ("pair_style gran/hysteretic -1", "positive"),
+        (f"{BARE}fix 1 all gran/hysteretic/history", "belongs to pair style"),
+        (f"{ONE}run_style respa 2 2\nrun 1", "Pair style gran/hysteretic does not work with run_style respa"),
+    ]),
+    "states": ("", "{}run 2000", [
+        (script_of([(0, 0, 0), (0, 0, 1e-9)]), "overlap by"),
+        (script_of([(0, 0, 0), (0, 0, 0.9 * R)]), "overlap by"),
+        (script_of(PAIR, velocities=[(0, 0, 1e7), (0, 0, 0)]), "of its radius in one timestep"),
+    ]),
+    "lines of dents": (script_of(PAIR, extra=TOP), "gran/dents read {}", [
+        ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
+        ("1 4294967298 1e-6", "there is no sphere 4294967298"),
+        ("# first\n1 2 -1e-6", "line 2 of .*: the dent must not be negative, found '1 2 -1e-6'"),
+        ("1 2 0.006", "line 1 of .*: the dent, 0.006, exceeds the radius of the smaller sphere"),
+        ("1 1 1e-6", "a sphere has no contact with itself"),
+        ("1 2 deep", "the dent must be a number"),
+        ("1 2 nan", "the dent must be a number"),
+        ("1 2", "expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall, found '1 2'"),
+        ("1 2 1e-6 4", "expected 'i j peak'"),
+        ("floor 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'floor'"),
+        ("motion 1 1e-6", "there is no fix wall/gran/hysteretic with the ID 'motion'"),
+        ("1 2 1e-6\n2 1 1e-6", "line 2 of .*: this contact was given before"),
+        ("top 7 1e-6", "there is no sphere 7"),
+        ("top 1 0.006", "exceeds the radius of the sphere"),
+    ]),
+    "dents of spheres too far apart": (script_of([(0, 0, 0), (0, 0, 3 * R)]), "gran/dents read {}", [
+        ("1 2 1e-6", "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"),
+    ]),
+}  # fmt: skip
+TABLES = {"falls": "0 0\n1 1\n1 2\n", "early": "-1 0\n1 1\n", "short": "0 1\n", "words": "# t F\n0 0\n1 one\n"}
+
+
+@pytest.mark.parametrize(
+    ("what", "words", "message"), [(what, *row) for what, (*_, rows) in REFUSED.items() for row in rows]
+)
+def test_one_message_says_what_is_wrong(lammps, tmp_path, monkeypatch, what, words, message):
+    monkeypatch.chdir(tmp_path)
+    for name, rows in TABLES.items():
+        (tmp_path / f"{name}.txt").write_text(rows)
+    before, command, _ = REFUSED[what]
+    if command.endswith("read {}"):
+        (tmp_path / "dents").write_text(words)
+        words = "dents"
+    refuses(lammps(before), command.format(words), message)
+
+
+@pytest.mark.parametrize(
+    ("support", "message"), [("", "with a support"), ("support 1 1e6 0", "another number of elements")]
+)
+def test_a_restart_needs_its_support(lammps, tmp_path, support, message):
+    wall = f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} hertz 115e9 0.3"
+    lammps(
+        script_of(
+            [(0, 0, 0)], box=BOX, extra=f"{wall} support bar 400 0.3 6e10 free\nrun 100\nwrite_restart {tmp_path}/r"
+        )
+    )
+    refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r"), f"{wall} {support}", message)
+
+
+def test_a_restart_needs_its_kind_of_load(lammps, tmp_path):
+    lammps(f"{ONE}{PUSHED}run 5\nwrite_restart {tmp_path}/r")
+    again = lammps(f"newton off\nread_restart {tmp_path}/r")
+    refuses(again, "fix push all gran/load z displacement harmonic 1 1", "with a force")
+
+
+THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
+
+
+@pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
+@pytest.mark.parametrize("steps", [800, 20000])  # in contact, separated
+def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
+    lmp = lammps(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
+        lmp.commands_string(f"{change}\nrun 0")
+
+
+def test_new_ids_with_forgotten_dents_are_refused(lammps):
+    lmp = lammps(script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local")
+    lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
+    assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
+    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
+        lmp.commands_string("delete_atoms group gone\nrun 0")
+
+
+def test_new_ids_before_any_contact_are_fine(lammps):
+    whole, fewer = lammps(), lammps()
+    collide(whole)
+    fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
+    assert value(fewer, "abs(vz[1])") == pytest.approx(
+        abs(value(whole, "vz[1]")), rel=1e-12
+    )  # IDs are given in any order
+
+
+@pytest.mark.parametrize(("length", "fits"), [(0.0239, False), (0.0241, True)])
+@pytest.mark.parametrize("axis", "xyz")
+def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, length, fits):
+    """Twice the reach: 2 (2 R + gap + skin) = 24 mm."""
+    lmp = lammps()
+    box = [-0.05, 0.05] * 3
+    k = "xyz".index(axis)
+    box[2 * k : 2 * k + 2] = [-0.002, length - 0.002]
+    boundary = " ".join("p" if name == axis else "m" for name in "xyz")
+    lmp.commands_string(script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}"))
+    if fits:
+        lmp.command("run 1")
+    else:
+        with pytest.raises(Exception, match=rf"the periodic box is 0.0239 long in {axis}"):
+            lmp.command("run 1")
+
+
+@pytest.mark.parametrize("radius", [-0.5 * R, np.nan])
+def test_radius_below_zero_is_refused(lammps, radius):
+    """LAMMPS itself lets a program or a fix set one."""
+    lmp = lammps(script_of([(0, 0, 0), (0, 0, 2 * R)]))
+    lmp.numpy.extract_atom("radius")[1] = radius
+    refuses(lmp, "run 1", rf"atom 2 has the radius (-{0.5 * R:g}|-?nan), expected one above 0, or 0 for a flat face")
+
+
+def test_mass_of_zero_is_refused(lammps):
+    """A program may set one; `set density 0` ends LAMMPS itself, with a signal."""
+    lmp = lammps(script_of([(0, 0, 0), (0, 0, 2 * R)]))
+    lmp.numpy.extract_atom("rmass")[1] = 0.0
+    refuses(lmp, "run 1", "atom 2 has the mass 0, expected one above 0")
+
+
+@pytest.mark.parametrize("wall", [False, True])
+@pytest.mark.parametrize(
+    ("force", "timestep", "place", "first"),
+    [
+        (-50, 1e-6, 0.0, "the load is too strong or the impact too fast"),
+        (-50, 1e-4, 0.0, "the timestep is far too large"),
+        (0, 1e-5, -1.2 * R, "placed into"),
+    ],
+)
+def test_overlaps_name_their_likely_cause_first(lammps, wall, force, timestep, place, first):
+    """A soft sphere is pressed onto another one, or a wall, that does not move."""
+    lmp = lammps()
+    floor = f"fix floor all wall/gran/hysteretic zplane {R:.17g} NULL hertz 1e4 0.3\n"
+    places = [(0.04, 0, 2.5 * R if wall else 0), (0, 0, 2 * R + place)]
+    lmp.commands_string(
+        script_of([*places] if wall else [(0, 0, 0), places[1]], style="hertz 1e4 0.3", box=[-0.1, 0.1] * 3)
+        + (floor if wall else "")
+        + f"group held id 1\ngroup pressed id 2\nfix hold held setforce 0 0 0\nfix push pressed addforce 0 0 {force}\n"
+        + f"timestep {timestep}\n"
+    )
+    with pytest.raises(Exception, match=rf": [a-z ]*{first}.*, or .*, or "):
+        lmp.command("run 20000")
