@@ -129,8 +129,8 @@ REFUSED = {
         ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
         ("bar 10 1 1e6 loose", "END of a bar, unless free or fixed"),
         ("1e-6 1e9 0\ntimestep 1e-7\nrun 100", "of the support, 6.32"),  # a timestep beyond the critical one
-        ("1e-9 1e3 0\ntimestep 1e-7\nrun 100", "with the spheres on it"),
-        ("0 0 0.1\ntimestep 1e-7\nrun 100", "with the spheres on it"),
+        ("1e-9 1e3 0\nset atom 1 vz 2\ntimestep 1e-7\nrun 100", "with the spheres on it"),
+        ("0 0 0.1\nset atom 1 vz 2\ntimestep 1e-7\nrun 100", "with the spheres on it"),
     ]),
     "timesteps": (ONE + GIVEN, "fix step all gran/timestep {}", [
         ("32 3e-6", "expected N TOLERANCE ENERGY"),
