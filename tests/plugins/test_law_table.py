@@ -1,5 +1,4 @@
-"""Table of contact laws, with their names and options in input scripts, restart files, case files and the command line, and
-blocks of history that are copied as a whole."""
+"""Table of contact laws, with their names and options everywhere; blocks of history; batches with the same bits on all processors."""
 
 from __future__ import annotations
 
@@ -126,3 +125,92 @@ def test_history_of_a_law_is_carried_as_a_block(tmp_path):
     subprocess.run(["c++", "-std=c++17", "-I", LAWS_FOLDER, source, "-o", program], check=True, timeout=120)
     done = subprocess.run([program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+FLAGS = ["-std=c++17", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]  # of plugins/CMakeLists.txt
+PROGRAM = r"""
+#include "contact_batch.h"
+#include <cstdio>
+#include <cstring>
+#include <random>
+using namespace granwave;
+
+static std::mt19937_64 random_bits(7);
+static double number(double low, double high) { return low + (high - low) * (random_bits() >> 11) * 0x1p-53; }
+
+static void print(double x)
+{
+  std::uint64_t bits;
+  std::memcpy(&bits, &x, sizeof(bits));
+  std::printf("%016llx\n", (unsigned long long) bits);
+}
+
+int main()
+{
+  constexpr int SPHERES = 40, PAIRS = 600;
+  static double v[SPHERES][3], omega[SPHERES][3], f[SPHERES][3], torque[SPHERES][3];
+  static TangentialSpring springs[PAIRS + 500];    // as many more are fetched ahead
+  for (int s = 0; s < SPHERES; s++)
+    for (int d = 0; d < 3; d++) v[s][d] = number(-5, 5), omega[s][d] = number(-900, 900);
+  for (TangentialSpring &spring : springs)
+    spring = {{number(-9, 9), number(-9, 9), number(-9, 9)}, number(1e-8, 1e-6), number(0, 1e-6)};
+  for (int size : {1, 2, 3, 4, 5, 7, 8, 31, 63, 64}) {
+    static ContactBatch batch;
+    batch.size = size;
+    for (int m = 0; m < size; m++) {
+      batch.k[m] = 9 * m + m % 3;
+      batch.i[m] = m / 3;
+      batch.j[m] = batch.i[m] + 1 + m % 3;
+      double square = 0.0;
+      for (int d = 0; d < 3; d++) {
+        batch.del[d][m] = number(-1e-3, 1e-3);
+        square += batch.del[d][m] * batch.del[d][m];
+      }
+      batch.rsq[m] = square;
+      batch.radsum[m] = std::sqrt(square) * (1.0 + number(1e-6, 1e-3));
+      batch.radius_i[m] = batch.radius_j[m] = 0.5 * batch.radsum[m];
+      batch.root_radius[m] = 0.03;
+      batch.hertz[m] = 3e9;
+      batch.shear_stiffness[m] = 1e11;
+      batch.largest_overlap[m] = 1.0;
+      batch.elastic_limit[m] = number(0, 1e-6);
+      batch.peak[m] = number(0, 1e-6);
+      batch.friction[m] = m % 5 == 2 ? 0.0 : 0.3;    // some without, among others
+      batch.keeps[m] = m % 4 == 1 ? 1.0 : 0.0;
+    }
+    std::uint64_t raised, yielded;
+    if (batch.compute_overlap()) return 1;
+    batch.compare_with_peaks(raised, yielded);
+    std::printf("%016llx %016llx\n", (unsigned long long) raised, (unsigned long long) yielded);
+    if (batch.prepare_friction() != (size > 2)) return 2;
+    batch.read(v, omega, springs);
+    batch.advance_forces_and_torques(1e-7);
+    batch.write(springs);
+    batch.add_forces_and_torques(f, torque, SPHERES - 10, springs);
+    batch.compute_normal();
+    batch.add_normal(f, SPHERES - 10);
+  }
+  for (const TangentialSpring &spring : springs)
+    for (double x : {spring.force[0], spring.force[1], spring.force[2], spring.compliance, spring.loss}) print(x);
+  for (int s = 0; s < SPHERES; s++)
+    for (int d = 0; d < 3; d++) print(f[s][d]), print(torque[s][d]);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
+def test_the_same_bits_with_and_without_further_instructions(tmp_path):
+    """As of this processor, and with those only that all have; batches of any size, some pairs without friction."""
+    source = tmp_path / "batches.cpp"
+    source.write_text(PROGRAM)
+    printed = []
+    for definitions in ([], ["-DGRANWAVE_ONE_PROCESSOR"]):
+        program = tmp_path / f"batches{len(definitions)}"
+        files = [source, LAWS_FOLDER / "contact_batch.cpp"]
+        command = ["c++", *FLAGS, *definitions, "-Wno-psabi", "-I", LAWS_FOLDER, *files, "-o", program]
+        subprocess.run(command, check=True, timeout=120)
+        done = subprocess.run([program], capture_output=True, text=True, check=True)
+        printed.append(done.stdout)
+    assert printed[0].count("\n") == 10 + 5 * 1100 + 6 * 40
+    assert "nan" not in printed[0]
+    assert printed[0] == printed[1]

@@ -1,4 +1,4 @@
-"""Fix gran/load: energy balance of forces and displacements, restart, ranks, manual, messages."""
+"""Fix gran/load: impulse and work of every shape against closed forms, energy balance, ranks, manual."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import re
 import numpy as np
 import pytest
 
+from granwave._contact_laws import load_at
 from tests.conftest import script_of
 from tests.helpers.manual import PAGES, Log
-from tests.helpers.pushed import DRIVEN, MASS, PAIR, REPORT, balance, pushed, table
+from tests.helpers.pushed import DRIVEN, MASS, PAIR, REPORT, A, T, balance, pushed, table
 from tests.helpers.two_spheres import value
 
 LOADS = {
@@ -80,3 +81,113 @@ def test_example_of_the_manual(lmp, tmp_path):
     assert np.abs(run["v_balance"]).max() < 1e-6
     assert run["c_end[5]"][-1] > 0.5 * run["f_push"][-1]
     assert run["c_barkinetic"][-1] == pytest.approx(run["E_bond"][-1], rel=1e-3)  # a wave that travels one way
+
+
+SMOOTH = {
+    "harmonic": f"harmonic {A} 2e5 2e-5",
+    "burst": f"burst {A} 2e5 4",
+    "up-and-down": f"up-and-down {A} 2e5 3e-5",
+    "sweep": f"sweep {A} 1e5 4e5 3e-5 6e-6",
+    "noise": f"noise {A} 1e5 6e5 3e-5 6e-6 7",
+}
+
+
+def smooth_force(shape: str, time):
+    """The smooth shapes, once more; noise has the same phases in any program that uses splitmix64."""
+    at = np.asarray(time)
+    rise = lambda since, ramp: np.where(since < ramp, np.sin(np.pi * since / (2 * ramp)) ** 2, 1.0)  # noqa: E731
+    if shape == "harmonic":
+        return A * rise(at, 2e-5) * np.sin(2 * np.pi * 2e5 * at)
+    if shape == "burst":
+        return np.where(at < 2e-5, A * np.sin(np.pi * at / 2e-5) ** 2 * np.sin(2 * np.pi * 2e5 * at), 0.0)
+    inside = at < 3e-5
+    if shape == "up-and-down":
+        return np.where(inside, A * (1 - np.abs(2 * at / 3e-5 - 1)) * np.sin(2 * np.pi * 2e5 * at), 0.0)
+    window = rise(at, 6e-6) * rise(3e-5 - at, 6e-6)
+    if shape == "sweep":
+        return np.where(inside, A * window * np.sin(2 * np.pi * (1e5 * at + 3e5 * at**2 / 6e-5)), 0.0)
+    state, phases, mask = 7, [], 2**64 - 1
+    for _ in range(3, 19):
+        state = (state + 0x9E3779B97F4A7C15) & mask
+        z = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & mask
+        z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+        phases.append(2 * np.pi * ((z ^ (z >> 31)) >> 11) / 2**53)
+    waves = sum(np.sin(2 * np.pi * k / 3e-5 * at + phase) for k, phase in zip(range(3, 19), phases, strict=True))
+    return np.where(inside, A * np.sqrt(2 / 16) * window * waves, 0.0)
+
+
+@pytest.mark.parametrize("shape", SMOOTH)
+def test_smooth_shapes_give_the_impulse_of_their_closed_form(lammps, shape):
+    end, dt = 4e-5, 2e-8
+    lmp = pushed(lammps(), f"force {SMOOTH[shape]}", extra=f"timestep {dt}")
+    at = np.linspace(0.0, end, 400_001)
+    due = np.trapezoid(smooth_force(shape, at), at)
+    lmp.command(f"run {round(end / dt)}")
+    near = {"rel": 1e-4} if shape == "harmonic" else {"rel": 1e-6, "abs": 1e-9 * A * end}  # the first goes on
+    assert value(lmp, "f_push[2]") == pytest.approx(due, **near)
+    assert MASS * value(lmp, "vz[1]") == pytest.approx(due, **near)
+    words = SMOOTH[shape].split()
+    at = np.linspace(0, 3.5e-5, 57)
+    assert load_at(words[0], [float(word) for word in words[1:]], at) == pytest.approx(
+        smooth_force(shape, at), abs=1e-9 * A
+    )
+
+
+@pytest.mark.parametrize("shape", SMOOTH)
+def test_work_of_smooth_shapes(lammps, shape):
+    force = pushed(lammps(), f"force {SMOOTH[shape]}", extra="timestep 1e-8")
+    force.command("run 1100")
+    assert balance(force) == pytest.approx(1, rel=1e-4)
+    drive = f"driven|displacement {SMOOTH[shape].replace(f'{A}', '1e-6')}"
+    moved = pushed(lammps(), drive, PAIR, extra=f"{DRIVEN}timestep 1e-8\n")
+    moved.command("run 1700")
+    assert value(moved, "z[1]") == pytest.approx(1e-6 / A * float(smooth_force(shape, 1.7e-5)), abs=1e-13)
+    assert balance(moved) == pytest.approx(1, rel=1e-4)
+
+
+SHAPES = {
+    f"half-sine {A} {T}": 2 * A * T / np.pi,
+    f"rectangle {A} {T}": A * T,
+    "table {table}": 0.5 * A * T,
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("dt", [1e-8, 3.7e-7])
+def test_impulse_and_work_are_exact_for_any_timestep(lammps, tmp_path, shape, dt):
+    rows = table(tmp_path / "force.txt", [0, 0.3 * T, T], [0, A, 0])
+    lmp = pushed(lammps(), f"force {shape.format(table=rows)}", extra=f"timestep {dt}")
+    lmp.command(f"run {int(1.1 * T / dt)}")
+    assert value(lmp, "f_push[1]") == 0
+    assert value(lmp, "f_push[2]") == pytest.approx(SHAPES[shape], rel=1e-12)
+    assert MASS * value(lmp, "vz[1]") == pytest.approx(SHAPES[shape], rel=1e-12)
+    assert value(lmp, "f_push[3]") == pytest.approx(value(lmp, "z[1]"), rel=1e-12)
+    assert balance(lmp) == pytest.approx(1, rel=(dt / T) ** 2)
+
+
+def test_harmonic_force_in_mid_run(lammps):
+    lmp = pushed(lammps(), "force harmonic 100 8e3")
+    lmp.command("run 4321")
+    angle = 2 * np.pi * 8e3 * 4321e-8
+    assert value(lmp, "f_push[1]") == pytest.approx(100 * np.sin(angle), rel=1e-6)
+    assert value(lmp, "f_push[2]") == pytest.approx(100 / (2 * np.pi * 8e3) * (1 - np.cos(angle)), rel=1e-6)
+    assert balance(lmp) == pytest.approx(1, rel=1e-7)
+
+
+def test_group_shares_the_force(lammps):
+    two = [(0, 0, 0), (0.02, 0, 0)]
+    lmp = pushed(lammps(), f"force half-sine {A} {T}", two)
+    lmp.command("run 1100")
+    assert value(lmp, "vz[1]") == value(lmp, "vz[2]") == pytest.approx(A * T / np.pi / MASS, rel=1e-12)
+    assert balance(lmp) == pytest.approx(1, rel=1e-9)
+
+
+def test_table_of_a_half_sine_is_the_half_sine(lammps, tmp_path):
+    times = np.linspace(0, T, 400)
+    rows = table(tmp_path / "sine.txt", times, A * np.sin(np.pi * times / T))
+    sine, sampled = (pushed(lammps(), f"force {s}") for s in (f"half-sine {A} {T}", f"table {rows}"))
+    for steps in (300, 900):
+        for lmp in (sine, sampled):
+            lmp.command(f"run {steps}")
+        for what in ("f_push", "f_push[2]", "vz[1]", "z[1]"):
+            assert value(sampled, what) == pytest.approx(value(sine, what), rel=2e-5), what
