@@ -111,14 +111,13 @@ def _vector(value: Any, expected: str) -> tuple[float, ...]:
 class GrainMaterial:
     """``[material]``: density and elastic constants of the grains."""
 
-    density: float = number("mass density", unit="kg/m^3", above=0, usual=DENSITY)
+    density: float = number("mass density", DENSITY, above=0)
     poisson_ratio: float = number("Poisson's ratio; of no use with measured stresses", above=-1, below=0.5, default=0.0)
     youngs_modulus: float | None = number(
         "Young's modulus; may be left out with measured stresses, and if infer.modulus finds it",
-        unit="Pa",
+        YOUNGS_MODULUS,
         above=0,
         default=None,
-        usual=YOUNGS_MODULUS,
     )
 
 
@@ -133,20 +132,17 @@ class Infer:
         default="plane-stress",
     )
     friction: float = number(
-        "coefficient of friction between grains; rather too large than too small",
-        at_least=0,
-        at_most=1e4,
-        usual=FRICTION,
+        "coefficient of friction between grains; rather too large than too small", FRICTION, at_least=0, at_most=1e4
     )
     wall_friction: float | None = number(
         "coefficient of friction of the walls; that of the grains by default",
+        FRICTION,
         at_least=0,
         at_most=1e4,
         default=None,
-        usual=FRICTION,
     )
     thickness: float = number(
-        "length of the cylinders; 1: forces are per metre of length", unit="m", above=0, default=1.0, usual=LENGTH
+        "length of the cylinders; 1: forces are per metre of length", LENGTH, above=0, default=1.0
     )
     contact_tolerance: float = number(
         "gap over the sum of the radii up to which two grains may touch: the error of measured places",
@@ -174,16 +170,14 @@ class Infer:
         default=0.0,
     )
     frame_rate: float | None = number(
-        "frames per second of a series whose rows have a frame in place of a time", unit="Hz", above=0, default=None
+        "frames per second of a series whose rows have a frame in place of a time", "Hz", above=0, default=None
     )
     window: int = custom(
         "frames that a parabola is fitted to for accelerations of a series; 3: second differences",
         _parse_window,
         default=3,
     )
-    time: float | None = number(
-        "instant of a series, the frame nearest to it; by default all", unit="s", default=None, usual=TIME
-    )
+    time: float | None = number("instant of a series, the frame nearest to it; by default all", TIME, default=None)
     seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
 
     @property

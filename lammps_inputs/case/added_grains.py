@@ -123,7 +123,7 @@ class AddedGrains:
     )
     ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
     repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
-    diameter: float = number("diameter of these grains", unit="m", above=0, usual=DIAMETER)
+    diameter: float = number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)

@@ -50,7 +50,7 @@ from granwave.lammps_inputs.case.schema import (
 Entry = TypeVar("Entry")
 
 _POINT_FORM = "[x, y, z] in m"
-_OFFSET = Usual(1e-9, 1.0, ("mm", "um"))
+_OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
 
 
 CENTRE = "centre"  # of the top
@@ -102,7 +102,7 @@ class Replace:
     low: tuple[float, float, float] | None = custom("corner of a box", numbers(3, _POINT_FORM), unit="m", default=None)
     high: tuple[float, float, float] | None = custom("opposite corner", numbers(3, _POINT_FORM), unit="m", default=None)
     share: float | None = number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = number("diameter of these spheres", unit="m", above=0, default=None, usual=DIAMETER)
+    diameter: float | None = number("diameter of these spheres", DIAMETER, above=0, default=None)
     material: Material | None = None
 
 
@@ -114,22 +114,20 @@ class Striker:
         'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
         _parse_touches,
     )
-    velocity: tuple[float, float, float] = vector("velocity of the striker", unit="m/s", usual=VELOCITY)
-    spin: tuple[float, float, float] = vector("angular velocity of the striker", unit="rad/s", usual=SPIN)
+    velocity: tuple[float, float, float] = vector("velocity of the striker", VELOCITY)
+    spin: tuple[float, float, float] = vector("angular velocity of the striker", SPIN)
     diameter: float | None = number(
-        "diameter of the striker; that of the packing by default", unit="m", above=0, default=None, usual=DIAMETER
+        "diameter of the striker; that of the packing by default", DIAMETER, above=0, default=None
     )
     offset: tuple[float, float, float] = vector(
         "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
-        unit="m",
-        usual=_OFFSET,
+        _OFFSET,
     )
     misalignment: tuple[float, float, float] = custom(
         "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
         numbers(3, _POINT_FORM, lambda *extent: min(extent) >= 0, f"{_POINT_FORM}, none of them negative"),
-        unit="m",
+        unit=_OFFSET,
         default=(0.0, 0.0, 0.0),
-        usual=_OFFSET,
     )
     shape: str | None = choice("shape of the striker; a sphere by default", SHAPES, default=None)
     length: float | None = length_field()
@@ -155,8 +153,8 @@ class Striker:
 class Bar:
     """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
 
-    length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
-    area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
+    length: float = number("length of the bar", LENGTH, above=0)
+    area: float = number("area of its cross-section", AREA, above=0)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=1000)
     material: Material | None = None
 
@@ -259,7 +257,7 @@ def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) 
 
 MATCHED = "matched"
 _DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", "none")
-_RATE = Usual(1.0, 1e8)
+_RATE = Usual("1/s", 1.0, 1e8)
 
 
 def _parse_impedance(value: Any) -> float | str:
@@ -284,7 +282,7 @@ class Absorb:
     index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
     layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
     rate: float | None = number(
-        "largest damping rate: the force is mass x rate x velocity", unit="1/s", above=0, default=None, usual=_RATE
+        "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None
     )
     towards: str = choice(
         'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',

@@ -51,9 +51,9 @@ _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 class Plate:
     """Rigid plate on a spring and a damper."""
 
-    mass: float = number("mass of the plate", unit="kg", above=0, usual=MASS)
-    stiffness: float = number("stiffness of the spring between plate and ground", unit="N/m", above=0)
-    damping: float = number("constant of the damper beside the spring", unit="N s/m", at_least=0, default=0.0)
+    mass: float = number("mass of the plate", MASS, above=0)
+    stiffness: float = number("stiffness of the spring between plate and ground", "N/m", above=0)
+    damping: float = number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class Damper:
     """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
 
     damping: float = number(
-        "force on the ground, beyond the static one, over the velocity of the plate", unit="N s/m", above=0
+        "force on the ground, beyond the static one, over the velocity of the plate", "N s/m", above=0
     )
 
 
@@ -70,11 +70,7 @@ class HalfSpace:
     """Surface of an elastic half-space under the packing, moving as a rigid disc."""
 
     radius: float | None = number(
-        "radius of the disc that moves; that of the packing's footprint by default",
-        unit="m",
-        above=0,
-        default=None,
-        usual=LENGTH,
+        "radius of the disc that moves; that of the packing's footprint by default", LENGTH, above=0, default=None
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
@@ -92,8 +88,8 @@ class HalfSpace:
 class SupportBar:
     """Elastic bar under the whole packing."""
 
-    length: float = number("length of the bar", unit="m", above=0, usual=LENGTH)
-    area: float = number("area of its cross-section", unit="m^2", above=0, usual=AREA)
+    length: float = number("length of the bar", LENGTH, above=0)
+    area: float = number("area of its cross-section", AREA, above=0)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
     end: str = choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
@@ -251,7 +247,7 @@ BOTTOMS = ("wall", "fixed", "free", "periodic")
 class Tube:
     """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
 
-    radius: float = number("inner radius of the tube, before it shrinks", unit="m", above=0, usual=DIAMETER)
+    radius: float = number("inner radius of the tube, before it shrinks", DIAMETER, above=0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -275,7 +271,7 @@ def _parse_touched(value: Any) -> Touched:
     return Touched(**found)
 
 
-_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "usual": FRICTION}
+_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "unit": FRICTION}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -296,9 +292,8 @@ class Boundary:
     side_gap: float | None = number(
         "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
         "before the run, as [precompression] of walls does",
-        unit="m",
+        DISPLACEMENT,
         default=None,
-        usual=DISPLACEMENT,
     )
     sides_touch: Touched | None = custom(  # noqa: RUF009
         "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
@@ -317,7 +312,7 @@ class Boundary:
         **_FRICTION,
     )
     forget_gap: float = number(
-        "gap beyond which a dent is forgotten, never sooner", unit="diameters", above=0, at_most=2, default=0.1
+        "gap beyond which a dent is forgotten, never sooner", "diameters", above=0, at_most=2, default=0.1
     )
 
     @property
@@ -331,8 +326,8 @@ class Boundary:
 
 
 _NONE: dict[str, Any] = {"above": 0, "default": None}
-_MOVE = _NONE | {"unit": "m", "usual": DISPLACEMENT}
-_PRESS = _NONE | {"unit": "N", "usual": FORCE}
+_MOVE = _NONE | {"unit": DISPLACEMENT}
+_PRESS = _NONE | {"unit": FORCE}
 _WALLS = ("x", "y", "tube")
 
 
@@ -345,7 +340,7 @@ class Precompression:
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
-    pressure: float | None = number("pressure on the faces of the packing", unit="Pa", **_NONE, usual=PRESSURE)
+    pressure: float | None = number("pressure on the faces of the packing", PRESSURE, **_NONE)
     force: float | None = number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
     x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
     y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
@@ -356,7 +351,7 @@ class Precompression:
     overlaps: bool | None = choice(
         "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
     )
-    acceleration: float = number("acceleration of gravity", unit="m/s^2", above=0, default=9.81, usual=ACCELERATION)
+    acceleration: float = number("acceleration of gravity", ACCELERATION, above=0, default=9.81)
 
     @property
     def moves(self) -> dict[str, float]:

@@ -226,7 +226,7 @@ class Contact:
     )
     beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
     friction: float = number(
-        "coefficient of Coulomb friction between spheres", at_least=0, at_most=1e4, default=0.0, usual=FRICTION
+        "coefficient of Coulomb friction between spheres", FRICTION, at_least=0, at_most=1e4, default=0.0
     )
     tangential: str = choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 # Smallest and largest accepted magnitudes by unit; results beyond them would be meaningless. Zero is always accepted
@@ -35,71 +35,72 @@ _EXPONENTS = {  # powers of ten of the SI unit
 
 @dataclasses.dataclass(frozen=True)
 class Usual:
-    """Usual magnitudes of a key.
+    """Unit and usual magnitudes of a key.
 
     Attributes
     ----------
+    unit
+        SI unit; empty if there is none.
     units
         Units other than SI that users often mean, the most likely first.
     beyond
         Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or heavy ones.
     """
 
+    unit: str
     low: float
     high: float
     units: tuple[str, ...] = ()
     beyond: float = 1.0
 
 
-LENGTH = Usual(1e-9, 1e2, ("mm", "um"))
-DIAMETER = Usual(1e-6, 1.0, ("mm", "um"))  # of spheres: powders to boulders
-AREA = Usual(1e-10, 1.0, ("mm^2", "cm^2"))
-TIME = Usual(1e-10, 0.5, ("us", "ms"))  # of a run or a pulse
-INTERVAL = Usual(1e-13, 0.5, ("ns", "us"))  # of a step or a record
-VELOCITY = Usual(1e-6, 1e3, ("mm/s",))
-SPIN = Usual(1e-6, 1e6)  # angular velocity, rad/s
-FREQUENCY = Usual(0.1, 1e8, ("kHz", "MHz"))
-ACCELERATION = Usual(1e-3, 5e3, ("mm/s^2",))
-DISPLACEMENT = Usual(1e-12, 0.1, ("um", "mm"))
-FORCE = Usual(1e-9, 1e9, ("kN", "mN"))
-PRESSURE = Usual(10.0, 1e10, ("MPa", "kPa"))
-MASS = Usual(1e-9, 1e6, ("g",))
-YOUNGS_MODULUS = Usual(1e6, 1e12, ("GPa", "MPa"), beyond=100.0)  # rubber to diamond
-YIELD_STRENGTH = Usual(1e4, 5e10, ("MPa", "GPa"), beyond=1e4)
-DENSITY = Usual(10.0, 3e4, ("g/cm^3",), beyond=100.0)  # foam to osmium
-FRICTION = Usual(0.0, 2.0)
+LENGTH = Usual("m", 1e-9, 1e2, ("mm", "um"))
+DIAMETER = Usual("m", 1e-6, 1.0, ("mm", "um"))  # of spheres: powders to boulders
+AREA = Usual("m^2", 1e-10, 1.0, ("mm^2", "cm^2"))
+TIME = Usual("s", 1e-10, 0.5, ("us", "ms"))  # of a run or a pulse
+INTERVAL = Usual("s", 1e-13, 0.5, ("ns", "us"))  # of a step or a record
+VELOCITY = Usual("m/s", 1e-6, 1e3, ("mm/s",))
+SPIN = Usual("rad/s", 1e-6, 1e6)  # angular velocity, rad/s
+FREQUENCY = Usual("Hz", 0.1, 1e8, ("kHz", "MHz"))
+ACCELERATION = Usual("m/s^2", 1e-3, 5e3, ("mm/s^2",))
+DISPLACEMENT = Usual("m", 1e-12, 0.1, ("um", "mm"))
+FORCE = Usual("N", 1e-9, 1e9, ("kN", "mN"))
+PRESSURE = Usual("Pa", 10.0, 1e10, ("MPa", "kPa"))
+MASS = Usual("kg", 1e-9, 1e6, ("g",))
+YOUNGS_MODULUS = Usual("Pa", 1e6, 1e12, ("GPa", "MPa"), beyond=100.0)  # rubber to diamond
+YIELD_STRENGTH = Usual("Pa", 1e4, 5e10, ("MPa", "GPa"), beyond=1e4)
+DENSITY = Usual("kg/m^3", 10.0, 3e4, ("g/cm^3",), beyond=100.0)  # foam to osmium
+FRICTION = Usual("", 0.0, 2.0)
 
 
-def impossible(value: Any, unit: str | None) -> str:
+def impossible(value: Any, unit: str) -> str:
     """Return the accepted magnitudes if a value, or a number in it, lies outside them; empty otherwise."""
-    low, high = POSSIBLE.get(unit or "", (0.0, float("inf")))
+    low, high = POSSIBLE.get(unit, (0.0, float("inf")))
     if all(not number or low <= abs(number) <= high for number in _numbers(value)):
         return ""
     return f"a magnitude from {plain(low)} to {plain(high)} {unit}"
 
 
-def unusual(value: Any, unit: str | None, usual: Usual) -> str:
+def unusual(value: Any, usual: Usual) -> str:
     """Return a warning with found and expected magnitude if a number in a value is unusual; empty otherwise."""
-    most = usual.high * usual.beyond
-    odd = [number for number in _numbers(value) if number and not usual.low <= abs(number) <= most]
-    if not odd:
+    most, of_unit = usual.high * usual.beyond, f" {usual.unit}" if usual.unit else ""
+    odd = next((number for number in _numbers(value) if number and not usual.low <= abs(number) <= most), None)
+    if odd is None:
         return ""
-    of_unit = f" {unit}" if unit else ""
-    text = f"found {plain(odd[0])}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
+    shown = plain(odd)
+    text = f"found {shown}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     for other in usual.units:
-        meant = odd[0] * 10.0 ** _EXPONENTS[other]
+        meant = odd * 10.0 ** _EXPONENTS[other]
         if usual.low <= abs(meant) <= usual.high:
-            shown = plain(odd[0])
             return f"{text}; {shown} {other} is {plain(meant) if 'e' in shown else f'{shown}e{_EXPONENTS[other]}'}"
     return text
 
 
-def _numbers(value: Any) -> Iterator[float]:
-    if isinstance(value, int | float):
-        yield float(value)
-    elif isinstance(value, list | tuple):
-        for part in value:
-            yield from _numbers(part)
+def _numbers(value: Any) -> list[float]:
+    """Return the numbers in a value and in the lists within it."""
+    if isinstance(value, list | tuple):
+        return [number for part in value for number in _numbers(part)]
+    return [float(value)] if isinstance(value, int | float) else []
 
 
 def plain(number: float) -> str:

@@ -44,7 +44,6 @@ from granwave.lammps_inputs.case.hints import (
     TIME,
     VELOCITY,
     impossible,
-    unusual,
 )
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -138,8 +137,8 @@ _OF_KIND = {  # keys of each kind of load
 _SEED = 1
 _SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
 _CREST = 5.0  # largest value of noise over its root mean square; more is rare
-_TIME: dict[str, Any] = {"unit": "s", "default": None, "usual": TIME}
-_FREQUENCY: dict[str, Any] = {"unit": "Hz", "above": 0, "default": None, "usual": FREQUENCY}
+_TIME: dict[str, Any] = {"unit": TIME, "default": None}
+_FREQUENCY: dict[str, Any] = {"unit": FREQUENCY, "above": 0, "default": None}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -152,20 +151,14 @@ class Load:
         tuple(_OF_KIND),
         default="impact",
     )
-    mass: float | None = number("mass of the plate", unit="kg", above=0, default=None, usual=MASS)
+    mass: float | None = number("mass of the plate", MASS, above=0, default=None)
     velocity: float = number(
-        "velocity of the struck spheres, or of the plate, into the packing",
-        unit="m/s",
-        above=0,
-        default=DEFAULT_VELOCITY,
-        usual=VELOCITY,
+        "velocity of the struck spheres, or of the plate, into the packing", VELOCITY, above=0, default=DEFAULT_VELOCITY
     )
     angle: float = number(
-        "angle of an impact between the velocity and +z, towards +x", unit="degrees", at_least=0, below=90, default=0.0
+        "angle of an impact between the velocity and +z, towards +x", "degrees", at_least=0, below=90, default=0.0
     )
-    spin: tuple[float, float, float] = vector(
-        "angular velocity of the struck spheres at the start", unit="rad/s", usual=SPIN
-    )
+    spin: tuple[float, float, float] = vector("angular velocity of the struck spheres at the start", SPIN)
     spheres: int = choice("how many spheres are struck", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = custom(
         "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
@@ -174,7 +167,7 @@ class Load:
     amplitude: float | None = number(
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
         "of noise its root mean square",
-        unit="N",
+        "N",
         units="N; m for a displacement",
         above=0,
         default=None,
@@ -339,12 +332,8 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
         errors.add("load.mass", "missing; a plate needs a mass, in kg")
     if load.driven:
         _check_shape(load, errors)
-        unit, usual = ("N", FORCE) if load.kind == "force" else ("m", DISPLACEMENT)
         key = ("load.file" if "file" in names else "load.table") if load.table else "load.amplitude"
-        if expected := impossible(load.largest, unit):
-            errors.add(key, f"found {load.largest:g}, expected {expected}")
-        elif odd := unusual(load.largest, unit, usual):
-            errors.notes.append(f"{key}: {odd}")
+        errors.check_size(key, load.largest, FORCE if load.kind == "force" else DISPLACEMENT, f"{load.largest:g}")
         if load.kind == "displacement" and load.table and (first := load.table[0][1]):
             errors.add(
                 key,

@@ -46,12 +46,10 @@ class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
     name: str | None = label("what the material is called in figures and tables", default=None)
-    youngs_modulus: float = number("Young's modulus", unit="Pa", above=0, usual=YOUNGS_MODULUS)
+    youngs_modulus: float = number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = number("Poisson's ratio", above=-1, below=0.5)
-    density: float = number("mass density", unit="kg/m^3", above=0, usual=DENSITY)
-    yield_strength: float | None = number(
-        "uniaxial yield strength", unit="Pa", above=0, default=None, usual=YIELD_STRENGTH
-    )
+    density: float = number("mass density", DENSITY, above=0)
+    yield_strength: float | None = number("uniaxial yield strength", YIELD_STRENGTH, above=0, default=None)
     source: str | None = text("where the values come from", default=None)
 
 
@@ -245,7 +243,7 @@ def shape_field() -> Any:
 
 def length_field() -> Any:
     """Field of the key ``length``."""
-    return number("length of cylinders", unit="m", above=0, default=None, usual=DIAMETER)
+    return number("length of cylinders", DIAMETER, above=0, default=None)
 
 
 def axis_field() -> Any:

@@ -119,9 +119,7 @@ class PackingSection:
         ROWS,
         default="long",
     )
-    diameter: float = number(
-        "diameter of the spheres; in a file, of grains for which it has none", unit="m", above=0, usual=DIAMETER
-    )
+    diameter: float = number("diameter of the spheres; in a file, of grains for which it has none", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
@@ -132,9 +130,8 @@ class PackingSection:
         'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
         "has one",
         numbers(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
-        unit="m",
+        unit=LENGTH,
         default=None,
-        usual=LENGTH,
     )
     gaps: tuple[tuple[int, float], ...] = custom(
         "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
@@ -148,10 +145,9 @@ class PackingSection:
     )
     diameter_scatter: float = number(
         "tolerance: the diameters lie between this much less and the nominal one",
-        unit="m",
+        Usual("m", 1e-12, 0.1, ("mm", "um")),
         at_least=0,
         default=0.0,
-        usual=Usual(1e-12, 0.1, ("mm", "um")),
     )
     scatter_distribution: str = choice(
         "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
@@ -273,7 +269,7 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     try:
         grains = read_grains(Path(name), diameter)
         for size in (float(grains.diameter.max()), float(grains.diameter.min())):
-            if odd := unusual(size, "m", DIAMETER):
+            if odd := unusual(size, DIAMETER):
                 errors.notes.append(f"packing.file: {name}: diameter: {odd}")
                 break
         return grains

@@ -63,12 +63,11 @@ class Run:
 
     end_time: float | str = positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
-        unit="s",
-        usual=TIME,
+        TIME,
         default=1e-3,
     )
     timestep: float | str = positive_or_auto(
-        "auto: follows the error of the energy balance; a number: all steps are that long", unit="s", usual=INTERVAL
+        "auto: follows the error of the energy balance; a number: all steps are that long", INTERVAL
     )
     energy_tolerance: float = number(
         "largest error of the energy balance, over the input, that an automatic timestep aims at",
@@ -77,14 +76,10 @@ class Run:
         default=ENERGY_TOLERANCE,
     )
     smallest_timestep: float | str = positive_or_auto(
-        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
-        unit="s",
-        usual=INTERVAL,
+        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected", INTERVAL
     )
     largest_timestep: float | str = positive_or_auto(
-        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
-        unit="s",
-        usual=INTERVAL,
+        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected", INTERVAL
     )
     frames: int | tuple[float, ...] | tuple[str, ...] = custom(
         "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
@@ -158,7 +153,7 @@ class Output:
     )
     probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
     probe_interval: float | str = positive_or_auto(
-        "time between records of probes and walls; auto: five timesteps", unit="s", usual=INTERVAL
+        "time between records of probes and walls; auto: five timesteps", INTERVAL
     )
     history: int | Literal["auto"] = custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
@@ -289,7 +284,7 @@ class Figures:
     )
     width: float = number(
         "width of a figure of one column; wider ones grow in proportion, texts stay as they are",
-        unit="m",
+        "m",
         at_least=0.05,
         at_most=0.5,
         default=COLUMN,

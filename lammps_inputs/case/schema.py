@@ -78,6 +78,13 @@ class ErrorList:
         self.check(*([found] if found else []))
         return found is None
 
+    def check_size(self, key: str, value: Any, unit: str | Usual | None, shown: str) -> None:
+        """Add an error if a value is impossible in its unit, a note if it is unusual."""
+        if expected := impossible(value, unit_name(unit)):
+            self.add(key, f"found {shown}, expected {expected}")
+        elif isinstance(unit, Usual) and (odd := unusual(value, unit)):
+            self.notes.append(f"{key}: {odd}")
+
     def add_unknown(self, key: str, message: str) -> None:
         """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
@@ -93,26 +100,24 @@ class ErrorList:
 
 def number(
     description: str,
+    unit: str | Usual | None = None,
     *,
-    unit: str | None = None,
     default: Any = REQUIRED,
     above: float = -math.inf,
     below: float = math.inf,
     at_least: float = -math.inf,
     at_most: float = math.inf,
     word: str | None = None,
-    usual: Usual | None = None,
     units: str | None = None,
 ) -> Any:
-    """Field of a finite number within bounds, or of ``word`` in its place; values outside ``usual`` give a warning.
+    """Field of a finite number within bounds, or of ``word`` in its place; unusual values give a warning.
 
     ``units`` stands in messages for the unit, of a key that has another one in some tables.
     """
     limits = [(above, "above"), (at_least, "at least"), (below, "below"), (at_most, "at most")]
     wanted = " and ".join(f"{name} {limit:g}" for limit, name in limits if math.isfinite(limit))
-    expected = (
-        f"a number {wanted}".rstrip() + (f" ({units or unit})" if unit else "") + (f' or "{word}"' if word else "")
-    )
+    in_units = f" ({units or unit_name(unit)})" if units or unit_name(unit) else ""
+    expected = f"a number {wanted}".rstrip() + in_units + (f' or "{word}"' if word else "")
 
     def parse(value: Any) -> Any:
         if word is not None and value == word:
@@ -122,12 +127,12 @@ def number(
             raise ValidationError(expected)
         return result
 
-    return _field(description, unit, default, parse, usual, (word,) if word else None)
+    return _field(description, unit, default, parse, (word,) if word else None)
 
 
-def positive_or_auto(description: str, *, unit: str, usual: Usual, default: float | str = "auto") -> Any:
+def positive_or_auto(description: str, unit: Usual, *, default: float | str = "auto") -> Any:
     """A positive number, or "auto"."""
-    return number(description, unit=unit, above=0, word="auto", default=default, usual=usual)
+    return number(description, unit, above=0, word="auto", default=default)
 
 
 def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRED) -> Any:
@@ -171,11 +176,9 @@ def parse_label(value: Any) -> str:
     return value
 
 
-def custom(
-    description: str, parse: Parse, *, unit: str | None = None, default: Any = REQUIRED, usual: Usual | None = None
-) -> Any:
-    """Field of a value with its own ``parse`` function; numbers outside ``usual`` give a warning."""
-    return _field(description, unit, default, parse, usual)
+def custom(description: str, parse: Parse, *, unit: str | Usual | None = None, default: Any = REQUIRED) -> Any:
+    """Field of a value with its own ``parse`` function; unusual numbers in it give a warning."""
+    return _field(description, unit, default, parse)
 
 
 def finite(value: Any, expected: str) -> float:
@@ -237,9 +240,9 @@ def or_word(word: str, parse: Parse) -> Parse:
     return lambda value: value if value == word else parse(value)
 
 
-def vector(description: str, *, unit: str, usual: Usual | None = None) -> Any:
-    """Field of three numbers, zero by default; magnitudes outside ``usual`` give a warning."""
-    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit}"), usual)
+def vector(description: str, unit: Usual) -> Any:
+    """Field of three numbers, zero by default; unusual magnitudes give a warning."""
+    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit.unit}"))
 
 
 def plain_name(value: Any) -> str:
@@ -325,11 +328,7 @@ def read_table(
             except ValidationError as error:
                 errors.add(key, f"found {show(table[name])}, expected {error}")
                 continue
-            unit, usual = field.metadata["unit"], field.metadata["usual"]
-            if expected := impossible(values[name], unit):
-                errors.add(key, f"found {show(table[name])}, expected {expected}")
-            elif usual is not None and (odd := unusual(values[name], unit, usual)):
-                errors.notes.append(f"{key}: {odd}")
+            errors.check_size(key, values[name], field.metadata["usual"] or field.metadata["unit"], show(table[name]))
         elif field.default is REQUIRED and field.default_factory is REQUIRED:
             errors.add(key, f"missing; it is required: {field.metadata['description']}")
     return section(**values) if len(errors.lines) == before else None
@@ -364,15 +363,16 @@ def keys_of(sections: Mapping[str, type]) -> list[str]:
 
 
 def _field(
-    description: str,
-    unit: str | None,
-    default: Any,
-    parse: Parse,
-    usual: Usual | None = None,
-    options: tuple[Any, ...] | None = None,
+    description: str, unit: str | Usual | None, default: Any, parse: Parse, options: tuple[Any, ...] | None = None
 ) -> Any:
-    metadata = {"description": description, "unit": unit, "parse": parse, "usual": usual, "options": options}
-    return dataclasses.field(default=default, metadata=metadata)
+    usual = unit if isinstance(unit, Usual) else None
+    metadata = {"description": description, "unit": unit_name(unit), "usual": usual, "parse": parse}
+    return dataclasses.field(default=default, metadata=metadata | {"options": options})
+
+
+def unit_name(unit: str | Usual | None) -> str:
+    """Return the name of a unit; empty if there is none."""
+    return unit.unit if isinstance(unit, Usual) else unit or ""
 
 
 _INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"

@@ -50,8 +50,8 @@ class _Table:
     """Keys of a body, without its material."""
 
     shape: str = choice("shape of the body", _SHAPES)
-    diameter: float | None = number("diameter of a sphere, cylinder or tube", unit="m", above=0, default=None)
-    radius: float | None = number("radius, in place of the diameter", unit="m", above=0, default=None)
+    diameter: float | None = number("diameter of a sphere, cylinder or tube", "m", above=0, default=None)
+    radius: float | None = number("radius, in place of the diameter", "m", above=0, default=None)
     length: float | None = length_field()
     axis: Vector | None = axis_field()  # noqa: RUF009
 

@@ -94,7 +94,7 @@ def test_no_built_in_case_or_material_is_unusual(caplog: pytest.LogCaptureFixtur
     for material in presets().values():
         for field in dataclasses.fields(Material):
             if usual := field.metadata["usual"]:
-                assert not unusual(getattr(material, field.name), field.metadata["unit"], usual), material.name
+                assert not unusual(getattr(material, field.name), usual), material.name
     assert not [record for record in caplog.records if "expected some" in record.getMessage()]
 
 

@@ -204,10 +204,10 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
             name=field.name,
             description=field.metadata["description"],
             accepts=accepted(field) + _ALSO.get((file, f"{name}.{field.name}"), ""),
-            unit=field.metadata["unit"] or "",
+            unit=field.metadata["unit"],
             default=_default(field),
             required=field.default is REQUIRED and field.default_factory is REQUIRED,
-            usual=_usual(field.metadata["usual"], field.metadata["unit"]),
+            usual=_usual(field.metadata["usual"]),
         )
         for field in dataclasses.fields(section)
         if field.metadata
@@ -272,10 +272,10 @@ def _default(field: dataclasses.Field[Any]) -> str:
     return _written(list(value) if isinstance(value, tuple) else value)
 
 
-def _usual(usual: Usual | None, unit: str | None) -> str:
+def _usual(usual: Usual | None) -> str:
     if usual is None:
         return ""
-    of_unit = f" {unit}" if unit else ""
+    of_unit = f" {usual.unit}" if usual.unit else ""
     text = f"usual: {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     if usual.beyond == 1:
         return f"{text}; others give a warning"

@@ -19,24 +19,18 @@ AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 class Block:
     """``[block]``: a cylinder with a fixed bottom and otherwise free surfaces."""
 
-    diameter: float = number(
-        "diameter of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
-    )
-    height: float = number(
-        "height of the block", unit="m", above=0, default=0.10, usual=Usual(1e-5, 10.0, ("mm", "um"))
-    )
+    diameter: float = number("diameter of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10)
+    height: float = number("height of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Punch:
     """``[punch]``: a rigid, flat, frictionless punch with an edge of radius ``taper``."""
 
-    diameter: float = number("diameter of the punch", unit="m", above=0, default=0.010, usual=DIAMETER)
-    mass: float = number("mass of the punch", unit="kg", above=0, default=0.10, usual=MASS)
-    velocity: float = number("velocity of the punch, into the block", unit="m/s", above=0, default=10.0, usual=VELOCITY)
-    taper: float = number(
-        "radius of the rounded edge", unit="m", at_least=0, default=1e-4, usual=Usual(1e-9, 0.1, ("mm", "um"))
-    )
+    diameter: float = number("diameter of the punch", DIAMETER, above=0, default=0.010)
+    mass: float = number("mass of the punch", MASS, above=0, default=0.10)
+    velocity: float = number("velocity of the punch, into the block", VELOCITY, above=0, default=10.0)
+    taper: float = number("radius of the rounded edge", Usual("m", 1e-9, 0.1, ("mm", "um")), at_least=0, default=1e-4)
 
     @property
     def energy(self) -> float:
@@ -50,26 +44,16 @@ class ContinuumRun:
 
     end_time: float | Literal["auto"] = positive_or_auto(
         "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
-        unit="s",
-        usual=TIME,
+        TIME,
     )
     elements: int = count("about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500)
-    timestep: float | Literal["auto"] = positive_or_auto(
-        "auto: just below the limit of stability",
-        unit="s",
-        usual=INTERVAL,
-    )
+    timestep: float | Literal["auto"] = positive_or_auto("auto: just below the limit of stability", INTERVAL)
     edge_size: float | Literal["auto"] = positive_or_auto(
         "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
-        unit="m",
-        usual=Usual(1e-9, 0.1, ("mm", "um")),
+        Usual("m", 1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
-        "time between snapshots of the fields; doubled whenever there are more than 64",
-        unit="s",
-        above=0,
-        default=2e-6,
-        usual=INTERVAL,
+        "time between snapshots of the fields; doubled whenever there are more than 64", INTERVAL, above=0, default=2e-6
     )
 
     @property

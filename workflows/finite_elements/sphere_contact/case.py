@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Sphere:
     """``[sphere]``: the first sphere, of the case's material."""
 
-    radius: float = number("radius of the sphere", unit="m", above=0, usual=DIAMETER)
+    radius: float = number("radius of the sphere", DIAMETER, above=0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
