@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import RECORD, Case, case_keys
+from granwave.lammps_inputs.case.case import RECORD, Case, PartialCase, case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_case, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
@@ -54,7 +54,7 @@ def case_from_dict(data: Mapping[str, Any], source: str | Path = "case", overrid
     """
     errors = ErrorList(str(source), tuple(overridden), case_keys())
     parts = parse_case(data, source, errors)
-    check_together(parts, errors)
+    check_together(PartialCase(parts), errors)
     errors.report(parts["name"])
     parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
     case = Case(**parts)

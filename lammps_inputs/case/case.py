@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -18,7 +17,7 @@ from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.run import Figures, Output, Probe, Run
-from granwave.lammps_inputs.case.schema import keys_of
+from granwave.lammps_inputs.case.schema import keys_of, numbered
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 SECTIONS: dict[str, type] = {
@@ -165,11 +164,15 @@ class Case:
         return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
 
     @property
+    def held(self) -> dict[str, Hold]:
+        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by key, such as ``guide.1``."""
+        n = self.packing.n_spheres
+        return numbered("hold", self.hold) | numbered("guide", (guide.hold(n) for guide in self.guide))
+
+    @property
     def holds(self) -> dict[str, Hold]:
         """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by the name of its LAMMPS group."""
-        n = math.prod(self.packing.size)
-        held = {f"hold{number}": hold for number, hold in enumerate(self.hold, start=1)}
-        return held | {f"guide{number}": guide.hold(n) for number, guide in enumerate(self.guide, start=1)}
+        return {key.replace(".", ""): hold for key, hold in self.held.items()}
 
     @property
     def sphere_mass(self) -> float:
@@ -201,6 +204,20 @@ class Case:
     def to_toml(self, resolved: Mapping[str, Any] | None = None) -> str:
         """Return the case as the text of a TOML file, with the table ``[resolved]`` if given."""
         return tomli_w.dumps(self.to_dict() | ({RECORD: _plain(resolved)} if resolved else {}))
+
+
+class WrongTable(Exception):
+    """A check needs a table of a `PartialCase` that is wrong."""
+
+
+class PartialCase(Case):
+    """A case whose wrong tables are missing; a check that reads one of them ends with `WrongTable`."""
+
+    def __init__(self, parts: Mapping[str, Any]) -> None:
+        vars(self).update({name: part for name, part in parts.items() if part is not None})
+
+    def __getattr__(self, name: str) -> Any:
+        raise WrongTable(name)
 
 
 def _plain(value: Any) -> Any:

@@ -176,6 +176,11 @@ class PackingSection:
         return Lattice(self.kind, self.size, self.diameter, periodic)
 
     @property
+    def n_spheres(self) -> int:
+        """Number of spheres, or of grains of a file; vacancies count."""
+        return self.lattice().n_spheres if self.grains is None else len(self.grains)
+
+    @property
     def of_grain(self) -> Shape:
         """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where contacts are along y."""
         along_y = any(abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist())

@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.hints import Usual, hint_for, impossible, unusu
 from granwave.lammps_inputs.errors import InputError
 
 Section = TypeVar("Section")
+Entry = TypeVar("Entry")
 Parse = Callable[[Any], Any]
 
 _LOG = logging.getLogger("granwave")
@@ -77,6 +78,14 @@ class ErrorList:
         found = next((row for row in rows if row[0]), None)
         self.check(*([found] if found else []))
         return found is None
+
+    def check_names(self, entries: Mapping[str, Any]) -> None:
+        """Add an error for each entry of an array of tables, by key, that has the name of an earlier one."""
+        known: list[str] = []
+        for key, entry in entries.items():
+            self.check((entry.name in known, f"{key}.name",
+                        f"found {show(entry.name)} twice, expected a name of its own"))  # fmt: skip
+            known.append(entry.name)
 
     def check_size(self, key: str, value: Any, unit: str | Usual | None, shown: str) -> None:
         """Add an error if a value is impossible in its unit, a note if it is unusual."""
@@ -350,6 +359,11 @@ def accepted(field: dataclasses.Field[Any]) -> str:
         unit = field.metadata["unit"]
         return str(error).replace(f" ({unit})", "") if unit else str(error)
     return "any value"
+
+
+def numbered(name: str, entries: Iterable[Entry]) -> dict[str, Entry]:
+    """Return the entries of an array of tables by their dotted keys, such as ``replace.1``."""
+    return {f"{name}.{n}": entry for n, entry in enumerate(entries, start=1)}
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:

@@ -9,62 +9,44 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
-from granwave.lammps_inputs.case.boundary import Boundary, Precompression
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_of_contact, rise_of
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, Row, measured_row, row_of
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history, struck_of
-from granwave.lammps_inputs.packing.walls import materials_on_top
 
 
-def check_plate(parts: Mapping[str, Any], errors: ErrorList) -> None:
+def check_plate(case: Case, errors: ErrorList) -> None:
     """Check that nothing else is on the top that a plate strikes."""
-    load: Load | None = parts.get("load")
-    if load is None or load.kind != "plate":
+    if case.load.kind != "plate":
         return
-    stage: Precompression | None = parts.get("precompression")
+    stage = case.precompression
     beside = 'found beside load.kind = "plate", which covers the whole top; take one of them out'
     errors.check(
-        (parts.get("striker"), "striker", beside),
-        (parts.get("incident_bar"), "incident_bar", beside),
+        (case.striker, "striker", beside),
+        (case.incident_bar, "incident_bar", beside),
         (stage is not None and stage.kind != "walls", "precompression.kind",
          f'found {show(stage.kind if stage else "")} beside load.kind = "plate", expected "walls": the plate is held '
          "while the walls move in, and would bear any other load"),
     )  # fmt: skip
 
 
-def check_side_gap(packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+def check_side_gap(case: Case, errors: ErrorList) -> None:
     """Check that there are side walls to leave a gap to, and that a negative gap leaves room for the packing."""
-    gap, key = boundary.gap, "boundary.side_gap"
-    if not gap:
-        return
-    if not (boundary.has_planes("x") or boundary.has_planes("y")):
-        errors.add(key, f'found {gap:g} m, but there are no side walls; expected boundary.sides = "wall"')
-    elif gap < -(most := LARGEST * packing.diameter / 2):
-        errors.add(key, f"found {gap:g} m, expected {-most:g} m or more: the walls press at most {LARGEST} radii")
-
-
-def check_top(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a plate rests on spheres of one material, as each material has a fix of its own."""
-    if assembly.case.load.plate is None:
-        return
-    names = [material.name or "?" for material in materials_on_top(assembly)]
-    if len(names) != 1:
-        errors.add(
-            "load.kind",
-            f'found "plate" on spheres of {" and ".join(names) or "no material"}, expected a top layer of one material',
-        )
+    gap, most, key = case.boundary.gap, LARGEST * case.packing.diameter / 2, "boundary.side_gap"
+    errors.check_first(
+        (gap and not any(map(case.boundary.has_planes, "xy")), key,
+         f'found {gap:g} m, but there are no side walls; expected boundary.sides = "wall"'),
+        (gap < -most, key, f"found {gap:g} m, expected {-most:g} m or more: the walls press at most {LARGEST} radii"),
+    )  # fmt: skip
 
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
@@ -211,38 +193,43 @@ def _up(value: float) -> str:
 
 def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     """Check which spheres absorb waves, and by what."""
-    seen: dict[int, int] = {}
-    for number, entry in enumerate(assembly.case.absorb, start=1):
-        key = f"absorb.{number}"
+    case, seen = assembly.case, dict[int, str]()
+    driven = struck_of(assembly) if case.absorb and case.load.kind == "displacement" else ()
+    for key, entry in numbered("absorb", case.absorb).items():
         before = len(errors.lines)
         _check_entry(assembly, entry, key, errors)
         if len(errors.lines) > before:
             continue
         chosen = absorbing_ids(assembly, entry)
-        _check_motion(assembly, chosen, key, errors)
-        for one in chosen:
-            if one in seen:
-                errors.add(key, f"damps sphere {one}, which absorb.{seen[one]} damps too; expected each sphere once")
-                break
-            seen[one] = number
+        rise = None if entry.rate is None else rise_of(assembly, entry)
+        moved, twice = sorted(set(chosen).intersection(driven)), [one for one in chosen if one in seen]
+        errors.check(
+            *((True, key, f"damps sphere {one}, whose displacement is prescribed; expected others")
+              for one in moved[:1]),
+            (rise is not None and rise[0] == rise[1], f"{key}.towards",
+             'found spheres without extent in this direction, expected "none"'),
+            *((True, key, f"damps sphere {one}, which {seen[one]} damps too; expected each sphere once")
+              for one in twice[:1]),
+        )  # fmt: skip
+        seen |= dict.fromkeys(chosen, key)
 
 
 def _check_entry(assembly: Assembly, entry: Absorb, key: str, errors: ErrorList) -> None:
     case, lattice = assembly.case, assembly.lattice
-    n, layers, both = lattice.n_spheres, entry.layers, (entry.index is None) == (entry.layers is None)
+    n, layers, both = lattice.n_spheres, entry.layers or 0, (entry.index is None) == (entry.layers is None)
     unknown = entry.impedance == MATCHED and (
         case.precompression is None or case.precompression.kind == "walls" or not len(lattice.rule.supports)
     )
-    beyond = max(entry.index or (0,)) > n
-    if both:
-        errors.add(key, f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them")
-    elif layers is not None and case.packing.grains is not None:
-        errors.add(f"{key}.layers", "found for grains of a file, which have no layers; give index")
-    elif layers is not None and layers >= max(2, lattice.shape[2]):
-        errors.add(f"{key}.layers", f"found {layers}, expected fewer than all {lattice.shape[2]} layers")
+    last = max(entry.index or (0,))
+    errors.check_first(
+        (both, key, f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them"),
+        (layers and case.packing.grains is not None, f"{key}.layers",
+         "found for grains of a file, which have no layers; give index"),
+        (layers >= max(2, lattice.shape[2]), f"{key}.layers",
+         f"found {layers}, expected fewer than all {lattice.shape[2]} layers"),
+        (last > n, f"{key}.index", f"found {last}, expected ids from 1 to {n}, the end of the packing"),
+    )  # fmt: skip
     errors.check(
-        (beyond and not both, f"{key}.index",
-         f"found {max(entry.index or (0,))}, expected ids from 1 to {n}, the end of the packing"),
         ((entry.rate is None) == (entry.impedance is None), key,
          f"found {'both' if entry.rate else 'neither'} of rate and impedance, expected one of them"),
         (unknown and entry.rate is None, f"{key}.impedance",
@@ -251,13 +238,3 @@ def _check_entry(assembly: Assembly, entry: Absorb, key: str, errors: ErrorList)
         (entry.impedance is not None and entry.towards != Absorb.towards, f"{key}.towards",
          "belongs to a rate; an impedance is the same for each sphere"),
     )  # fmt: skip
-
-
-def _check_motion(assembly: Assembly, chosen: tuple[int, ...], key: str, errors: ErrorList) -> None:
-    """Check that no prescribed motion is damped, and that a rate has a way to rise."""
-    case = assembly.case
-    if case.load.kind == "displacement" and (driven := set(chosen) & set(struck_of(assembly))):
-        errors.add(key, f"damps sphere {min(driven)}, whose displacement is prescribed; expected others")
-    entry = case.absorb[int(key.split(".")[1]) - 1]
-    if entry.rate is not None and (rise := rise_of(assembly, entry)) is not None and rise[0] == rise[1]:
-        errors.add(f"{key}.towards", 'found spheres without extent in this direction, expected "none"')

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from itertools import combinations_with_replacement
-from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case.boundary import Boundary, Precompression
+from granwave.lammps_inputs.case.boundary import Precompression
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
@@ -19,7 +18,7 @@ from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import materials_of_last_layer, walls
+from granwave.lammps_inputs.packing.walls import materials_of_last_layer, materials_on_top, walls
 from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _TABLE = "precompression"
@@ -27,32 +26,28 @@ _UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder 
 _INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 degrees to it
 
 
-def check_precompression(
-    parts: Mapping[str, Any], packing: PackingSection, boundary: Boundary, errors: ErrorList
-) -> None:
+def check_precompression(case: Case, errors: ErrorList) -> None:
     """Check the values of a precompression, and that the boundary can bear it."""
-    stage: Precompression | None = parts.get(_TABLE)
+    stage, packing, boundary = case.precompression, case.packing, case.boundary
     if stage is None:
         return
-    bars = [name for name in ("bar", "incident_bar") if parts.get(name) is not None]
-    if bars:
-        errors.add(_TABLE, f"found beside [{bars[0]}], whose far end nothing holds; take one of them out")
-        return
+    for name, bar in (("bar", case.bar), ("incident_bar", case.incident_bar)):
+        if bar is not None:
+            errors.add(_TABLE, f"found beside [{name}], whose far end nothing holds; take one of them out")
+            return
     _check_size(stage, packing, errors)
-    chain, support = packing.kind == "chain", boundary.bottom_support
-    errors.check(
-        (stage.takes_overlaps and packing.grains is None,
-         f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
-         f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
-         "[[grains]]): spheres of a lattice just touch"),
-    )  # fmt: skip
+    lattice = packing.grains is None
+    if stage.takes_overlaps and lattice:
+        errors.add(
+            f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
+            f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
+            "[[grains]]): spheres of a lattice just touch",
+        )
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
-            _check_moves(stage, packing, boundary, errors)
-            if (contact := parts.get("contact")) is not None and contact.line != "plane-strain":
-                _check_line_contacts(stage, packing, errors)
+            _check_moves(case, stage, errors)
         return
-    uniform, lattice = stage.kind == "uniform", packing.grains is None
+    chain, uniform, support = packing.kind == "chain", stage.kind == "uniform", boundary.bottom_support
     flat = uniform and (chain or is_plane_crystal(packing.kind))
     end = support.bar.end if support is not None and support.bar else ""
     errors.check(
@@ -109,18 +104,17 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
         )
 
 
-def check_support(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that all spheres on a moving bottom are of one material, as each material has a fix of its own."""
-    case = assembly.case
-    if case.boundary.bottom_support is None:
-        return
-    names = [material.name or "?" for material in materials_of_last_layer(assembly)]
-    if len(names) != 1:
-        errors.add(
-            "boundary.bottom",
-            f"found a {case.boundary.bottom_support.kind} under spheres of {' and '.join(names) or 'no material'}, "
-            "expected a last layer of one material",
-        )
+def check_plates(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix of its own."""
+    case, layers = assembly.case, []
+    if (support := case.boundary.bottom_support) is not None:
+        layers.append(("boundary.bottom", f"found a {support.kind} under", materials_of_last_layer(assembly), "last"))
+    if case.load.plate is not None:
+        layers.append(("load.kind", 'found "plate" on', materials_on_top(assembly), "top"))
+    for key, found, materials, layer in layers:
+        names = " and ".join(material.name or "?" for material in materials) or "no material"
+        errors.check((len(materials) != 1, key,
+                      f"{found} spheres of {names}, expected a {layer} layer of one material"))  # fmt: skip
 
 
 def _spreads(assembly: Assembly) -> bool:
@@ -136,10 +130,11 @@ def _spreads(assembly: Assembly) -> bool:
     return free and layers
 
 
-def _check_moves(stage: Precompression, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
     """Check that there are walls to move, and that they do not move through the packing."""
+    boundary = case.boundary
     there = {"x": boundary.has_planes("x"), "y": boundary.has_planes("y"), "tube": boundary.sides_tube is not None}
-    most = LARGEST * packing.diameter / 2
+    most = LARGEST * case.packing.diameter / 2
     for name, distance in stage.moves.items():
         errors.check_first(
             (not there[name], f"{_TABLE}.{name}",
@@ -155,25 +150,21 @@ def _check_moves(stage: Precompression, packing: PackingSection, boundary: Bound
         (stage.kind == "walls" and not stage.moves and not stage.presses, _TABLE,
          'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N'),
     )  # fmt: skip
-
-
-def _check_line_contacts(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
-    """Check that walls do not move beyond the end of the law of cylinders that lie along them: 2 length^2/diameter."""
-    grains = packing.grains
-    grain = (
-        [(packing.of_grain, packing.diameter)] if grains is None else zip(grains.shape, grains.diameter, strict=True)
-    )
-    cylinders = {(shape, float(diameter)) for shape, diameter in grain if shape is not None}
+    if case.contact.line == "plane-strain":
+        return
+    grains, own = case.packing.grains, (case.packing.of_grain, case.packing.diameter)
+    sizes = {own} if grains is None else set(zip(grains.shape, grains.diameter.tolist(), strict=True))
     for axis, name in enumerate("xy"):
-        lying = [(shape, diameter) for shape, diameter in cylinders if abs(shape.axis[axis]) < _UPRIGHT]
-        if name not in stage.moves or not lying:
-            continue
-        shape, diameter = min(lying, key=lambda one: one[0].length ** 2 / one[1])
-        most = 2 * shape.length**2 / diameter
-        if stage.moves[name] >= most:
-            found = f"found {stage.moves[name]:g} m, expected less than {most:.3g} m, 2 length^2/diameter"
-            law = f"the law of the contact of a cylinder {shape.length:g} m long on a wall ends there"
-            errors.add(f"{_TABLE}.{name}", f"{found}: {law}")
+        # The law of cylinders that lie along a wall ends at 2 length^2/diameter.
+        ends = [(2 * shape.length**2 / diameter, shape.length) for shape, diameter in sizes
+                if shape is not None and abs(shape.axis[axis]) < _UPRIGHT]  # fmt: skip
+        most, length = min(ends, default=(math.inf, 0.0))
+        distance = stage.moves.get(name, 0.0)
+        errors.check(
+            (distance >= most, f"{_TABLE}.{name}",
+             f"found {distance:g} m, expected less than {most:.3g} m, 2 length^2/diameter: the law of the contact of "
+             f"a cylinder {length:g} m long on a wall ends there"),
+        )  # fmt: skip
 
 
 def _wall_key(name: str) -> str:
@@ -182,22 +173,18 @@ def _wall_key(name: str) -> str:
 
 def _check_top(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a force on the top of grains acts on some that can move, and stays in the range of their law."""
-    case = assembly.case
-    stage = case.precompression
-    assert stage is not None
-    if stage.force is None and stage.pressure is None:
-        return
-    if stage.pressure is not None:
+    case, top, key = assembly.case, set(assembly.lattice.top_layer.tolist()), f"{_TABLE}.force"
+    assert case.precompression is not None
+    if case.precompression.pressure is not None:
         errors.add(f"{_TABLE}.pressure", "found for grains at places of their own, which have no face; give a force")
-        return
-    top = set(assembly.lattice.top_layer.tolist())
-    for hold in case.holds.values():
-        if "z" in hold.axes and (held := top.intersection(held_ids(case, hold))):
-            errors.add(f"{_TABLE}.force", f"acts on grain {min(held)}, the uppermost, which is held along z")
-            return
-    if not case.bears_along_z:
-        errors.add(f"{_TABLE}.force", "found a force on the top, which nothing bears; hold a grain along z, or give "
-                   "a boundary.bottom")  # fmt: skip
+    elif case.precompression.force is not None:
+        held = [min(grains) for hold in case.holds.values()
+                if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
+        errors.check_first(
+            *((True, key, f"acts on grain {one}, the uppermost, which is held along z") for one in held),
+            (not case.bears_along_z, key,
+             "found a force on the top, which nothing bears; hold a grain along z, or give a boundary.bottom"),
+        )  # fmt: skip
 
 
 def _check_presses(assembly: Assembly, errors: ErrorList) -> None:
