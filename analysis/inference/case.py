@@ -152,7 +152,7 @@ class Infer:
     )
     walls: tuple[tuple[str, Place], ...] = custom("straight walls", _parse_walls, unit="m", default=())
     gravity: tuple[float, ...] = custom("acceleration of gravity", _parse_gravity, unit="m/s^2", default=())
-    noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)  # noqa: RUF009
+    noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)
     weights: Weights | None = choice(  # noqa: RUF009
         "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
         "stress components that strains give (correlated); by default white if noise is given, else equal",

@@ -29,6 +29,7 @@ from granwave.lammps_inputs.case.material import (
     check_shape,
     length_field,
     presets,
+    read_material,
     shape_field,
     shape_of,
 )
@@ -39,6 +40,7 @@ from granwave.lammps_inputs.case.schema import (
     custom,
     finite,
     label,
+    nested,
     number,
     parse_index,
     parse_point,
@@ -121,13 +123,13 @@ class AddedGrains:
     at: str | tuple[tuple[float, float, float], ...] | None = custom(
         "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
     )
-    ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)  # noqa: RUF009
-    repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)  # noqa: RUF009
+    ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)
+    repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)
     diameter: float = number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
-    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
-    material: Material | None = None
+    axis: Vector | None = axis_field()
+    material: Material | None = nested(read_material)
     group: str | None = label("name of their group, for [[hold]]", default=None)
 
     def most_places(self, n_own: int) -> int:

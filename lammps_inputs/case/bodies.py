@@ -15,7 +15,7 @@ the file.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, TypeVar
+from typing import Any
 
 from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import (
@@ -29,25 +29,21 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.schema import (
-    ErrorList,
     ValidationError,
     choice,
     count,
     custom,
     finite,
     label,
+    nested,
     number,
     numbers,
     or_word,
     parse_index,
     plain_name,
-    read_table,
-    show,
     vector,
     whole,
 )
-
-Entry = TypeVar("Entry")
 
 _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
@@ -103,7 +99,7 @@ class Replace:
     high: tuple[float, float, float] | None = custom("opposite corner", numbers(3, _POINT_FORM), unit="m", default=None)
     share: float | None = number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
     diameter: float | None = number("diameter of these spheres", DIAMETER, above=0, default=None)
-    material: Material | None = None
+    material: Material | None = nested(read_material)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -131,12 +127,12 @@ class Striker:
     )
     shape: str | None = choice("shape of the striker; a sphere by default", SHAPES, default=None)
     length: float | None = length_field()
-    axis: Vector | None = custom(  # noqa: RUF009
+    axis: Vector | None = custom(
         "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
         parse_axis,
         default=None,
     )
-    material: Material | None = None
+    material: Material | None = nested(read_material)
 
     @property
     def body(self) -> Shape:
@@ -156,7 +152,7 @@ class Bar:
     length: float = number("length of the bar", LENGTH, above=0)
     area: float = number("area of its cross-section", AREA, above=0)
     elements: int = count("number of elements of equal length", at_most=10_000_000, default=1000)
-    material: Material | None = None
+    material: Material | None = nested(read_material)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -237,22 +233,6 @@ class Sensor:
 
     name: str = custom("name of the sensor", plain_name)
     id: int = custom("id of its sphere", lambda value: whole(value, "an id from 1 up"))
-
-
-def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList) -> tuple[Entry, ...]:
-    """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
-    if not isinstance(tables, list | tuple):
-        errors.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
-        return ()
-    read = [read_body(section, table, f"{prefix}.{n}", errors) for n, table in enumerate(tables, start=1)]
-    return tuple(entry for entry in read if entry is not None)
-
-
-def read_body(section: type[Entry], table: Any, prefix: str, errors: ErrorList) -> Entry | None:
-    """Read the table of one body; its material is given by name or by value."""
-    has_material = any(field.name == "material" for field in dataclasses.fields(section))  # type: ignore[arg-type]
-    nested = {"material": read_material} if has_material else {}
-    return read_table(section, table, prefix, errors, nested)
 
 
 MATCHED = "matched"

@@ -199,41 +199,20 @@ class Support:
         contacts
             Sum of the stiffnesses of all contacts with the plane, N/m.
         """
-        if self.plate:
-            return PLATE_OSCILLATION * math.sqrt(self.plate.mass / (self.plate.stiffness + contacts))
-        if self.damper:
-            return _OF_DECAY * self.damper.damping / contacts
-        assert material is not None
-        if self.half_space:
-            return _OF_DECAY * self.half_space.damping(material, self.half_space.radius or footprint) / contacts
-        assert self.bar is not None
-        element = self.bar.length / self.bar.elements
-        front = self.bar.mass(material) / self.bar.elements / 2
+        behind = self.constants(material, footprint)
+        if isinstance(behind, NodeConstants):
+            if not behind.mass:
+                return _OF_DECAY * behind.damping / contacts
+            return PLATE_OSCILLATION * math.sqrt(behind.mass / (behind.stiffness + contacts))
+        element = behind.mass / behind.elements
         return min(
-            BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus),
-            PLATE_OSCILLATION * math.sqrt(front / (self.bar.stiffness(material) + contacts)),
+            BAR_COURANT_NUMBER * math.sqrt(element / behind.stiffness),
+            PLATE_OSCILLATION * math.sqrt(element / 2 / (behind.stiffness + contacts)),
         )
 
 
+_BEARS_ITSELF = ("plate", "damper", "tube")  # need no material
 SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
-
-
-def read_bottom(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, Support | None]:
-    """Read material and support from ``bottom = {...}``; faults are added to ``errors``."""
-    refuse_unknown(table, ("material", *SUPPORTS), key, errors)
-    chosen = [name for name in SUPPORTS if name in table]
-    if not table:
-        errors.add(key, f'found {show(table)}, expected a word, {{material = "..."}}, or one of {", ".join(SUPPORTS)}')
-    if len(chosen) > 1:
-        errors.add(key, f"found {' and '.join(chosen)}, expected one of them")
-        return None, None
-    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
-    if not chosen:
-        return material, None
-    if "material" not in table and chosen[0] not in ("plate", "damper"):
-        errors.add(f"{key}.material", f"missing; a {chosen[0]} needs it")
-    section = read_table(SUPPORTS[chosen[0]], table[chosen[0]], f"{key}.{chosen[0]}", errors)
-    return material, None if section is None else Support(**{chosen[0]: section})
 
 
 def _shear_modulus(material: Material) -> float:
@@ -295,7 +274,7 @@ class Boundary:
         DISPLACEMENT,
         default=None,
     )
-    sides_touch: Touched | None = custom(  # noqa: RUF009
+    sides_touch: Touched | None = custom(
         "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
         "out: all",
         _parse_touched,
@@ -323,6 +302,48 @@ class Boundary:
     def has_planes(self, axis: str) -> bool:
         """True if there are planes across x or y."""
         return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
+
+
+def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
+    """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to ``errors``."""
+    before, read = len(errors.lines), dict[str, Any]()
+    if isinstance(table, Mapping):
+        for name, sections, forms in (
+            ("bottom", SUPPORTS, f', {{material = "..."}}, or one of {", ".join(SUPPORTS)}'),
+            ("sides", {"tube": Tube}, ', or {material = "..."} for a wall'),
+        ):
+            if isinstance(table.get(name), Mapping):
+                found = _read_wall(table[name], f"boundary.{name}", sections, f"a word{forms}", errors)
+                read |= {f"{name}_{what}": value for what, value in found.items()}
+                table = {**table, name: "wall"}
+    boundary = read_table(Boundary, table, "boundary", errors)
+    return None if boundary is None or len(errors.lines) > before else dataclasses.replace(boundary, **read)
+
+
+def _read_wall(
+    table: Mapping[str, Any], key: str, sections: Mapping[str, type], expected: str, errors: ErrorList
+) -> dict[str, Any]:
+    """Read the material of a wall, and its support or the radius of its tube."""
+    refuse_unknown(table, ("material", *sections), key, errors)
+    chosen = [name for name in sections if name in table]
+    errors.check(
+        (not table, key, f"found {show(table)}, expected {expected}"),
+        (len(chosen) > 1, key, f"found {' and '.join(chosen)}, expected one of them"),
+    )
+    if len(chosen) > 1:
+        return {}
+    found: dict[str, Any] = {}
+    if "material" in table:
+        found["material"] = read_material(table["material"], errors, f"{key}.material")
+    for name in chosen:
+        if "material" not in table and name not in _BEARS_ITSELF:
+            errors.add(f"{key}.material", f"missing; a {name} needs it")
+        section = read_table(sections[name], table[name], f"{key}.{name}", errors)
+        if isinstance(section, Tube):
+            found["tube"] = section.radius
+        elif section is not None:
+            found["support"] = Support(**{name: section})
+    return found
 
 
 _NONE: dict[str, Any] = {"above": 0, "default": None}

@@ -17,62 +17,61 @@ from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.run import Figures, Output, Probe, Run
-from granwave.lammps_inputs.case.schema import keys_of, numbered
+from granwave.lammps_inputs.case.schema import key_fields, keys_of, numbered
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
-SECTIONS: dict[str, type] = {
-    "packing": PackingSection,
-    "contact": Contact,
-    "load": Load,
-    "boundary": Boundary,
-    "run": Run,
-    "output": Output,
-    FIGURES_TABLE: Figures,
-}
-LISTS: dict[str, type] = {
-    "replace": Replace, "striker": Striker, "hold": Hold, "guide": Guide, "absorb": Absorb, "sensor": Sensor,
-    "line": Line,
-}  # fmt: skip
-BARS = ("bar", "incident_bar")
-GRAINS = "grains"
 PRECOMPRESSION = "precompression"
-
+#: Section of each table of a case file whose keys are fields of a section, by heading.
+TABLES: dict[str, type] = {
+    "[packing]": PackingSection,
+    "[material]": Material,
+    "[contact]": Contact,
+    "[load]": Load,
+    "[boundary]": Boundary,
+    "[run]": Run,
+    "[output]": Output,
+    f"[{FIGURES_TABLE}]": Figures,
+    "[boundary.sides.tube]": Tube,
+    **{f"[boundary.bottom.{name}]": section for name, section in SUPPORTS.items()},
+    f"[{PRECOMPRESSION}]": Precompression,
+    "[[grains]]": AddedGrains,
+    "[[replace]]": Replace,
+    "[[striker]]": Striker,
+    "[[hold]]": Hold,
+    "[[guide]]": Guide,
+    "[[absorb]]": Absorb,
+    "[[sensor]]": Sensor,
+    "[[line]]": Line,
+    "[bar]": Bar,
+    "[incident_bar]": Bar,
+}
+LISTS = {heading.strip("[]"): section for heading, section in TABLES.items() if heading.startswith("[[")}
+SECTIONS = {
+    name: section
+    for heading, section in TABLES.items()
+    if "." not in (name := heading.strip("[]")) and name not in LISTS and section is not Material
+}
+OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
 WALL_KEYS = ("bottom", "sides")  # keys of [boundary] that take a material
-KNOWN = ("name", "material", MATERIALS, *SECTIONS, PRECOMPRESSION, "pair", GRAINS, *LISTS, *BARS)
+KNOWN = ("name", "material", MATERIALS, *SECTIONS, "pair", *LISTS)
 
 
 @cache
 def case_keys() -> tuple[str, ...]:
     """Return the dotted keys of a case; an array of tables is represented by its entry 1."""
-    tables = {**SECTIONS, PRECOMPRESSION: Precompression, "material": Material, **dict.fromkeys(BARS, Bar)}
-    numbered = {f"{name}.1": section for name, section in ({GRAINS: AddedGrains} | LISTS).items()}
-    return (*KNOWN, *keys_of(tables), *(f"material.{name}" for name in SELECTORS), *keys_of(numbered))
-
-
-def case_tables() -> dict[str, type]:
-    """Return the section of each table of a case file whose keys are fields of a section, by heading."""
-    first = {"[packing]": PackingSection, "[material]": Material}
-    supports = {f"[boundary.bottom.{name}]": section for name, section in SUPPORTS.items()}
-    return {
-        **first,
-        **{f"[{name}]": section for name, section in SECTIONS.items()},
-        "[boundary.sides.tube]": Tube,
-        **supports,
-        f"[{PRECOMPRESSION}]": Precompression,
-        f"[[{GRAINS}]]": AddedGrains,
-        **{f"[[{name}]]": section for name, section in LISTS.items()},
-        **{f"[{name}]": Bar for name in BARS},
-    }
+    numbered = {f"{name}.1": section for name, section in LISTS.items()}
+    selectors = [f"material.{name}" for name in SELECTORS]
+    return (*KNOWN, *keys_of(SECTIONS | {"material": Material}), *selectors, *keys_of(numbered))
 
 
 def unit_of(key: str) -> str:
     """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none."""
-    table, *between, name = [*key.split("."), ""] if "." not in key else key.split(".")
-    sections = {**SECTIONS, **LISTS, **dict.fromkeys(BARS, Bar), "material": Material, "pair": Contact}
-    sections[PRECOMPRESSION] = Precompression
-    section = Material if "material" in between else sections.get(table)
-    fields = {field.name: field for field in dataclasses.fields(section)} if section else {}
-    return (fields[name].metadata.get("unit") or "") if name in fields else ""
+    table, _, rest = key.partition(".")
+    sections = SECTIONS | LISTS | {"material": Material, "pair": Contact}
+    section = Material if ".material." in key else sections.get(table)
+    fields = {field.name: field for field in key_fields(section)} if section else {}
+    name = rest.rpartition(".")[2]
+    return str(fields[name].metadata["unit"]) if name in fields else ""
 
 
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read

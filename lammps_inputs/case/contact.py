@@ -233,7 +233,7 @@ class Contact:
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",
     )
-    loss: Loss | None = custom(  # noqa: RUF009
+    loss: Loss | None = custom(
         "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
         parse_loss,
         default=None,

@@ -122,8 +122,8 @@ class PackingSection:
     diameter: float = number("diameter of the spheres; in a file, of grains for which it has none", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
-    axis: Vector | None = axis_field()  # noqa: RUF009 (axes are not changed)
-    grains: Grains | None = custom(  # noqa: RUF009 (Grains are not changed)
+    axis: Vector | None = axis_field()
+    grains: Grains | None = custom(
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
     )
     period: tuple[float, float] | None = custom(

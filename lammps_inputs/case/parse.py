@@ -8,7 +8,6 @@ the keys of an earlier ``[material]``. Entries of an array of tables are numbere
 from __future__ import annotations
 
 import copy
-import dataclasses
 import re
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -16,22 +15,15 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.added_grains import AddedGrains, with_added_grains
-from granwave.lammps_inputs.case.bodies import Bar, read_body, read_list
-from granwave.lammps_inputs.case.boundary import Boundary, Precompression, Tube, read_bottom
-from granwave.lammps_inputs.case.case import BARS, GRAINS, KNOWN, LISTS, PRECOMPRESSION, RECORD, SECTIONS, WALL_KEYS
+from granwave.lammps_inputs.case.added_grains import with_added_grains
+from granwave.lammps_inputs.case.boundary import Boundary, Precompression, read_boundary
+from granwave.lammps_inputs.case.case import KNOWN, LISTS, OPTIONAL, PRECOMPRESSION, RECORD, SECTIONS
 from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
-from granwave.lammps_inputs.case.material import (
-    MATERIALS,
-    Material,
-    read_material,
-    read_materials,
-    with_named_materials,
-)
+from granwave.lammps_inputs.case.material import MATERIALS, read_material, read_materials, with_named_materials
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.schema import ErrorList, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import ErrorList, read_list, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE
@@ -100,50 +92,38 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
     result = copy.deepcopy(dict(data))
     errors: list[str] = []
     for key, value in overrides.items():
-        *path, last = key.split(".")
-        table = result
-        for name, following in pairwise([*path, last]):
-            if following.isdigit() and name not in table:
-                errors.append(
-                    f"--set: {key}: found no [[{name}]] tables, expected {following} or more; give them whole"
-                )
-                break
+        try:
+            _set(result, key.split("."), copy.deepcopy(value))
+        except ValueError as error:
+            errors.append(f"--set: {key}: {error}")
+    if errors:
+        raise InputError(errors)
+    return result
+
+
+def _set(table: Any, path: list[str], value: Any) -> None:
+    """Set a value of a table, or of an array of tables, whose numbers count from 1; raise ValueError on faults."""
+    for name, following in pairwise(path):
+        if isinstance(table, list):
+            inner = table[int(name) - 1]
+        elif following.isdigit() and name not in table:
+            raise ValueError(f"found no [[{name}]] tables, expected {following} or more; give them whole")
+        else:
             inner = table.setdefault(name, {})
             if name == "material" and isinstance(inner, str):
                 inner = table[name] = {"preset": inner}
-            if isinstance(inner, list) and following.isdigit():
-                inner = table[name] = _Numbered(inner)
-            if not isinstance(inner, dict):
-                errors.append(f"--set: {key}: found {name} = {show(inner)}, expected a table [{name}]")
-                break
-            if isinstance(inner, _Numbered) and following not in inner:
-                errors.append(f"--set: {key}: found {len(inner)} [[{name}]] tables, expected {following} or more")
-                break
-            table = inner
-        else:
-            table[last] = copy.deepcopy(value)
-    if errors:
-        raise InputError(errors)
-    return _with_lists(result)
+        if isinstance(inner, list) and following.isdigit():
+            if not 1 <= int(following) <= len(inner):
+                raise ValueError(f"found {len(inner)} [[{name}]] tables, expected {following} or more")
+        elif not isinstance(inner, dict):
+            raise ValueError(f"found {name} = {show(inner)}, expected a table [{name}]")
+        table = inner
+    table[int(path[-1]) - 1 if isinstance(table, list) else path[-1]] = value
 
 
-class _Numbered(dict[str, Any]):
-    """An array of tables as a mapping from the number of an entry, from 1, as in dotted keys."""
-
-    def __init__(self, entries: list[Any]) -> None:
-        super().__init__({str(n): entry for n, entry in enumerate(entries, start=1)})
-
-
-def _with_lists(value: Any) -> Any:
-    if isinstance(value, _Numbered):
-        return [_with_lists(item) for item in value.values()]
-    if isinstance(value, dict):
-        return {name: _with_lists(item) for name, item in value.items()}
-    return value
-
-
-_REQUIRED = ("packing", "material")
-
+_READERS: dict[type, Callable[[Any, ErrorList], Any]] = {
+    Load: read_load, PackingSection: read_packing, Boundary: read_boundary,
+}  # fmt: skip
 _OF_OTHERS = {  # tables of other files
     **dict.fromkeys(("block", "punch", "sphere", "partner"), "belongs to a continuum case: granwave continuum runs it"),
     **dict.fromkeys(
@@ -173,23 +153,17 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
-    parts = read_parts(data, source, errors, sections=SECTIONS, required=_REQUIRED, read=_read_section)
-    if PRECOMPRESSION in data:
-        parts[PRECOMPRESSION] = read_table(Precompression, data[PRECOMPRESSION], PRECOMPRESSION, errors)
+    parts = read_parts(
+        data, source, errors, sections=SECTIONS, required=("packing", "material"), optional=OPTIONAL, readers=_READERS
+    )
     parts[PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
-    parts[MATERIALS] = tuple(materials.values())
-    for name, section in LISTS.items():
-        parts[name] = read_list(section, data.get(name, ()), name, errors)
-    for name in BARS:
-        parts[name] = read_body(Bar, data[name], name, errors) if name in data else None
-    packing: PackingSection | None = parts["packing"] if "packing" in data else None
-    added = read_list(AddedGrains, data.get(GRAINS, ()), GRAINS, errors)
+    parts |= {name: read_list(section, data.get(name, ()), name, errors) for name, section in LISTS.items()}
+    packing, added = parts.get("packing"), parts.pop("grains")
     if packing is not None and (added or packing.gaps):
-        boundary: Boundary | None = parts["boundary"]
-        periodic = boundary is not None and boundary.sides == "periodic"
+        periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
         packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
-        parts[MATERIALS] = tuple(materials.values())
+    parts[MATERIALS] = tuple(materials.values())
     if packing is not None and packing.cell is not None and packing.kind != FILE:  # a lattice has its own
         found = f"found {show(packing.kind)} alone"
         errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
@@ -224,7 +198,8 @@ def read_parts(
     *,
     sections: Mapping[str, type],
     required: Collection[str] = ("material",),
-    read: Callable[[type, Any, str, ErrorList], Any] = read_table,
+    optional: Collection[str] = (),
+    readers: Mapping[type, Callable[[Any, ErrorList], Any]] | None = None,
 ) -> dict[str, Any]:
     """Read name, material and sections of a case of any kind; faults are added to ``errors``.
 
@@ -233,11 +208,13 @@ def read_parts(
     source
         As in `parse_case`.
     sections
-        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is required.
+        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is required or optional.
     required
         Names of the tables that must be there.
-    read
-        Function that reads one section.
+    optional
+        Names of those that may be left out.
+    readers
+        Functions that read sections other than by `read_table`.
 
     Returns
     -------
@@ -251,42 +228,11 @@ def read_parts(
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():
-        if name in data or name not in required:
-            parts[name] = read(section, data.get(name, {}), name, errors)
+        if name not in data and name in (*required, *optional):
+            continue
+        table, read = data.get(name, {}), (readers or {}).get(section)
+        parts[name] = read_table(section, table, name, errors) if read is None else read(table, errors)
     return parts
-
-
-def _read_section(section: type, table: Any, name: str, errors: ErrorList) -> Any:
-    if section is Load:
-        return read_load(table, errors)
-    if section is PackingSection:
-        return read_packing(table, errors)
-    if section is not Boundary or not isinstance(table, Mapping):
-        return read_table(section, table, name, errors)
-    before = len(errors.lines)
-    read: dict[str, Any] = {}
-    readers: dict[str, tuple[Callable[..., Any], str]] = {
-        "bottom": (read_bottom, "support"),
-        "sides": (_read_sides, "tube"),
-    }
-    walls = {key: table[key] for key in WALL_KEYS if isinstance(table.get(key), Mapping)}
-    for key, wall in walls.items():
-        reader, what = readers[key]
-        read[f"{key}_material"], read[f"{key}_{what}"] = reader(wall, f"boundary.{key}", errors)
-    boundary = read_table(Boundary, {**table, **dict.fromkeys(walls, "wall")}, name, errors)
-    if boundary is None or len(errors.lines) > before:
-        return None
-    return dataclasses.replace(boundary, **read)
-
-
-def _read_sides(table: Mapping[str, Any], key: str, errors: ErrorList) -> tuple[Material | None, float | None]:
-    """Read the material of the sides, and the radius of a tube."""
-    refuse_unknown(table, ("material", "tube"), key, errors)
-    if not table:
-        errors.add(key, f'found {show(table)}, expected a word, or {{material = "..."}} for a wall')
-    material = read_material(table["material"], errors, f"{key}.material") if "material" in table else None
-    tube = read_table(Tube, table["tube"], f"{key}.tube", errors) if "tube" in table else None
-    return material, None if tube is None else tube.radius
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:

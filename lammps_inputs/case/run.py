@@ -262,7 +262,7 @@ class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
     only: tuple[str, ...] = custom("names of the figures to draw; all that apply by default", _parse_only, default=())
-    plane: CutPlane | None = custom(  # noqa: RUF009
+    plane: CutPlane | None = custom(
         "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",
         _parse_plane,
         default=None,

@@ -300,13 +300,7 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(
-    section: type[Section],
-    table: Any,
-    prefix: str,
-    errors: ErrorList,
-    nested: Mapping[str, Callable[[Any, ErrorList, str], Any]] | None = None,
-) -> Section | None:
+def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
     """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
     Fields that are not made by the functions above keep their defaults.
@@ -315,19 +309,17 @@ def read_table(
     ----------
     prefix
         Dotted name of the table, as in the file; empty for the top level.
-    nested
-        Readers of tables in it, by key; they add faults themselves, and return None with any.
     """
     if not isinstance(table, Mapping):
         errors.add(prefix, f"found {show(table)}, expected a table [{prefix}] of keys and values")
         return None
     before = len(errors.lines)
-    values = {
-        name: read(table[name], errors, f"{prefix}.{name}") for name, read in (nested or {}).items() if name in table
-    }
-    table = {name: value for name, value in table.items() if name not in values}
-    fields = {field.name: field for field in dataclasses.fields(section) if field.metadata}  # type: ignore[arg-type]
-    refuse_unknown(table, list(fields), prefix, errors)
+    values: dict[str, Any] = {}
+    for field in dataclasses.fields(section):  # type: ignore[arg-type]
+        if "read" in field.metadata and field.name in table:
+            values[field.name] = field.metadata["read"](table[field.name], errors, f"{prefix}.{field.name}")
+    fields = {field.name: field for field in key_fields(section)}
+    refuse_unknown({name: value for name, value in table.items() if name not in values}, list(fields), prefix, errors)
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]
@@ -366,14 +358,28 @@ def numbered(name: str, entries: Iterable[Entry]) -> dict[str, Entry]:
     return {f"{name}.{n}": entry for n, entry in enumerate(entries, start=1)}
 
 
+def nested(read: Callable[[Any, ErrorList, str], Any]) -> Any:
+    """Field of a table with a reader of its own, which adds its faults, and returns None with any."""
+    return dataclasses.field(default=None, metadata={"read": read})
+
+
+def key_fields(section: type) -> list[dataclasses.Field[Any]]:
+    """Return the fields of a section that are keys of its table, other than `nested` ones."""
+    return [field for field in dataclasses.fields(section) if "parse" in field.metadata]
+
+
 def keys_of(sections: Mapping[str, type]) -> list[str]:
-    """Return the dotted keys of tables, given by dotted name: one for each field that `read_table` reads."""
-    return [
-        f"{name}.{field.name}"
-        for name, section in sections.items()
-        for field in dataclasses.fields(section)
-        if field.metadata
-    ]
+    """Return the dotted keys of tables, given by dotted name."""
+    return [f"{name}.{field.name}" for name, section in sections.items() for field in key_fields(section)]
+
+
+def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList) -> tuple[Entry, ...]:
+    """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
+    if not isinstance(tables, list | tuple):
+        errors.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
+        return ()
+    read = [read_table(section, table, key, errors) for key, table in numbered(prefix, tables).items()]
+    return tuple(entry for entry in read if entry is not None)
 
 
 def _field(

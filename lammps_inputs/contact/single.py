@@ -53,7 +53,7 @@ class _Table:
     diameter: float | None = number("diameter of a sphere, cylinder or tube", "m", above=0, default=None)
     radius: float | None = number("radius, in place of the diameter", "m", above=0, default=None)
     length: float | None = length_field()
-    axis: Vector | None = axis_field()  # noqa: RUF009
+    axis: Vector | None = axis_field()
 
 
 @dataclasses.dataclass(frozen=True)

@@ -19,10 +19,10 @@ from importlib import resources
 from typing import Any
 
 from granwave.analysis.inference.case import InferCase
-from granwave.lammps_inputs.case.case import case_tables
+from granwave.lammps_inputs.case.case import TABLES
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
-from granwave.lammps_inputs.case.schema import REQUIRED, accepted, show
+from granwave.lammps_inputs.case.schema import REQUIRED, accepted, key_fields, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.design.design_file import DESIGN_TABLES
@@ -106,7 +106,7 @@ def tables() -> tuple[Table, ...]:
     """Return all tables of all kinds of files."""
     return (
         _table(CASE, "", "name, material and the tables below", _TOP),
-        *(_of_section(CASE, heading, section) for heading, section in case_tables().items()),
+        *(_of_section(CASE, heading, section) for heading, section in TABLES.items()),
         _pair(),
         _table(CONTINUUM, "", "name, material and the tables below", _TOP),
         *(_of_section(CONTINUUM, f"[{name}]", section) for name, section in ContinuumCase.SECTIONS.items()),
@@ -209,10 +209,9 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
             required=field.default is REQUIRED and field.default_factory is REQUIRED,
             usual=_usual(field.metadata["usual"]),
         )
-        for field in dataclasses.fields(section)
-        if field.metadata
+        for field in key_fields(section)
     ]
-    if any(field.name == "material" and not field.metadata for field in dataclasses.fields(section)):
+    if any("read" in field.metadata for field in dataclasses.fields(section)):
         found.append(Key("material", "material of this body; that of the case by default", _MATERIAL))
     return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
 
@@ -226,7 +225,7 @@ def _table(file: str, heading: str, description: str, found: Iterable[Key]) -> T
 
 def _pair() -> Table:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
-    contact = _of_section(CASE, "[contact]", case_tables()["[contact]"])
+    contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
     materials = Key(
         "materials", "materials of the two bodies", 'two names of materials; "rigid" for a rigid wall', required=True
     )

@@ -83,7 +83,7 @@ class Header:
 
     name: str = custom("name of the scan", plain_name, default="")
     case: str = text("a built-in study or a case file")
-    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)  # noqa: RUF009
+    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
     replicates: int = count("runs of each point in which something is random, with seeds 1 to n", default=1)
     figures: bool = choice("figures of every point too", (False, True), default=False)
     study: tuple[str, ...] = custom(
