@@ -23,7 +23,16 @@ GROUPS = {
     run_directory.DESIGN: "a search for a design",
 }  # what a directory holds, one group each
 _SHOWN = 3  # names in a message
-_WORK_FILES = ("jobs-*.json", "stop", "batches/*.json", "done/*", "logs/**/*")  # in run_directory.SCAN_WORK
+_WORK_FILES = (
+    "jobs-*.json",
+    "stop",
+    "batches",
+    "batches/*.json",
+    "done",
+    "done/*",
+    "logs",
+    "logs/**/*",
+)  # in run_directory.SCAN_WORK
 _SCRATCH = re.compile(r"\.(.+)\.\d+")  # scratch file left by a killed process, see `files.replacing`
 
 
@@ -202,67 +211,43 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
         return
     if names is None:
         chosen = [name for name in marker.files if name not in run_directory.POINT_FILES]
+        marker.case = ""
     else:
         chosen = [name for name in marker.files if not set(names).isdisjoint([name, *files_of(directory, name)])]
-    if names is not None and not chosen:
-        return
+        if not chosen:
+            return
+    files = [file for name in chosen for file in files_of(directory, name)]
+    if names is None and marker.kind == run_directory.SCAN and own_file(directory, f"{run_directory.SCAN_WORK}/"):
+        work = directory / run_directory.SCAN_WORK
+        files += [str(path.relative_to(directory)) for pattern in _WORK_FILES for path in work.glob(pattern)]
+    names_in: dict[PurePosixPath, set[str]] = {}  # by folder
+    for file in map(PurePosixPath, files):
+        for folder in (*file.parents, *([file] if (directory / file).is_dir() else [])):
+            names_in.setdefault(folder, set())
+        names_in[file.parent].add(file.name)
+    for path in (own_file(directory, file) for file in files):
+        if path is not None and path.is_dir():
+            clear(path)
+            clear(path, run_directory.POINT_FILES)
+        elif path is not None:
+            path.unlink()
+    for folder in sorted(names_in, key=lambda folder: -len(folder.parts)):
+        if not _obstacle(directory, f"{folder}/") and (directory / folder).is_dir():
+            _clear_scratch(directory / folder, names_in[folder])
+            if folder.name:
+                with contextlib.suppress(OSError):
+                    (directory / folder).rmdir()
     for name in chosen:
-        for path in [own_file(directory, file) for file in files_of(directory, name)]:
-            if path is not None and name.endswith("/"):
-                _clear_nested(path)
-            elif path is not None:
-                path.unlink()
         del marker.files[name]
-    if names is None:
-        marker.case = ""
-        if marker.kind == run_directory.SCAN:
-            _clear_work(directory / run_directory.SCAN_WORK)
-    _clear_scratch(directory, chosen)
-    _remove_empty(directory, chosen)
     if marker.files:
         marker.write(directory)
     elif not (directory / run_directory.MARKER).is_symlink():
         (directory / run_directory.MARKER).unlink(missing_ok=True)
 
 
-def _clear_nested(directory: Path) -> None:
-    clear(directory)
-    clear(directory, run_directory.POINT_FILES)
-    with contextlib.suppress(OSError):
-        directory.rmdir()
-
-
-def _clear_work(work: Path) -> None:
-    if work.is_symlink() or not work.is_dir():
-        return
-    for pattern in _WORK_FILES:
-        for path in work.glob(pattern):
-            if path.is_file() or path.is_symlink():
-                path.unlink()
-    folders = [path for path in work.rglob("*") if path.is_dir() and not path.is_symlink()]
-    for folder in [*sorted(folders, key=lambda path: -len(path.parts)), work]:
-        with contextlib.suppress(OSError):
-            folder.rmdir()
-
-
-def _clear_scratch(directory: Path, names: Iterable[str]) -> None:
-    """Remove scratch files that killed processes left."""
-    folders: dict[str, set[str]] = {}
-    for name in names:
-        folders.setdefault(str(PurePosixPath(name).parent), set()).add(PurePosixPath(name).name)
-    for folder, files in folders.items():
-        if _obstacle(directory, f"{folder}/") or not (directory / folder).is_dir():
-            continue
-        for path in list((directory / folder).iterdir()):
-            left = _SCRATCH.fullmatch(path.name)
-            if left and left[1] in files and path.is_file() and not path.is_symlink():
-                path.unlink()
-
-
-def _remove_empty(directory: Path, names: Iterable[str]) -> None:
-    """Remove the folders of files that are empty, the deepest first."""
-    folders = {folder for name in names for folder in PurePosixPath(name).parents if folder.name}
-    for folder in sorted(folders, key=lambda folder: -len(folder.parts)):
-        if not _obstacle(directory, f"{folder}/"):
-            with contextlib.suppress(OSError):
-                (directory / folder).rmdir()
+def _clear_scratch(folder: Path, names: Collection[str]) -> None:
+    """Remove scratch files of some names that killed processes left."""
+    for path in list(folder.iterdir()):
+        left = _SCRATCH.fullmatch(path.name)
+        if left and left[1] in names and path.is_file() and not path.is_symlink():
+            path.unlink()

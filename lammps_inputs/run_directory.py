@@ -143,20 +143,18 @@ def is_scan(directory: str | Path) -> bool:
 
 
 _VERSION = "0.1.0"
-_DECK = (CASE_FILE, SCRIPT_FILE, DATA_FILE, LOG_FILE)
-_BESIDE_DECK = re.compile(r"dents\.txt|load\.txt|preload_[xyz]\.txt|checkpoint-\d+\.restart")
-_DUMPS = re.compile(
-    r"(energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|spheres(-\d+)?\.bin|static\.lmp"
-)
-_SCAN_FILES = (
-    SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT,
-)  # fmt: skip
+_SCAN_FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT)
 _SUITE_FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT)
-_OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures of scans, without PDF until all points are done
-_EXPORTS = re.compile(
-    r"(spheres|contacts|wall_contacts|energy|probes|prestage|snapshots|points|(walls|snapshot|chain|bar)_\w+)\.csv"
-    r"|result\.nc|(spheres|contacts)(\.pvd|_\d{4,}\.vtp)|open_in_ovito\.py"
+_DECK = re.compile(
+    r"(case\.toml|in\.granwave|data\.granwave|log\.lammps|(dents|load|preload_[xyz])\.txt|checkpoint-\d+\.restart)"
+    r"|dumps/((energy|walls|probes|prestage)\.txt|(spheres|history|forces|contacts|wall_\w+)\.dump|spheres(-\d+)?\.bin"
+    r"|static\.lmp)"
 )
+_EXPORTS = re.compile(
+    r"export/((spheres|contacts|wall_contacts|energy|probes|prestage|snapshots|points|(walls|snapshot|chain|bar)_\w+)\.csv"
+    r"|result\.nc|(spheres|contacts)(\.pvd|_\d{4,}\.vtp)|open_in_ovito\.py)"
+)
+_OF_SCANS = re.compile(r"\w+_vs_\w+|collapse_\w+|\w+_map")  # figures of scans, without PDF until all points are done
 
 
 def recognise(directory: Path) -> Marker | None:
@@ -167,78 +165,53 @@ def recognise(directory: Path) -> Marker | None:
     ``summary.json``, ``result.h5`` and the files of a scan by their keys, or, if damaged, by other files of granwave
     beside them; figures by a PDF of matplotlib without a date.
     """
-    case = ""
-    if found := _scan(directory):
-        kind = SCAN
-    elif found := _suite(directory):
-        kind = SUITE
-    elif found := _fit(directory):
-        kind = FIT
+    kind, case = OTHER, ""
+    if _has(directory / SCAN_INDEX, "name", "case", "varied", "points") or (directory / SCAN_WORK / "batches").is_dir():
+        points = (path for folder in (POINTS, UNFINISHED) for path in (directory / folder).glob(f"*/{POINT_FILE}"))
+        kind, found = SCAN, [*_SCAN_FILES, *(f"{path.parent.relative_to(directory)}/" for path in points)]
+    elif _has(directory / SUITE_INDEX, "name", "scans"):
+        kind, found = SUITE, list(_SUITE_FILES)
+    elif head(directory / FIT_TOML, 99).startswith(b"# Elasto-plastic contact law fitted to "):
+        kind, found = FIT, list(FIT_FILES)
     else:
         kind, case, found = _run(directory)
     if not found:
         return None
-    there = [name for name in (*found, *_figures(directory)) if _is_there(directory, name)]
-    return Marker(kind, _VERSION, case, dict.fromkeys(there))
+    there = [name for name in found if (Path.is_dir if name.endswith("/") else Path.is_file)(directory / name)]
+    return Marker(kind, _VERSION, case, dict.fromkeys([*there, *_figures(directory)]))
 
 
-def _is_there(directory: Path, name: str) -> bool:
-    path = directory / name
-    return path.is_dir() if name.endswith("/") else path.is_file()
-
-
-def _scan(directory: Path) -> list[str]:
-    index = read_json(directory / SCAN_INDEX)
-    ours = index is not None and {"name", "case", "varied", "points"} <= index.keys()
-    if not ours and not (directory / SCAN_WORK / "batches").is_dir():
-        return []
-    points = [
-        f"{folder}/{path.name}/"
-        for folder in (POINTS, UNFINISHED)
-        for path in (directory / folder).glob("*")
-        if (path / POINT_FILE).is_file()
-    ]
-    return [*_SCAN_FILES, *points]
-
-
-def _suite(directory: Path) -> list[str]:
-    index = read_json(directory / SUITE_INDEX)
-    return [*_SUITE_FILES] if index is not None and {"name", "scans"} <= index.keys() else []
-
-
-def _fit(directory: Path) -> list[str]:
-    ours = head(directory / FIT_TOML, 99).startswith(b"# Elasto-plastic contact law fitted to ")
-    return [*FIT_FILES] if ours else []
+def _has(path: Path, *keys: str) -> bool:
+    """Return True if a JSON file has some keys."""
+    return set(keys) <= (read_json(path) or {}).keys()
 
 
 def _run(directory: Path) -> tuple[str, str, list[str]]:
     """Return the kind, the text of the case and the file names of a LAMMPS or finite-element run."""
-    tables = read_tables(directory / CASE_FILE) or {}
+    tables, summary = read_tables(directory / CASE_FILE) or {}, read_json(directory / SUMMARY_FILE)
     script = head(directory / SCRIPT_FILE, 4096)
     deck = b"\n# Written by granwave from case.toml.\n" in script or "struck" in tables.get("resolved", {})
-    point = "attempts" in (read_json(directory / POINT_FILE) or {})
-    summary = read_json(directory / SUMMARY_FILE)
-    record = read_json(directory / RECORD_FILE)
+    point = _has(directory / POINT_FILE, "attempts")
     whole, case = _result(directory / RESULT_FILE)
     own = {
         SUMMARY_FILE: "granwave" in ((summary or {}).get("versions") or {}),
-        RECORD_FILE: "n_steps" in (record or {}),
+        RECORD_FILE: _has(directory / RECORD_FILE, "n_steps"),
         RESULT_FILE: bool(case),
     }
     if not deck and not point and not any(own.values()):
         return RUN, "", []
-    damaged = {SUMMARY_FILE: summary is None, RECORD_FILE: record is None, RESULT_FILE: not whole}
+    damaged = {
+        SUMMARY_FILE: summary is None,
+        RECORD_FILE: read_json(directory / RECORD_FILE) is None,
+        RESULT_FILE: not whole,
+    }
     found = [name for name in own if own[name] or damaged[name]]
-    if deck:
-        found += [*_DECK, *(path.name for path in directory.iterdir() if _BESIDE_DECK.fullmatch(path.name))]
-        found += [f"{DUMPS}/{name}" for name in _inside(directory / DUMPS, _DUMPS)]
-    if point:
-        found += [CASE_FILE, *POINT_FILES]
-    elif case and tables == tomllib.loads(case):
+    found += [name for name in _names(directory) if (deck and _DECK.fullmatch(name)) or _EXPORTS.fullmatch(name)]
+    found += [CASE_FILE, *POINT_FILES] if point else []
+    if case and tables == tomllib.loads(case):
         found.append(CASE_FILE)
     if head(directory / CONTACT_TABLE, 99).startswith(b"branch,overlap_m,force_N,"):
         found.append(CONTACT_TABLE)
-    found += [f"{EXPORT_DIRECTORY}/{name}" for name in _inside(directory / EXPORT_DIRECTORY, _EXPORTS)]
     if not case and CASE_FILE in found and tables:
         case = (directory / CASE_FILE).read_text(encoding="utf-8")
     return RUN if deck or own[RECORD_FILE] else CONTINUUM, case, found
@@ -260,22 +233,18 @@ def _result(path: Path) -> tuple[bool, str]:
 
 def _figures(directory: Path) -> Iterator[str]:
     """Iterate over the names of figures and their data."""
-    folder = directory / FIGURES_DIRECTORY
-    for name in _inside(folder, re.compile(r".+\.png")):
-        stem = name.removesuffix(".png")
-        pdf = folder / f"{stem}.pdf"
-        drawn = _is_undated(pdf) if pdf.exists() else _OF_SCANS.fullmatch(stem) is not None
-        if drawn and (folder / f"{stem}.csv").is_file():
-            yield from (f"{FIGURES_DIRECTORY}/{stem}{suffix}" for suffix in (".png", ".pdf", ".csv"))
+    names = _names(directory)
+    for name in (one for one in names if one.startswith(f"{FIGURES_DIRECTORY}/") and one.endswith(".png")):
+        png, pdf, data = (name.removesuffix(".png") + suffix for suffix in FIGURE_SUFFIXES)
+        content = head(directory / pdf)
+        drawn = b"/Producer (Matplotlib pdf backend" in content and b"/CreationDate" not in content
+        if data in names and (drawn or (pdf not in names and _OF_SCANS.fullmatch(Path(name).stem))):
+            yield from (file for file in (png, pdf, data) if file in names)
 
 
-def _is_undated(pdf: Path) -> bool:
-    content = head(pdf)
-    return b"/Producer (Matplotlib pdf backend" in content and b"/CreationDate" not in content
-
-
-def _inside(folder: Path, pattern: re.Pattern[str]) -> list[str]:
-    """Return the names of files in a folder that match a pattern."""
-    if not folder.is_dir() or folder.is_symlink():
-        return []
-    return sorted(path.name for path in folder.iterdir() if pattern.fullmatch(path.name))
+def _names(directory: Path) -> list[str]:
+    """Return the names of the files of a run, and of those in its folders that are no links."""
+    folders = [directory / name for name in ("", DUMPS, EXPORT_DIRECTORY, FIGURES_DIRECTORY)]
+    paths = (path for folder in folders[:1] + [one for one in folders[1:] if not one.is_symlink()]
+             for path in sorted(folder.glob("*")) if path.is_file())  # fmt: skip
+    return [path.relative_to(directory).as_posix() for path in paths]
