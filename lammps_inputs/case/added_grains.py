@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import (
@@ -34,19 +35,7 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    custom,
-    finite,
-    label,
-    nested,
-    number,
-    parse_index,
-    parse_point,
-    show,
-    whole,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, show
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
@@ -91,46 +80,46 @@ def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
         return value
     if not isinstance(value, list | tuple) or not value:
         raise ValidationError(_PLACES)
-    return tuple(parse_point(place, _PLACES) for place in value)
+    return tuple(schema.parse_point(place, _PLACES) for place in value)
 
 
 def _parse_ring(value: Any) -> Ring:
     if not isinstance(value, Mapping) or not {"n", "radius"} <= set(value) <= {"n", "radius", "z", "gap", "angle"}:
         raise ValidationError(_RING)
     touching = value["radius"] == _TOUCHING
-    radius = None if touching else finite(value["radius"], _RING)
+    radius = None if touching else schema.finite(value["radius"], _RING)
     if radius is not None and radius <= 0:
         raise ValidationError(f"{_RING}, with a radius above 0")
     if ("z" in value) == ("gap" in value) or (touching and "z" in value):
         raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
     gap: tuple[int, ...] = ()
     if value.get("gap", _ALL) != _ALL:
-        gap = parse_index(value["gap"])
-    z = finite(value["z"], _RING) if "z" in value else None
-    return Ring(whole(value["n"], _RING), radius, z, gap, finite(value.get("angle", 0.0), _RING))
+        gap = schema.parse_index(value["gap"])
+    z = schema.finite(value["z"], _RING) if "z" in value else None
+    return Ring(schema.whole(value["n"], _RING), radius, z, gap, schema.finite(value.get("angle", 0.0), _RING))
 
 
 def _parse_repeat(value: Any) -> Repeat:
     if not isinstance(value, Mapping) or set(value) != {"times", "step"}:
         raise ValidationError(_REPEAT)
-    return Repeat(whole(value["times"], _REPEAT), parse_point(value["step"], _REPEAT))
+    return Repeat(schema.whole(value["times"], _REPEAT), schema.parse_point(value["step"], _REPEAT))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
-    at: str | tuple[tuple[float, float, float], ...] | None = custom(
+    at: str | tuple[tuple[float, float, float], ...] | None = schema.custom(
         "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
     )
-    ring: Ring | None = custom("places around the axis x = y = 0", _parse_ring, default=None)
-    repeat: Repeat | None = custom("copies of these places, each a step on", _parse_repeat, default=None)
-    diameter: float = number("diameter of these grains", DIAMETER, above=0)
+    ring: Ring | None = schema.custom("places around the axis x = y = 0", _parse_ring, default=None)
+    repeat: Repeat | None = schema.custom("copies of these places, each a step on", _parse_repeat, default=None)
+    diameter: float = schema.number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
-    material: Material | None = nested(read_material)
-    group: str | None = label("name of their group, for [[hold]]", default=None)
+    material: Material | None = schema.nested(read_material)
+    group: str | None = schema.label("name of their group, for [[hold]]", default=None)
 
     def most_places(self, n_own: int) -> int:
         """Return an upper bound on the number of places, next to so many grains."""

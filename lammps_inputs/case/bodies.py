@@ -17,6 +17,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import (
     SHAPES,
@@ -28,22 +29,7 @@ from granwave.lammps_inputs.case.material import (
     read_material,
     shape_of,
 )
-from granwave.lammps_inputs.case.schema import (
-    ValidationError,
-    choice,
-    count,
-    custom,
-    finite,
-    label,
-    nested,
-    number,
-    numbers,
-    or_word,
-    parse_index,
-    plain_name,
-    vector,
-    whole,
-)
+from granwave.lammps_inputs.case.schema import ValidationError
 
 _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
@@ -80,7 +66,7 @@ def _parse_touches(value: Any) -> tuple[int, ...]:
     if value == CENTRE:
         return ()
     try:
-        return parse_index(value)
+        return schema.parse_index(value)
     except ValidationError as error:
         raise ValidationError(f'{error}; or "{CENTRE}"') from None
 
@@ -94,45 +80,49 @@ class Replace:
     neighbours. The beads of a chain are moved apart.
     """
 
-    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
-    low: tuple[float, float, float] | None = custom("corner of a box", numbers(3, _POINT_FORM), unit="m", default=None)
-    high: tuple[float, float, float] | None = custom("opposite corner", numbers(3, _POINT_FORM), unit="m", default=None)
-    share: float | None = number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = number("diameter of these spheres", DIAMETER, above=0, default=None)
-    material: Material | None = nested(read_material)
+    index: tuple[int, ...] | None = schema.custom("which spheres", schema.parse_index, default=None)
+    low: tuple[float, float, float] | None = schema.custom(
+        "corner of a box", schema.numbers(3, _POINT_FORM), unit="m", default=None
+    )
+    high: tuple[float, float, float] | None = schema.custom(
+        "opposite corner", schema.numbers(3, _POINT_FORM), unit="m", default=None
+    )
+    share: float | None = schema.number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
+    diameter: float | None = schema.number("diameter of these spheres", DIAMETER, above=0, default=None)
+    material: Material | None = schema.nested(read_material)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Striker:
     """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with earlier strikers."""
 
-    touches: tuple[int, ...] = custom(
+    touches: tuple[int, ...] = schema.custom(
         'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
         _parse_touches,
     )
-    velocity: tuple[float, float, float] = vector("velocity of the striker", VELOCITY)
-    spin: tuple[float, float, float] = vector("angular velocity of the striker", SPIN)
-    diameter: float | None = number(
+    velocity: tuple[float, float, float] = schema.vector("velocity of the striker", VELOCITY)
+    spin: tuple[float, float, float] = schema.vector("angular velocity of the striker", SPIN)
+    diameter: float | None = schema.number(
         "diameter of the striker; that of the packing by default", DIAMETER, above=0, default=None
     )
-    offset: tuple[float, float, float] = vector(
+    offset: tuple[float, float, float] = schema.vector(
         "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
         _OFFSET,
     )
-    misalignment: tuple[float, float, float] = custom(
+    misalignment: tuple[float, float, float] = schema.custom(
         "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
-        numbers(3, _POINT_FORM, lambda *extent: min(extent) >= 0, f"{_POINT_FORM}, none of them negative"),
+        schema.numbers(3, _POINT_FORM, lambda *extent: min(extent) >= 0, f"{_POINT_FORM}, none of them negative"),
         unit=_OFFSET,
         default=(0.0, 0.0, 0.0),
     )
-    shape: str | None = choice("shape of the striker; a sphere by default", SHAPES, default=None)
+    shape: str | None = schema.choice("shape of the striker; a sphere by default", SHAPES, default=None)
     length: float | None = length_field()
-    axis: Vector | None = custom(
+    axis: Vector | None = schema.custom(
         "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
         parse_axis,
         default=None,
     )
-    material: Material | None = nested(read_material)
+    material: Material | None = schema.nested(read_material)
 
     @property
     def body(self) -> Shape:
@@ -149,20 +139,22 @@ class Striker:
 class Bar:
     """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
 
-    length: float = number("length of the bar", LENGTH, above=0)
-    area: float = number("area of its cross-section", AREA, above=0)
-    elements: int = count("number of elements of equal length", at_most=10_000_000, default=1000)
-    material: Material | None = nested(read_material)
+    length: float = schema.number("length of the bar", LENGTH, above=0)
+    area: float = schema.number("area of its cross-section", AREA, above=0)
+    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=1000)
+    material: Material | None = schema.nested(read_material)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Hold:
     """``[[hold]]``: grains that do not move."""
 
-    index: tuple[int, ...] | None = custom("which grains", parse_index, default=None)
-    group: str | None = label("the grains of this group of packing.file", default=None)
-    directions: str = custom("directions in which they do not move, of x, y and z", _parse_directions, default="xyz")
-    rotation: bool = choice("true: they do not turn either", (True, False), default=True)
+    index: tuple[int, ...] | None = schema.custom("which grains", schema.parse_index, default=None)
+    group: str | None = schema.label("the grains of this group of packing.file", default=None)
+    directions: str = schema.custom(
+        "directions in which they do not move, of x, y and z", _parse_directions, default="xyz"
+    )
+    rotation: bool = schema.choice("true: they do not turn either", (True, False), default=True)
 
     @property
     def axes(self) -> str:
@@ -171,7 +163,7 @@ class Hold:
 
 
 def _parse_line_name(value: Any) -> str:
-    name = plain_name(value)
+    name = schema.plain_name(value)
     if not all(one.isascii() and (one.isalnum() or one in "_-") for one in name):
         raise ValidationError("a name of letters, digits, _ and -")
     return name
@@ -181,26 +173,26 @@ def _parse_line_name(value: Any) -> str:
 class Line:
     """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of a wave."""
 
-    name: str = custom("name of the line", _parse_line_name)
-    start: int | None = custom(
+    name: str = schema.custom("name of the line", _parse_line_name)
+    start: int | None = schema.custom(
         "id of the grain that it starts from; the struck one by default",
-        lambda value: whole(value, "an id from 1 up"),
+        lambda value: schema.whole(value, "an id from 1 up"),
         default=None,
     )
-    direction: tuple[float, float, float] = custom(
+    direction: tuple[float, float, float] = schema.custom(
         "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
-        numbers(3, "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down", lambda *way: any(way)),
+        schema.numbers(3, "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down", lambda *way: any(way)),
         default=(0.0, 0.0, 1.0),
     )
-    index: tuple[int, ...] | str | None = custom(
+    index: tuple[int, ...] | str | None = schema.custom(
         'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
-        or_word(ALL_GRAINS, parse_index),
+        schema.or_word(ALL_GRAINS, schema.parse_index),
         default=None,
     )
-    leave_out: int | str = custom(
+    leave_out: int | str = schema.custom(
         "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
         "does not move",
-        or_word("auto", lambda value: whole(value, 'a whole number from 0 up, or "auto"', at_least=0)),
+        schema.or_word("auto", lambda value: schema.whole(value, 'a whole number from 0 up, or "auto"', at_least=0)),
         default="auto",
     )
 
@@ -209,11 +201,12 @@ class Line:
 class Guide:
     """``[[guide]]``: grains that are free to move in some directions only, without friction, as in a groove."""
 
-    index: tuple[int, ...] | None = custom("which grains; all if neither index nor group is given", parse_index,
-                                           default=None)  # fmt: skip
-    group: str | None = label("the grains of this group of packing.file or [[grains]]", default=None)
-    free: str = custom("directions in which they may move, of x, y and z", _parse_free)
-    rotation: bool = choice("false: they do not turn", (False, True), default=True)
+    index: tuple[int, ...] | None = schema.custom(
+        "which grains; all if neither index nor group is given", schema.parse_index, default=None
+    )
+    group: str | None = schema.label("the grains of this group of packing.file or [[grains]]", default=None)
+    free: str = schema.custom("directions in which they may move, of x, y and z", _parse_free)
+    rotation: bool = schema.choice("false: they do not turn", (False, True), default=True)
 
     def hold(self, n_grains: int) -> Hold:
         """Return what it holds, among so many grains."""
@@ -231,8 +224,8 @@ class Sensor:
     In a chain the mean of its two contact forces is recorded; in other packings its acceleration.
     """
 
-    name: str = custom("name of the sensor", plain_name)
-    id: int = custom("id of its sphere", lambda value: whole(value, "an id from 1 up"))
+    name: str = schema.custom("name of the sensor", schema.plain_name)
+    id: int = schema.custom("id of its sphere", lambda value: schema.whole(value, "an id from 1 up"))
 
 
 MATCHED = "matched"
@@ -244,7 +237,7 @@ def _parse_impedance(value: Any) -> float | str:
     expected = 'a number above 0, or "matched"'
     if value == MATCHED:
         return MATCHED
-    found = finite(value, expected)
+    found = schema.finite(value, expected)
     if found <= 0:
         raise ValidationError(expected)
     return found
@@ -259,17 +252,17 @@ class Absorb:
     reflection where it is the impedance of the row.
     """
 
-    index: tuple[int, ...] | None = custom("which spheres", parse_index, default=None)
-    layers: int | None = count("the last layers of the packing; of a chain its last spheres", default=None)
-    rate: float | None = number(
+    index: tuple[int, ...] | None = schema.custom("which spheres", schema.parse_index, default=None)
+    layers: int | None = schema.count("the last layers of the packing; of a chain its last spheres", default=None)
+    rate: float | None = schema.number(
         "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None
     )
-    towards: str = choice(
+    towards: str = schema.choice(
         'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
         _DIRECTIONS,
         default="+z",
     )
-    impedance: float | str | None = custom(
+    impedance: float | str | None = schema.custom(
         "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
         _parse_impedance,
         unit="N s/m",

@@ -16,29 +16,9 @@ import math
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from granwave.lammps_inputs.case.hints import (
-    ACCELERATION,
-    AREA,
-    DIAMETER,
-    DISPLACEMENT,
-    FORCE,
-    FRICTION,
-    LENGTH,
-    MASS,
-    PRESSURE,
-)
+from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    count,
-    custom,
-    number,
-    read_table,
-    refuse_unknown,
-    show,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
@@ -51,16 +31,16 @@ _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 class Plate:
     """Rigid plate on a spring and a damper."""
 
-    mass: float = number("mass of the plate", MASS, above=0)
-    stiffness: float = number("stiffness of the spring between plate and ground", "N/m", above=0)
-    damping: float = number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
+    mass: float = schema.number("mass of the plate", hints.MASS, above=0)
+    stiffness: float = schema.number("stiffness of the spring between plate and ground", "N/m", above=0)
+    damping: float = schema.number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Damper:
     """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
 
-    damping: float = number(
+    damping: float = schema.number(
         "force on the ground, beyond the static one, over the velocity of the plate", "N s/m", above=0
     )
 
@@ -69,8 +49,8 @@ class Damper:
 class HalfSpace:
     """Surface of an elastic half-space under the packing, moving as a rigid disc."""
 
-    radius: float | None = number(
-        "radius of the disc that moves; that of the packing's footprint by default", LENGTH, above=0, default=None
+    radius: float | None = schema.number(
+        "radius of the disc that moves; that of the packing's footprint by default", hints.LENGTH, above=0, default=None
     )
 
     def stiffness(self, material: Material, radius: float) -> float:
@@ -88,10 +68,10 @@ class HalfSpace:
 class SupportBar:
     """Elastic bar under the whole packing."""
 
-    length: float = number("length of the bar", LENGTH, above=0)
-    area: float = number("area of its cross-section", AREA, above=0)
-    elements: int = count("number of elements of equal length", at_most=10_000_000, default=200)
-    end: str = choice(
+    length: float = schema.number("length of the bar", hints.LENGTH, above=0)
+    area: float = schema.number("area of its cross-section", hints.AREA, above=0)
+    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=200)
+    end: str = schema.choice(
         "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
     )
 
@@ -226,7 +206,7 @@ BOTTOMS = ("wall", "fixed", "free", "periodic")
 class Tube:
     """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
 
-    radius: float = number("inner radius of the tube, before it shrinks", DIAMETER, above=0)
+    radius: float = schema.number("inner radius of the tube, before it shrinks", hints.DIAMETER, above=0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -250,31 +230,35 @@ def _parse_touched(value: Any) -> Touched:
     return Touched(**found)
 
 
-_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "unit": FRICTION}
+_FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "unit": hints.FRICTION}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
-    bottom: str = choice(
+    bottom: str = schema.choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         BOTTOMS,
         default="wall",
     )
     bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
-    sides: str = choice(
+    sides: str = schema.choice(
         "what is at the sides: nothing, planes, or the packing again", ("free", "wall", "periodic"), default="free"
     )
-    x: str | None = choice("the two planes across x, where they differ from sides", ("free", "wall"), default=None)
-    y: str | None = choice("the two planes across y, where they differ from sides", ("free", "wall"), default=None)
-    side_gap: float | None = number(
+    x: str | None = schema.choice(
+        "the two planes across x, where they differ from sides", ("free", "wall"), default=None
+    )
+    y: str | None = schema.choice(
+        "the two planes across y, where they differ from sides", ("free", "wall"), default=None
+    )
+    side_gap: float | None = schema.number(
         "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
         "before the run, as [precompression] of walls does",
-        DISPLACEMENT,
+        hints.DISPLACEMENT,
         default=None,
     )
-    sides_touch: Touched | None = custom(
+    sides_touch: Touched | None = schema.custom(
         "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
         "out: all",
         _parse_touched,
@@ -283,14 +267,14 @@ class Boundary:
     sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
     sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
-    friction: float | None = number(
+    friction: float | None = schema.number(
         "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
     )
-    holder_friction: float | None = number(
+    holder_friction: float | None = schema.number(
         "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
         **_FRICTION,
     )
-    forget_gap: float = number(
+    forget_gap: float = schema.number(
         "gap beyond which a dent is forgotten, never sooner", "diameters", above=0, at_most=2, default=0.1
     )
 
@@ -347,8 +331,8 @@ def _read_wall(
 
 
 _NONE: dict[str, Any] = {"above": 0, "default": None}
-_MOVE = _NONE | {"unit": DISPLACEMENT}
-_PRESS = _NONE | {"unit": FORCE}
+_MOVE = _NONE | {"unit": hints.DISPLACEMENT}
+_PRESS = _NONE | {"unit": hints.FORCE}
 _WALLS = ("x", "y", "tube")
 
 
@@ -356,23 +340,23 @@ _WALLS = ("x", "y", "tube")
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: str = choice(
+    kind: str = schema.choice(
         "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
-    pressure: float | None = number("pressure on the faces of the packing", PRESSURE, **_NONE)
-    force: float | None = number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
-    x: float | None = number("distance by which each of the planes across x moves in", **_MOVE)
-    y: float | None = number("distance by which each of the planes across y moves in", **_MOVE)
-    tube: float | None = number("distance by which the tube's radius shrinks", **_MOVE)
-    x_force: float | None = number("force to which each of the planes across x is moved in", **_PRESS)
-    y_force: float | None = number("force to which each of the planes across y is moved in", **_PRESS)
-    tube_force: float | None = number("force outward on the whole tube to which it shrinks", **_PRESS)
-    overlaps: bool | None = choice(
+    pressure: float | None = schema.number("pressure on the faces of the packing", hints.PRESSURE, **_NONE)
+    force: float | None = schema.number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
+    x: float | None = schema.number("distance by which each of the planes across x moves in", **_MOVE)
+    y: float | None = schema.number("distance by which each of the planes across y moves in", **_MOVE)
+    tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
+    x_force: float | None = schema.number("force to which each of the planes across x is moved in", **_PRESS)
+    y_force: float | None = schema.number("force to which each of the planes across y is moved in", **_PRESS)
+    tube_force: float | None = schema.number("force outward on the whole tube to which it shrinks", **_PRESS)
+    overlaps: bool | None = schema.choice(
         "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
     )
-    acceleration: float = number("acceleration of gravity", ACCELERATION, above=0, default=9.81)
+    acceleration: float = schema.number("acceleration of gravity", hints.ACCELERATION, above=0, default=9.81)
 
     @property
     def moves(self) -> dict[str, float]:

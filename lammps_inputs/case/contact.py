@@ -9,19 +9,9 @@ from typing import Any
 import numpy as np
 
 from granwave import _contact_laws
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    finite,
-    number,
-    parse_point,
-    read_table,
-    refuse_unknown,
-    show,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
 
 _DENT_FORM = (
     "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
@@ -36,7 +26,7 @@ def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
         if not tables:
             raise ValidationError(_DENT_FORM)
         return tuple(_parse_dent(table) for table in tables)
-    size = finite(value, _DENT_FORM)
+    size = schema.finite(value, _DENT_FORM)
     if size < 0:
         raise ValidationError(f"{_DENT_FORM}, not negative")
     return size
@@ -46,10 +36,10 @@ def _parse_dent(table: Any) -> Dents:
     known = {"overlap", "force", "low", "high"}
     if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
         raise ValidationError(_DENT_FORM)
-    size = finite(table.get("overlap", table.get("force")), _DENT_FORM)
+    size = schema.finite(table.get("overlap", table.get("force")), _DENT_FORM)
     if size < 0:
         raise ValidationError(f"{_DENT_FORM}, not negative")
-    low, high = (parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
+    low, high = (schema.parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
     if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
         raise ValidationError("low of a box of dents below its high, along each axis")
     return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
@@ -118,7 +108,7 @@ def parse_loss(value: Any) -> Loss:
     if kinds != ["restitution"] and "velocity" in value:
         raise ValidationError(f"{LOSS_FORM}; a velocity belongs to a restitution")
     if "time" in value:
-        time = finite(value["time"], LOSS_FORM)
+        time = schema.finite(value["time"], LOSS_FORM)
         if time < 0:
             raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
         if time > _LONGEST_TIME:
@@ -126,7 +116,7 @@ def parse_loss(value: Any) -> Loss:
         return Loss(time=time)
     if "dashpot" in value:
         return Loss(dashpot=_parse_dashpot(value["dashpot"]))
-    velocity = finite(value["velocity"], LOSS_FORM)
+    velocity = schema.finite(value["velocity"], LOSS_FORM)
     if not POSSIBLE["m/s"][0] <= velocity <= VELOCITY.high * 1e3:
         raise ValidationError("a velocity above 0 (m/s), at which the restitution holds")
     return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
@@ -137,14 +127,14 @@ def _parse_dashpot(value: Any) -> float | DashpotRestitution:
         if set(value) != {"restitution"}:
             raise ValidationError(LOSS_FORM)
         return DashpotRestitution(restitution=_parse_restitution(value["restitution"]))
-    factor = finite(value, LOSS_FORM)
+    factor = schema.finite(value, LOSS_FORM)
     if factor < 0:
         raise ValidationError(f"a factor of the dashpot from 0 up; {_GAIN}")
     return factor
 
 
 def _parse_restitution(value: Any) -> float:
-    restitution = finite(value, LOSS_FORM)
+    restitution = schema.finite(value, LOSS_FORM)
     if not 0 < restitution <= 1:
         raise ValidationError("a restitution above 0 and at most 1")
     return restitution
@@ -203,42 +193,44 @@ _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 class Contact:
     """``[contact]``: contact law and friction."""
 
-    law: str = choice(
+    law: str = schema.choice(
         'contact law; "line" is "hertz" with line = "plane-strain", for cylinders alone',
         (*ALL_LAWS, LINE),
         default="elastoplastic",
     )
-    variant: str = choice(
+    variant: str = schema.choice(
         "constants of the elasto-plastic law: made continuous, or as printed",
         ("continuous", "published"),
         default="continuous",
     )
-    yield_factor: float = number(
+    yield_factor: float = schema.number(
         "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
     )
-    constant: float | None = number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
-    exponent: float | None = number("law power: p", at_least=1, default=None)
-    line: str = choice(
+    constant: float | None = schema.number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
+    exponent: float | None = schema.number("law power: p", at_least=1, default=None)
+    line: str = schema.choice(
         "contact along a line, of a cylinder on a plane or beside another: with bodies that give way over its length "
         "(half-space), or in plane strain",
         LINES,
         default="half-space",
     )
-    beta: float = number("bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8)
-    friction: float = number(
+    beta: float = schema.number(
+        "bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8
+    )
+    friction: float = schema.number(
         "coefficient of Coulomb friction between spheres", FRICTION, at_least=0, at_most=1e4, default=0.0
     )
-    tangential: str = choice(
+    tangential: str = schema.choice(
         "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",
     )
-    loss: Loss | None = custom(
+    loss: Loss | None = schema.custom(
         "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
         parse_loss,
         default=None,
     )
-    initial_overlap: float | str | tuple[Dents, ...] = custom(
+    initial_overlap: float | str | tuple[Dents, ...] = schema.custom(
         "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
         "run's result.h5",
         parse_dents,
@@ -248,19 +240,23 @@ class Contact:
 
     # Constants of the elasto-plastic law, for materials whose curve differs from the published one (None: published).
     # a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R* alpha_y.
-    pressure_limit: float | None = number("c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 if left out", **_CONSTANT)
-    pressure_rate: float | None = number("c2 of the same; 0.098 if left out", at_least=1e-4, at_most=10, default=None)
-    area_switch: float | None = number(
+    pressure_limit: float | None = schema.number(
+        "c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 if left out", **_CONSTANT
+    )
+    pressure_rate: float | None = schema.number(
+        "c2 of the same; 0.098 if left out", at_least=1e-4, at_most=10, default=None
+    )
+    area_switch: float | None = schema.number(
         "a from which the area is A = c4 a - c5, a power of a below; 177.6 if left out", above=1, default=None
     )
-    area_slope: float | None = number("c4 of the area; 2.37 if left out", **_CONSTANT)
-    area_offset: float | None = number("c5 of the area; 59.96 if left out", default=None)
-    residual_slope: float | None = number(
+    area_slope: float | None = schema.number("c4 of the area; 2.37 if left out", **_CONSTANT)
+    area_offset: float | None = schema.number("c5 of the area; 59.96 if left out", default=None)
+    residual_slope: float | None = schema.number(
         "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 if left out", **_CONSTANT
     )
-    residual_offset: float | None = number("c7 of the same; 25.94 if left out", default=None)
-    residual_rate: float | None = number("c8 of the same; 0.015 if left out", **_CONSTANT)
-    unloading_exponent: float | None = number(
+    residual_offset: float | None = schema.number("c7 of the same; 25.94 if left out", default=None)
+    residual_rate: float | None = schema.number("c8 of the same; 0.015 if left out", **_CONSTANT)
+    unloading_exponent: float | None = schema.number(
         "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 if left out", at_least=1, default=None
     )
 

@@ -35,29 +35,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import load_at
-from granwave.lammps_inputs.case.hints import (
-    DISPLACEMENT,
-    FORCE,
-    FREQUENCY,
-    MASS,
-    SPIN,
-    TIME,
-    VELOCITY,
-    impossible,
-)
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    count,
-    custom,
-    number,
-    numbers,
-    parse_index,
-    read_table,
-    show,
-    vector,
-)
+from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import read_text
 
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
@@ -66,10 +45,10 @@ _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
     if not isinstance(value, list | tuple) or len(value) < 2:
         raise ValidationError(_TABLE_FORM)
-    rows: tuple[tuple[float, float], ...] = tuple(map(numbers(2, _TABLE_FORM), value))
+    rows: tuple[tuple[float, float], ...] = tuple(map(schema.numbers(2, _TABLE_FORM), value))
     if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
         raise ValidationError(_TABLE_FORM)
-    if expected := impossible([time for time, _ in rows], "s"):
+    if expected := hints.impossible([time for time, _ in rows], "s"):
         raise ValidationError(f"times of {expected}")
     if not any(size for _, size in rows):
         raise ValidationError("a value other than zero")
@@ -137,34 +116,37 @@ _OF_KIND = {  # keys of each kind of load
 _SEED = 1
 _SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
 _CREST = 5.0  # largest value of noise over its root mean square; more is rare
-_TIME: dict[str, Any] = {"unit": TIME, "default": None}
-_FREQUENCY: dict[str, Any] = {"unit": FREQUENCY, "above": 0, "default": None}
+_TIME: dict[str, Any] = {"unit": hints.TIME, "default": None}
+_FREQUENCY: dict[str, Any] = {"unit": hints.FREQUENCY, "above": 0, "default": None}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Load:
     """``[load]``: the load on a packing."""
 
-    kind: str = choice(
+    kind: str = schema.choice(
         "velocity of the struck spheres, the strikers alone, a force, a prescribed displacement, a rigid plate on the "
         "free top, or the velocities of the grains of a file alone",
         tuple(_OF_KIND),
         default="impact",
     )
-    mass: float | None = number("mass of the plate", MASS, above=0, default=None)
-    velocity: float = number(
-        "velocity of the struck spheres, or of the plate, into the packing", VELOCITY, above=0, default=DEFAULT_VELOCITY
+    mass: float | None = schema.number("mass of the plate", hints.MASS, above=0, default=None)
+    velocity: float = schema.number(
+        "velocity of the struck spheres, or of the plate, into the packing",
+        hints.VELOCITY,
+        above=0,
+        default=DEFAULT_VELOCITY,
     )
-    angle: float = number(
+    angle: float = schema.number(
         "angle of an impact between the velocity and +z, towards +x", "degrees", at_least=0, below=90, default=0.0
     )
-    spin: tuple[float, float, float] = vector("angular velocity of the struck spheres at the start", SPIN)
-    spheres: int = choice("how many spheres are struck", (1, 3, 7), default=1)
-    index: tuple[int, ...] | None = custom(
-        "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
+    spin: tuple[float, float, float] = schema.vector("angular velocity of the struck spheres at the start", hints.SPIN)
+    spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
+    index: tuple[int, ...] | None = schema.custom(
+        "ids of the struck spheres, instead of those at the centre of the top layer", schema.parse_index, default=None
     )
-    shape: str | None = choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
-    amplitude: float | None = number(
+    shape: str | None = schema.choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
+    amplitude: float | None = schema.number(
         "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
         "of noise its root mean square",
         "N",
@@ -172,24 +154,26 @@ class Load:
         above=0,
         default=None,
     )
-    duration: float | None = number(
+    duration: float | None = schema.number(
         "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise", above=0, **_TIME
     )
-    frequency: float | None = number(
+    frequency: float | None = schema.number(
         "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise", **_FREQUENCY
     )
-    last_frequency: float | None = number(
+    last_frequency: float | None = schema.number(
         "frequency at the end of a sweep, which may fall, or highest of noise", **_FREQUENCY
     )
-    cycles: float | None = number("number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None)
-    ramp: float | None = number(
+    cycles: float | None = schema.number(
+        "number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None
+    )
+    ramp: float | None = schema.number(
         "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in it; "
         "default 0 for a harmonic load, else a twentieth of the duration",
         at_least=0,
         **_TIME,
     )
-    seed: int | None = count("seed of the phases of noise; default 1", default=None)
-    table: tuple[tuple[float, float], ...] | None = custom(
+    seed: int | None = schema.count("seed of the phases of noise; default 1", default=None)
+    table: tuple[tuple[float, float], ...] | None = schema.custom(
         "points of force (N) or displacement (m) against time (s)", parse_load_table, default=None
     )
 
@@ -333,7 +317,9 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     if load.driven:
         _check_shape(load, errors)
         key = ("load.file" if "file" in names else "load.table") if load.table else "load.amplitude"
-        errors.check_size(key, load.largest, FORCE if load.kind == "force" else DISPLACEMENT, f"{load.largest:g}")
+        errors.check_size(
+            key, load.largest, hints.FORCE if load.kind == "force" else hints.DISPLACEMENT, f"{load.largest:g}"
+        )
         if load.kind == "displacement" and load.table and (first := load.table[0][1]):
             errors.add(
                 key,

@@ -18,22 +18,9 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import DENSITY, DIAMETER, YIELD_STRENGTH, YOUNGS_MODULUS
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    did_you_mean,
-    finite,
-    label,
-    number,
-    parse_label,
-    read_table,
-    refuse_unknown,
-    show,
-    text,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 
@@ -45,12 +32,12 @@ MATERIALS = "materials"  # table of further materials of a case
 class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
-    name: str | None = label("what the material is called in figures and tables", default=None)
-    youngs_modulus: float = number("Young's modulus", YOUNGS_MODULUS, above=0)
-    poisson_ratio: float = number("Poisson's ratio", above=-1, below=0.5)
-    density: float = number("mass density", DENSITY, above=0)
-    yield_strength: float | None = number("uniaxial yield strength", YIELD_STRENGTH, above=0, default=None)
-    source: str | None = text("where the values come from", default=None)
+    name: str | None = schema.label("what the material is called in figures and tables", default=None)
+    youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
+    poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
+    density: float = schema.number("mass density", DENSITY, above=0)
+    yield_strength: float | None = schema.number("uniaxial yield strength", YIELD_STRENGTH, above=0, default=None)
+    source: str | None = schema.text("where the values come from", default=None)
 
 
 @cache
@@ -144,7 +131,7 @@ def _select(
     if isinstance(name, str) and name in known:
         return known[name]
     there = f" in {file}" if file else ""
-    hint = did_you_mean(name, known, cutoff=0.5)
+    hint = schema.did_you_mean(name, known, cutoff=0.5)
     errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
     return None
 
@@ -157,7 +144,7 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
     found: dict[str, Material] = {}
     for name, table in tables.items():
         try:
-            parse_label(name)
+            schema.parse_label(name)
         except ValidationError as error:
             errors.add(MATERIALS, f"found a table called {show(name)}, expected {error}")
             continue
@@ -231,24 +218,24 @@ def parse_axis(value: Any) -> Vector:
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise ValidationError(AXIS_FORM)
     try:
-        return direction([finite(one, AXIS_FORM) for one in value])
+        return direction([schema.finite(one, AXIS_FORM) for one in value])
     except ValueError:
         raise ValidationError(f"{AXIS_FORM}, not all 0") from None
 
 
 def shape_field() -> Any:
     """Field of the key ``shape``."""
-    return choice("shape of the grains", SHAPES, default="sphere")
+    return schema.choice("shape of the grains", SHAPES, default="sphere")
 
 
 def length_field() -> Any:
     """Field of the key ``length``."""
-    return number("length of cylinders", DIAMETER, above=0, default=None)
+    return schema.number("length of cylinders", DIAMETER, above=0, default=None)
 
 
 def axis_field() -> Any:
     """Field of the key ``axis``."""
-    return custom("direction of the axis of cylinders", parse_axis, default=None)
+    return schema.custom("direction of the axis of cylinders", parse_axis, default=None)
 
 
 class HasShape(Protocol):

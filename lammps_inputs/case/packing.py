@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual, unusual
 from granwave.lammps_inputs.case.material import (
@@ -21,30 +22,17 @@ from granwave.lammps_inputs.case.material import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.schema import (
-    LARGEST_COUNT,
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    finite,
-    number,
-    numbers,
-    parse_point,
-    read_table,
-    show,
-    whole,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
 
-LARGEST_ID = LARGEST_COUNT
+LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
 _NOT_OF_FILE = ("size", "top_row", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
 _OF_SHAPE = ("shape", "length", "axis")
-_BOTH_WAYS = numbers(
+_BOTH_WAYS = schema.numbers(
     2,
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll",
     lambda x, y: abs(x) == abs(y) == 1,
@@ -54,7 +42,7 @@ _BOTH_WAYS = numbers(
 def _parse_size(value: Any) -> tuple[int, ...]:
     expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or n (chain)"
     counts = value if isinstance(value, list | tuple) else [value]
-    size = tuple(whole(count, expected) for count in counts)
+    size = tuple(schema.whole(count, expected) for count in counts)
     if not 1 <= len(size) <= 3:
         raise ValidationError(expected)
     if math.prod(size) > LARGEST_ID:
@@ -65,8 +53,8 @@ def _parse_size(value: Any) -> tuple[int, ...]:
 def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
     expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
     if isinstance(value, list | tuple):
-        return tuple(sorted({whole(one, expected) for one in value}))
-    share = finite(value, expected)
+        return tuple(sorted({schema.whole(one, expected) for one in value}))
+    share = schema.finite(value, expected)
     if not 0 <= share < 1:
         raise ValidationError(expected)
     return share
@@ -76,7 +64,7 @@ def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
     expected = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
     if not isinstance(value, list | tuple) or not all(isinstance(one, list | tuple) and len(one) == 2 for one in value):
         raise ValidationError(expected)
-    found = tuple((whole(sphere, expected), finite(width, expected)) for sphere, width in value)
+    found = tuple((schema.whole(sphere, expected), schema.finite(width, expected)) for sphere, width in value)
     if not found or len({sphere for sphere, _ in found}) < len(found):
         raise ValidationError(expected)
     return found
@@ -86,7 +74,7 @@ def _parse_cell(value: Any) -> tuple[tuple[float, float, float], ...]:
     expected = "one, two or three vectors [x, y, z] in m that point in different directions"
     if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
         raise ValidationError(expected)
-    vectors = tuple(parse_point(one, expected) for one in value)
+    vectors = tuple(schema.parse_point(one, expected) for one in value)
     lengths = [math.hypot(*one) for one in vectors]
     if not all(lengths) or np.linalg.matrix_rank(np.array(vectors) / np.array(lengths)[:, None]) < len(vectors):
         raise ValidationError(expected)
@@ -109,63 +97,65 @@ def _parse_grains(value: Any) -> Grains:
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = choice("lattice; file: grains at places of their own", (*KINDS, FILE))
-    size: tuple[int, ...] = custom(
+    kind: str = schema.choice("lattice; file: grains at places of their own", (*KINDS, FILE))
+    size: tuple[int, ...] = schema.custom(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
     )
-    top_row: str = choice(
+    top_row: str = schema.choice(
         "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
         "one, or all rows have n",
         ROWS,
         default="long",
     )
-    diameter: float = number("diameter of the spheres; in a file, of grains for which it has none", DIAMETER, above=0)
+    diameter: float = schema.number(
+        "diameter of the spheres; in a file, of grains for which it has none", DIAMETER, above=0
+    )
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
-    grains: Grains | None = custom(
+    grains: Grains | None = schema.custom(
         "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
     )
-    period: tuple[float, float] | None = custom(
+    period: tuple[float, float] | None = schema.custom(
         'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
         "has one",
-        numbers(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
+        schema.numbers(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
         unit=LENGTH,
         default=None,
     )
-    gaps: tuple[tuple[int, float], ...] = custom(
+    gaps: tuple[tuple[int, float], ...] = schema.custom(
         "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
     )
-    cell: tuple[tuple[float, float, float], ...] | None = custom(
+    cell: tuple[tuple[float, float, float], ...] | None = schema.custom(
         "vectors after which the grains of a file, or [[grains]] with their lattice, repeat, for granwave bands; by "
         "default those of the file, if it has",
         _parse_cell,
         unit="m",
         default=None,
     )
-    diameter_scatter: float = number(
+    diameter_scatter: float = schema.number(
         "tolerance: the diameters lie between this much less and the nominal one",
         Usual("m", 1e-12, 0.1, ("mm", "um")),
         at_least=0,
         default=0.0,
     )
-    scatter_distribution: str = choice(
+    scatter_distribution: str = schema.choice(
         "distribution of the diameters in the tolerance band; normal: three standard deviations to either side",
         ("uniform", "normal"),
         default="uniform",
     )
-    vacancies: float | tuple[int, ...] = custom(
+    vacancies: float | tuple[int, ...] = schema.custom(
         "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
     )
-    tilt: tuple[int, int] | None = custom(
+    tilt: tuple[int, int] | None = schema.custom(
         "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
         "they lean on each other; left out: they stay at the sites of the lattice",
         lambda value: tuple(map(int, _BOTH_WAYS(value))),
         default=None,
     )
-    seed: int | None = custom(
+    seed: int | None = schema.custom(
         "seed of all that is random in the packing",
-        lambda value: whole(value, f"a whole number from 0 to {LARGEST_ID}", at_least=0),
+        lambda value: schema.whole(value, f"a whole number from 0 to {LARGEST_ID}", at_least=0),
         default=None,
     )
 

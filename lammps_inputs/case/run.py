@@ -8,24 +8,9 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, Literal
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import INTERVAL, TIME
-from granwave.lammps_inputs.case.schema import (
-    NO_LIMIT,
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    did_you_mean,
-    finite,
-    number,
-    numbers,
-    or_word,
-    parse_point,
-    positive_or_auto,
-    read_table,
-    show,
-    whole,
-)
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -40,11 +25,13 @@ def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
         'how many snapshots (from 1 up), or a list of rising times, all in s or all shares of run.end_time ("25 %")'
     )
     if not isinstance(value, list | tuple):
-        return whole(value, expected, at_most=NO_LIMIT)
+        return schema.whole(value, expected, at_most=schema.NO_LIMIT)
     words = [one for one in value if isinstance(one, str)]
     if words and len(words) != len(value):
         raise ValidationError(expected)
-    times = tuple(parse_share(word, expected) for word in words) or tuple(finite(time, expected) for time in value)
+    times = tuple(parse_share(word, expected) for word in words) or tuple(
+        schema.finite(time, expected) for time in value
+    )
     if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
         raise ValidationError(expected)
     return tuple(words) or times
@@ -61,27 +48,27 @@ def parse_share(text: str, expected: str) -> float:
 class Run:
     """``[run]``: end time, timestep and snapshots."""
 
-    end_time: float | str = positive_or_auto(
+    end_time: float | str = schema.positive_or_auto(
         "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
         TIME,
         default=1e-3,
     )
-    timestep: float | str = positive_or_auto(
+    timestep: float | str = schema.positive_or_auto(
         "auto: follows the error of the energy balance; a number: all steps are that long", INTERVAL
     )
-    energy_tolerance: float = number(
+    energy_tolerance: float = schema.number(
         "largest error of the energy balance, over the input, that an automatic timestep aims at",
         at_least=LEAST_ENERGY_TOLERANCE,
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
-    smallest_timestep: float | str = positive_or_auto(
+    smallest_timestep: float | str = schema.positive_or_auto(
         "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected", INTERVAL
     )
-    largest_timestep: float | str = positive_or_auto(
+    largest_timestep: float | str = schema.positive_or_auto(
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected", INTERVAL
     )
-    frames: int | tuple[float, ...] | tuple[str, ...] = custom(
+    frames: int | tuple[float, ...] | tuple[str, ...] = schema.custom(
         "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
     )
 
@@ -120,9 +107,9 @@ def _parse_probes(value: Any) -> tuple[Probe, ...]:
     probes, expected = [], f"{_PROBE_FORM} with ids from 1 up"
     for what, which in (item for one in value for item in one.items()):
         if what == "sphere":
-            probes.append(Probe(sphere=whole(which, expected)))
+            probes.append(Probe(sphere=schema.whole(which, expected)))
         elif what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
-            first, second = (whole(sphere, expected) for sphere in which)
+            first, second = (schema.whole(sphere, expected) for sphere in which)
             probes.append(Probe(contact=(first, second)))
         else:
             raise ValidationError(_PROBE_FORM)
@@ -146,28 +133,35 @@ class Probe:
 class Output:
     """``[output]``: form of the snapshots, and records besides snapshots and energies."""
 
-    dump_format: str = choice(
+    dump_format: str = schema.choice(
         "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
         ("binary", "text"),
         default="binary",
     )
-    probes: tuple[Probe, ...] = custom("spheres and contacts recorded at their own rate", _parse_probes, default=())
-    probe_interval: float | str = positive_or_auto(
+    probes: tuple[Probe, ...] = schema.custom(
+        "spheres and contacts recorded at their own rate", _parse_probes, default=()
+    )
+    probe_interval: float | str = schema.positive_or_auto(
         "time between records of probes and walls; auto: five timesteps", INTERVAL
     )
-    history: int | Literal["auto"] = custom(
+    history: int | Literal["auto"] = schema.custom(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
         "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
-        or_word("auto", lambda value: whole(value, 'a whole number from 0 up or "auto"', at_least=0, at_most=NO_LIMIT)),
+        schema.or_word(
+            "auto",
+            lambda value: schema.whole(
+                value, 'a whole number from 0 up or "auto"', at_least=0, at_most=schema.NO_LIMIT
+            ),
+        ),
         default="auto",
     )
-    contact_forces: bool = choice(
+    contact_forces: bool = schema.choice(
         "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer, and "
         "run.contact_forces in Python",
         (False, True),
         default=False,
     )
-    parts: bool | Literal["auto"] = custom(
+    parts: bool | Literal["auto"] = schema.custom(
         "files of snapshots and contacts, one from each rank instead of one from all; auto: from 10 million spheres on",
         _parse_parts,
         default="auto",
@@ -190,7 +184,7 @@ FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
 FRAMES_OF_A_FILM = 60  # default of `run.frames` where a film is asked for: ten seconds at six pictures a second
-_LIMITS = numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
+_LIMITS = schema.numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
@@ -216,7 +210,7 @@ def _parse_only(value: Any) -> tuple[str, ...]:
         raise ValidationError(expected)
     for name in value:
         if name not in FIGURE_NAMES:
-            hint = did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
+            hint = schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
             raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
     return tuple(dict.fromkeys(value))
 
@@ -230,10 +224,10 @@ def _parse_plane(value: Any) -> CutPlane:
         return CutPlane(_AXES[value])
     if not isinstance(value, Mapping) or "normal" not in value or not set(value) <= {"normal", "through"}:
         raise ValidationError(expected)
-    normal = parse_point(value["normal"], expected)
+    normal = schema.parse_point(value["normal"], expected)
     if not any(normal):
         raise ValidationError("a normal that is not [0, 0, 0]")
-    return CutPlane(normal, parse_point(value["through"], expected) if "through" in value else None)
+    return CutPlane(normal, schema.parse_point(value["through"], expected) if "through" in value else None)
 
 
 def _parse_colour_map(value: Any) -> str:
@@ -243,7 +237,7 @@ def _parse_colour_map(value: Any) -> str:
     from matplotlib import colormaps  # takes longer to load than most commands need
 
     if value not in colormaps:
-        raise ValidationError(expected + did_you_mean(value, colormaps, cutoff=0.5))
+        raise ValidationError(expected + schema.did_you_mean(value, colormaps, cutoff=0.5))
     return value
 
 
@@ -253,7 +247,7 @@ def _parse_formats(value: Any) -> tuple[str, ...]:
     if not all(isinstance(name, str) for name in names):
         raise ValidationError(expected)
     if unknown := [name for name in names if name not in (*FORMATS, "png")]:
-        raise ValidationError(expected + did_you_mean(unknown[0], FORMATS))
+        raise ValidationError(expected + schema.did_you_mean(unknown[0], FORMATS))
     return tuple(name for name in FORMATS if name in names)
 
 
@@ -261,46 +255,48 @@ def _parse_formats(value: Any) -> tuple[str, ...]:
 class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
-    only: tuple[str, ...] = custom("names of the figures to draw; all that apply by default", _parse_only, default=())
-    plane: CutPlane | None = custom(
+    only: tuple[str, ...] = schema.custom(
+        "names of the figures to draw; all that apply by default", _parse_only, default=()
+    )
+    plane: CutPlane | None = schema.custom(
         "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",
         _parse_plane,
         default=None,
     )
-    colour_map: str | None = custom(
+    colour_map: str | None = schema.custom(
         "colour map of sections, cut packings, maps, films and pages; by default viridis for forces and velocities, "
         "inferno for dissipation, cividis for dents",
         _parse_colour_map,
         default=None,
     )
-    force_limits: tuple[float, float] | None = custom(
+    force_limits: tuple[float, float] | None = schema.custom(
         "ends of the colour scale of forces, over the force at first yield, or over the largest force where nothing "
         "yields; by default they fit the values",
         _LIMITS,
         default=None,
     )
-    dissipation_limits: tuple[float, float] | None = custom(
+    dissipation_limits: tuple[float, float] | None = schema.custom(
         "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default", _LIMITS, default=None
     )
-    width: float = number(
+    width: float = schema.number(
         "width of a figure of one column; wider ones grow in proportion, texts stay as they are",
         "m",
         at_least=0.05,
         at_most=0.5,
         default=COLUMN,
     )
-    formats: tuple[str, ...] = custom(
+    formats: tuple[str, ...] = schema.custom(
         "files of each figure besides the PNG and the CSV of its data; each form adds to the time of drawing",
         _parse_formats,
         default=("pdf",),
     )
-    film: str = choice(
+    film: str = schema.choice(
         f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "
         "where it is not given",
         ("none", *FILM_FORMATS),
         default="none",
     )
-    view: bool = choice(
+    view: bool = schema.choice(
         "a page to turn and cut the packing in a browser, view.html, made with the figures", (True, False),
         default=False,
     )  # fmt: skip
