@@ -119,9 +119,23 @@ def read_text(path: Path) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        raise ValueError(
-            f"found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
-        ) from None
+        text = f"found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        raise UnicodeError(text) from None
+
+
+def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "") -> str:
+    """Read a text file that a user named; raise InputError. ``hint`` returns more words about a missing one."""
+    try:
+        return read_text(path)
+    except FileNotFoundError:
+        fault = f"no such file{hint(path)}"
+    except IsADirectoryError:
+        fault = f"found a directory, expected a {what}"
+    except UnicodeError as error:
+        fault = str(error)
+    except (OSError, ValueError) as error:
+        fault = f"cannot be read: {getattr(error, 'strerror', None) or error}"
+    raise InputError(f"{path}: {fault}")
 
 
 def read_json(path: Path) -> dict[str, Any] | None:
@@ -236,14 +250,9 @@ def read_csv_rows(path: Path) -> list[Row]:
     InputError
         The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
     """
+    text = _read_input(path, "CSV file")
     try:
-        return csv_rows(read_text(path))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: found a directory, expected a CSV file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        return csv_rows(text)
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -305,22 +314,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         The file is missing, unreadable, not UTF-8, or not TOML.
     """
     path = Path(path)
-    try:
-        raw = read_regular(path)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file{_similar(path)}") from None
-    except IsADirectoryError:
-        raise InputError(f"{path}: found a directory, expected a TOML file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read: {reason}") from None
-    try:
-        content = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise InputError(
-            f"{path}: found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
-        ) from None
+    content = _read_input(path, "TOML file", _similar)
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting

@@ -14,6 +14,7 @@ radii) and materials from arrays of these names.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
@@ -54,10 +55,11 @@ _FROM_ASE = {  # names of arrays
 }
 
 
+@dataclasses.dataclass(eq=False)
 class Grains:
     """Grains in the order of their ids, which count from 1; equal if their text is equal.
 
-    Parameters
+    Attributes
     ----------
     position
         Centres: (n, 3), m.
@@ -70,10 +72,10 @@ class Grains:
     velocity
         Initial velocities: (n, 3), m/s.
     shape
-        Shapes: (n,); None: all are spheres.
+        Shapes: (n,); by default all are spheres.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of the table, as the
-        two below.
+        three below.
     file
         Name of the file that they come from; empty if from no file.
     lines
@@ -82,24 +84,21 @@ class Grains:
         First id of each entry of ``[[grains]]``.
     """
 
+    position: NDArray[np.float64]
+    diameter: NDArray[np.float64]
+    material: Sequence[str]
+    group: Sequence[str]
+    velocity: NDArray[np.float64]
+    shape: Sequence[Shape] = ()
+    period: tuple[float, float] | None = None
     file: str = ""
     lines: Sequence[int] = ()
     added_from: Sequence[int] = ()
 
-    def __init__(
-        self,
-        position: NDArray[np.float64],
-        diameter: NDArray[np.float64],
-        material: Sequence[str],
-        group: Sequence[str],
-        velocity: NDArray[np.float64],
-        shape: Sequence[Shape] | None = None,
-        period: tuple[float, float] | None = None,
-    ) -> None:
-        self.period = period
-        self.position, self.diameter, self.velocity = position, diameter, velocity
-        self.shape = (None,) * len(diameter) if shape is None else tuple(shape)
-        self.material, self.group = tuple(material), tuple(group)
+    def __post_init__(self) -> None:
+        """Make the columns tuples."""
+        self.material, self.group = tuple(self.material), tuple(self.group)
+        self.shape = tuple(self.shape) or (None,) * len(self)
 
     def __len__(self) -> int:
         return len(self.diameter)
@@ -184,17 +183,19 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
         raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
     heads = [name.strip() for name in rows[0][1]]
     names = _column_names(["diameter" if name == _RADIUS else name for name in heads], rows[0][0], diameter)
-    values: dict[str, list[Any]] = {name: [] for name in names}
-    places = [f"line {number}" for number, _ in rows[1:]]
-    for place, (number, row) in zip(places, rows[1:], strict=True):
+    lines, places = [number for number, _ in rows[1:]], [f"line {number}" for number, _ in rows[1:]]
+    for place, (_, row) in zip(places, rows[1:], strict=True):
         if len(row) != len(names):
             raise ValueError(f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
-        for name, value in zip(names, row, strict=True):
-            values[name].append(_number(value, name, number) if name in _NUMBERS else _word(value, name, place))
+    columns = zip(*(row for _, row in rows[1:]), strict=True)
+    values: dict[str, list[Any]] = {
+        name: [(_number if name in _NUMBERS else _word)(*cell, name) for cell in zip(column, places, strict=True)]
+        for name, column in zip(names, columns, strict=False)
+    }
     if _RADIUS in heads:
         values["diameter"] = [2 * radius for radius in values["diameter"]]
     grains = _grains(values, places, diameter)
-    grains.lines = [number for number, _ in rows[1:]]
+    grains.lines = lines
     return grains
 
 
@@ -213,7 +214,7 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
     return names
 
 
-def _number(value: str, name: str, line: int) -> float:
+def _number(value: str, place: str, name: str) -> float:
     if not value.strip() and name in ("length", *AXIS_COLUMNS):
         return 0.0  # of a sphere
     try:
@@ -221,11 +222,11 @@ def _number(value: str, name: str, line: int) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"line {line}: found {show(value.strip())} for {name}, expected a finite number")
+        raise ValueError(f"{place}: found {show(value.strip())} for {name}, expected a finite number")
     return number
 
 
-def _word(value: str, name: str, place: str) -> str:
+def _word(value: str, place: str, name: str) -> str:
     word = value.strip()
     if not word.isprintable():
         raise ValueError(f"{place}: found {show(word)} for {name}, expected {LABEL_FORM}")
@@ -293,7 +294,7 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
         values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
     for name in ("shape", "axis", *_WORDS):
         if (words := found[name]) is not None:
-            values[name] = [_word(str(word), name, f"grain {number}") for number, word in enumerate(words, start=1)]
+            values[name] = [_word(str(word), f"grain {number}", name) for number, word in enumerate(words, start=1)]
     for name in ("length", *AXIS_COLUMNS):
         if (column := found[name]) is not None:
             values[name] = np.asarray(column, dtype=np.float64).tolist()

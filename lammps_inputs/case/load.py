@@ -296,7 +296,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     The points of ``load.file`` become ``load.table``, so that the case is complete without the file.
     """
     before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
-    if isinstance(table, Mapping) and "file" in table:
+    if "file" in names:
         rest = {name: value for name, value in table.items() if name != "file"}
         table = {"shape": "table"} | rest | read_load_file(table, errors)
         if len(errors.lines) > before:
@@ -304,66 +304,59 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     load = read_table(Load, table, "load", errors)
     if load is None:
         return None
-    for name in names:
-        if name not in _OF_KIND[load.kind]:
-            belongs = " or ".join(f'"{kind}"' for kind, keys in _OF_KIND.items() if name in keys)
-            errors.add(f"load.{name}", f'belongs to a load of kind {belongs}; found load.kind = "{load.kind}"')
-    if load.index is not None and "spheres" in names:
-        errors.add("load.index", "found beside load.spheres; give one of them")
-    if load.index is not None and len(set(load.index)) < len(load.index):
-        errors.add("load.index", f"found {show(list(load.index))}, expected each id once")
-    if load.kind == "plate" and load.mass is None:
-        errors.add("load.mass", "missing; a plate needs a mass, in kg")
+    index = load.index or ()
+    kinds = {name: [kind for kind, keys in _OF_KIND.items() if name in keys] for name in names}
+    errors.check(
+        *((load.kind not in kinds[name], f"load.{name}", "belongs to a load of kind "
+           f'{" or ".join(map(show, kinds[name]))}; found load.kind = "{load.kind}"') for name in names),
+        (index and "spheres" in names, "load.index", "found beside load.spheres; give one of them"),
+        (len(set(index)) < len(index), "load.index", f"found {show(list(index))}, expected each id once"),
+        (load.kind == "plate" and load.mass is None, "load.mass", "missing; a plate needs a mass, in kg"),
+    )  # fmt: skip
     if load.driven:
         _check_shape(load, errors)
         key = ("load.file" if "file" in names else "load.table") if load.table else "load.amplitude"
-        errors.check_size(
-            key, load.largest, hints.FORCE if load.kind == "force" else hints.DISPLACEMENT, f"{load.largest:g}"
+        unit, first = (
+            hints.FORCE if load.kind == "force" else hints.DISPLACEMENT,
+            load.table[0][1] if load.table else 0.0,
         )
-        if load.kind == "displacement" and load.table and (first := load.table[0][1]):
-            errors.add(
-                key,
-                f"found {first:g} m at first, expected 0: a displacement counts from where the spheres rest at the "
-                f"start; subtract {first:g} from all its values",
-            )
+        errors.check_size(key, load.largest, unit, f"{load.largest:g}")
+        errors.check(
+            (load.kind == "displacement" and first, key,
+             f"found {first:g} m at first, expected 0: a displacement counts from where the spheres rest at the "
+             f"start; subtract {first:g} from all its values"),
+        )  # fmt: skip
     return load if len(errors.lines) == before else None
 
 
 def _check_shape(load: Load, errors: ErrorList) -> None:
-    options = _OF_DISPLACEMENT if load.kind == "displacement" else tuple(_SHAPES)
-    if load.shape not in options:
-        found = "missing" if load.shape is None else f'found "{load.shape}"'
-        errors.add("load.shape", f"{found}; a {load.kind} needs one of " + ", ".join(f'"{one}"' for one in options))
+    options, shape = _OF_DISPLACEMENT if load.kind == "displacement" else tuple(_SHAPES), load.shape
+    if shape is None or shape not in options:
+        found = "missing" if shape is None else f'found "{shape}"'
+        errors.add("load.shape", f"{found}; a {load.kind} needs one of {', '.join(map(show, options))}")
         return
-    needed, possible = _SHAPES[str(load.shape)]
-    for name in needed:
-        if getattr(load, name) is None:
-            alternative = " (or load.file)" if name == "table" else ""
-            errors.add(f"load.{name}", f'missing; shape "{load.shape}" needs it{alternative}')
-    taken = (*needed, *possible)
-    for name in _OF_SHAPES:
-        if name not in taken and getattr(load, name) is not None:
-            errors.add(f"load.{name}", f'does not belong to shape "{load.shape}", which takes {", ".join(taken)}')
-    if load.shape in ("sweep", "noise") and load.duration and load.frequency and load.last_frequency:
-        _check_band(load, errors)
-
-
-def _check_band(load: Load, errors: ErrorList) -> None:
-    """Check duration and frequencies of a sweep or noise."""
-    duration, (lowest, highest) = load.duration or 0.0, load.frequencies
-    if 2 * load.rise > duration:
-        errors.add("load.ramp", f"found {load.rise:g} s, expected at most half of load.duration, {duration / 2:g} s")
-    if load.shape == "sweep":
-        if duration * lowest < 1:
-            errors.add("load.duration", f"found {duration:g} s, less than a period at {lowest:g} Hz; expected more")
+    needed, possible = _SHAPES[shape]
+    taken, given = (*needed, *possible), [name for name in _OF_SHAPES if getattr(load, name) is not None]
+    errors.check(
+        *((name not in given, f"load.{name}",
+           f'missing; shape "{shape}" needs it{" (or load.file)" if name == "table" else ""}') for name in needed),
+        *((name not in taken, f"load.{name}", f'does not belong to shape "{shape}", which takes {", ".join(taken)}')
+          for name in given),
+    )  # fmt: skip
+    duration, first, last = load.duration, load.frequency, load.last_frequency
+    if shape not in ("sweep", "noise") or not (duration and first and last):
         return
-    if (load.frequency or 0.0) > (load.last_frequency or 0.0):
-        errors.add(
-            "load.last_frequency", f"found {load.last_frequency:g}, expected more than load.frequency, {highest:g}"
-        )
-    elif math.floor(highest * duration * (1 + 1e-12)) < max(1, math.ceil(lowest * duration * (1 - 1e-12))):
-        errors.add(
-            "load.duration",
-            f"found {duration:g} s; no multiple of {1 / duration:g} Hz lies between {lowest:g} and {highest:g} Hz; "
-            f"expected at least {1 / (highest - lowest) if highest > lowest else 1 / highest:g} s",
-        )
+    lowest, highest = load.frequencies
+    band = highest - lowest or highest
+    lines = math.floor(highest * duration * (1 + 1e-12)) - max(1, math.ceil(lowest * duration * (1 - 1e-12)))
+    errors.check(
+        (2 * load.rise > duration, "load.ramp",
+         f"found {load.rise:g} s, expected at most half of load.duration, {duration / 2:g} s"),
+        (shape == "sweep" and duration * lowest < 1, "load.duration",
+         f"found {duration:g} s, less than a period at {lowest:g} Hz; expected more"),
+        (shape == "noise" and first > last, "load.last_frequency",
+         f"found {last:g}, expected more than load.frequency, {highest:g}"),
+        (shape == "noise" and first <= last and lines < 0, "load.duration",
+         f"found {duration:g} s; no multiple of {1 / duration:g} Hz lies between {lowest:g} and {highest:g} Hz; "
+         f"expected at least {1 / band:g} s"),
+    )  # fmt: skip
