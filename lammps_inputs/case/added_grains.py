@@ -78,8 +78,7 @@ class Repeat:
 def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
     if isinstance(value, str) and value in _HOLES:
         return value
-    if not isinstance(value, list | tuple) or not value:
-        raise ValidationError(_PLACES)
+    schema.refuse_if(not isinstance(value, list | tuple) or not value, _PLACES)
     return tuple(schema.parse_point(place, _PLACES) for place in value)
 
 
@@ -88,8 +87,7 @@ def _parse_ring(value: Any) -> Ring:
         raise ValidationError(_RING)
     touching = value["radius"] == _TOUCHING
     radius = None if touching else schema.finite(value["radius"], _RING)
-    if radius is not None and radius <= 0:
-        raise ValidationError(f"{_RING}, with a radius above 0")
+    schema.refuse_if(radius is not None and radius <= 0, f"{_RING}, with a radius above 0")
     if ("z" in value) == ("gap" in value) or (touching and "z" in value):
         raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
     gap: tuple[int, ...] = ()
@@ -100,8 +98,7 @@ def _parse_ring(value: Any) -> Ring:
 
 
 def _parse_repeat(value: Any) -> Repeat:
-    if not isinstance(value, Mapping) or set(value) != {"times", "step"}:
-        raise ValidationError(_REPEAT)
+    schema.refuse_if(not isinstance(value, Mapping) or set(value) != {"times", "step"}, _REPEAT)
     return Repeat(schema.whole(value["times"], _REPEAT), schema.parse_point(value["step"], _REPEAT))
 
 

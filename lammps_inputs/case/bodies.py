@@ -56,8 +56,7 @@ def _parse_free(value: Any) -> str:
         letters = _parse_directions(value)
     except ValidationError:
         raise ValidationError(expected) from None
-    if letters == _NO_DIRECTION or len(letters) == 3:
-        raise ValidationError(expected)
+    schema.refuse_if(letters == _NO_DIRECTION or len(letters) == 3, expected)
     return letters
 
 
@@ -238,8 +237,7 @@ def _parse_impedance(value: Any) -> float | str:
     if value == MATCHED:
         return MATCHED
     found = schema.finite(value, expected)
-    if found <= 0:
-        raise ValidationError(expected)
+    schema.refuse_if(found <= 0, expected)
     return found
 
 

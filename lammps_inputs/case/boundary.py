@@ -221,8 +221,7 @@ _TOUCHED = 'a table such as {group = "cylinders"} or {material = ["aluminium", "
 
 
 def _parse_touched(value: Any) -> Touched:
-    if not isinstance(value, Mapping) or not value or set(value) - {"material", "group"}:
-        raise ValidationError(_TOUCHED)
+    schema.refuse_if(not isinstance(value, Mapping) or not value or set(value) - {"material", "group"}, _TOUCHED)
     found = {name: tuple([names] if isinstance(names, str) else names) for name, names in value.items()
              if isinstance(names, str | list | tuple)}  # fmt: skip
     if len(found) < len(value) or not all(isinstance(one, str) and one for names in found.values() for one in names):

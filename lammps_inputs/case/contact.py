@@ -23,12 +23,10 @@ def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
         return value
     if isinstance(value, Mapping | list | tuple):
         tables = [value] if isinstance(value, Mapping) else value
-        if not tables:
-            raise ValidationError(_DENT_FORM)
+        schema.refuse_if(not tables, _DENT_FORM)
         return tuple(_parse_dent(table) for table in tables)
     size = schema.finite(value, _DENT_FORM)
-    if size < 0:
-        raise ValidationError(f"{_DENT_FORM}, not negative")
+    schema.refuse_if(size < 0, f"{_DENT_FORM}, not negative")
     return size
 
 
@@ -37,8 +35,7 @@ def _parse_dent(table: Any) -> Dents:
     if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
         raise ValidationError(_DENT_FORM)
     size = schema.finite(table.get("overlap", table.get("force")), _DENT_FORM)
-    if size < 0:
-        raise ValidationError(f"{_DENT_FORM}, not negative")
+    schema.refuse_if(size < 0, f"{_DENT_FORM}, not negative")
     low, high = (schema.parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
     if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
         raise ValidationError("low of a box of dents below its high, along each axis")
@@ -93,13 +90,11 @@ class Loss:
 
 def parse_loss(value: Any) -> Loss:
     """Read a loss; raise `ValidationError` for anything but one of the three kinds."""
-    if not isinstance(value, Mapping) or not value:
-        raise ValidationError(LOSS_FORM)
+    schema.refuse_if(not isinstance(value, Mapping) or not value, LOSS_FORM)
     kinds = [name for name in _KINDS if name in value]
     if unknown := [name for name in value if name not in (*_KINDS, "velocity")]:
         raise ValidationError(f"{LOSS_FORM}; {unknown[0]} is unknown")
-    if len(kinds) > 1:
-        raise ValidationError(f"one of {LOSS_FORM}; {kinds[0]} and {kinds[1]} exclude each other")
+    schema.refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {' and '.join(kinds[:2])} exclude each other")
     if kinds == ["restitution"] and "velocity" not in value:
         raise ValidationError(
             f"{LOSS_FORM}; the velocity at which the restitution holds is missing, "
@@ -109,10 +104,8 @@ def parse_loss(value: Any) -> Loss:
         raise ValidationError(f"{LOSS_FORM}; a velocity belongs to a restitution")
     if "time" in value:
         time = schema.finite(value["time"], LOSS_FORM)
-        if time < 0:
-            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
-        if time > _LONGEST_TIME:
-            raise ValidationError(f"a loss time from 0 to {_LONGEST_TIME:g} s; {time:g} us is {time:g}e-6")
+        schema.refuse_if(time < 0, f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
+        schema.refuse_if(time > _LONGEST_TIME, f"a loss time from 0 to {_LONGEST_TIME:g} s; {time:g} us is {time:g}e-6")
         return Loss(time=time)
     if "dashpot" in value:
         return Loss(dashpot=_parse_dashpot(value["dashpot"]))
@@ -124,19 +117,16 @@ def parse_loss(value: Any) -> Loss:
 
 def _parse_dashpot(value: Any) -> float | DashpotRestitution:
     if isinstance(value, Mapping):
-        if set(value) != {"restitution"}:
-            raise ValidationError(LOSS_FORM)
+        schema.refuse_if(set(value) != {"restitution"}, LOSS_FORM)
         return DashpotRestitution(restitution=_parse_restitution(value["restitution"]))
     factor = schema.finite(value, LOSS_FORM)
-    if factor < 0:
-        raise ValidationError(f"a factor of the dashpot from 0 up; {_GAIN}")
+    schema.refuse_if(factor < 0, f"a factor of the dashpot from 0 up; {_GAIN}")
     return factor
 
 
 def _parse_restitution(value: Any) -> float:
     restitution = schema.finite(value, LOSS_FORM)
-    if not 0 < restitution <= 1:
-        raise ValidationError("a restitution above 0 and at most 1")
+    schema.refuse_if(not 0 < restitution <= 1, "a restitution above 0 and at most 1")
     return restitution
 
 

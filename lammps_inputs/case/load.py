@@ -43,15 +43,12 @@ _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 
 def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
-    if not isinstance(value, list | tuple) or len(value) < 2:
-        raise ValidationError(_TABLE_FORM)
+    schema.refuse_if(not isinstance(value, list | tuple) or len(value) < 2, _TABLE_FORM)
     rows: tuple[tuple[float, float], ...] = tuple(map(schema.numbers(2, _TABLE_FORM), value))
-    if rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)):
-        raise ValidationError(_TABLE_FORM)
+    schema.refuse_if(rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)), _TABLE_FORM)
     if expected := hints.impossible([time for time, _ in rows], "s"):
         raise ValidationError(f"times of {expected}")
-    if not any(size for _, size in rows):
-        raise ValidationError("a value other than zero")
+    schema.refuse_if(not any(size for _, size in rows), "a value other than zero")
     return rows
 
 

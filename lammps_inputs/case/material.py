@@ -215,8 +215,7 @@ def parse_axis(value: Any) -> Vector:
     """Read a direction of a case file; raise `ValidationError` if it is none."""
     if isinstance(value, str) and value in _AXES:
         return _AXES[value]
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise ValidationError(AXIS_FORM)
+    schema.refuse_if(not isinstance(value, list | tuple) or len(value) != 3, AXIS_FORM)
     try:
         return direction([schema.finite(one, AXIS_FORM) for one in value])
     except ValueError:

@@ -43,10 +43,8 @@ def _parse_size(value: Any) -> tuple[int, ...]:
     expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or n (chain)"
     counts = value if isinstance(value, list | tuple) else [value]
     size = tuple(schema.whole(count, expected) for count in counts)
-    if not 1 <= len(size) <= 3:
-        raise ValidationError(expected)
-    if math.prod(size) > LARGEST_ID:
-        raise ValidationError(f"at most {LARGEST_ID} spheres in all")
+    schema.refuse_if(not 1 <= len(size) <= 3, expected)
+    schema.refuse_if(math.prod(size) > LARGEST_ID, f"at most {LARGEST_ID} spheres in all")
     return size
 
 
@@ -55,8 +53,7 @@ def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
     if isinstance(value, list | tuple):
         return tuple(sorted({schema.whole(one, expected) for one in value}))
     share = schema.finite(value, expected)
-    if not 0 <= share < 1:
-        raise ValidationError(expected)
+    schema.refuse_if(not 0 <= share < 1, expected)
     return share
 
 
@@ -65,15 +62,13 @@ def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
     if not isinstance(value, list | tuple) or not all(isinstance(one, list | tuple) and len(one) == 2 for one in value):
         raise ValidationError(expected)
     found = tuple((schema.whole(sphere, expected), schema.finite(width, expected)) for sphere, width in value)
-    if not found or len({sphere for sphere, _ in found}) < len(found):
-        raise ValidationError(expected)
+    schema.refuse_if(not found or len({sphere for sphere, _ in found}) < len(found), expected)
     return found
 
 
 def _parse_cell(value: Any) -> tuple[tuple[float, float, float], ...]:
     expected = "one, two or three vectors [x, y, z] in m that point in different directions"
-    if not isinstance(value, list | tuple) or not 1 <= len(value) <= 3:
-        raise ValidationError(expected)
+    schema.refuse_if(not isinstance(value, list | tuple) or not 1 <= len(value) <= 3, expected)
     vectors = tuple(schema.parse_point(one, expected) for one in value)
     lengths = [math.hypot(*one) for one in vectors]
     if not all(lengths) or np.linalg.matrix_rank(np.array(vectors) / np.array(lengths)[:, None]) < len(vectors):
@@ -85,8 +80,7 @@ def _parse_grains(value: Any) -> Grains:
     if isinstance(value, Grains):
         return value
     expected = "a table of grains as text, as it stands in packing.file"
-    if not isinstance(value, str):
-        raise ValidationError(expected)
+    schema.refuse_if(not isinstance(value, str), expected)
     try:
         return parse_grains(value, None)
     except ValueError as error:

@@ -27,13 +27,11 @@ def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
     if not isinstance(value, list | tuple):
         return schema.whole(value, expected, at_most=schema.NO_LIMIT)
     words = [one for one in value if isinstance(one, str)]
-    if words and len(words) != len(value):
-        raise ValidationError(expected)
+    schema.refuse_if(words and len(words) != len(value), expected)
     times = tuple(parse_share(word, expected) for word in words) or tuple(
         schema.finite(time, expected) for time in value
     )
-    if not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)):
-        raise ValidationError(expected)
+    schema.refuse_if(not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)), expected)
     return tuple(words) or times
 
 
@@ -206,8 +204,7 @@ class CutPlane:
 
 def _parse_only(value: Any) -> tuple[str, ...]:
     expected = 'a list of names of figures, as ["energies", "packing_3d"]'
-    if not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value):
-        raise ValidationError(expected)
+    schema.refuse_if(not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value), expected)
     for name in value:
         if name not in FIGURE_NAMES:
             hint = schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
@@ -225,15 +222,13 @@ def _parse_plane(value: Any) -> CutPlane:
     if not isinstance(value, Mapping) or "normal" not in value or not set(value) <= {"normal", "through"}:
         raise ValidationError(expected)
     normal = schema.parse_point(value["normal"], expected)
-    if not any(normal):
-        raise ValidationError("a normal that is not [0, 0, 0]")
+    schema.refuse_if(not any(normal), "a normal that is not [0, 0, 0]")
     return CutPlane(normal, schema.parse_point(value["through"], expected) if "through" in value else None)
 
 
 def _parse_colour_map(value: Any) -> str:
     expected = 'the name of a colour map of matplotlib, as "viridis"'
-    if not isinstance(value, str):
-        raise ValidationError(expected)
+    schema.refuse_if(not isinstance(value, str), expected)
     from matplotlib import colormaps  # takes longer to load than most commands need
 
     if value not in colormaps:
@@ -244,8 +239,7 @@ def _parse_colour_map(value: Any) -> str:
 def _parse_formats(value: Any) -> tuple[str, ...]:
     expected = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
     names = value if isinstance(value, list | tuple) else [value]
-    if not all(isinstance(name, str) for name in names):
-        raise ValidationError(expected)
+    schema.refuse_if(not all(isinstance(name, str) for name in names), expected)
     if unknown := [name for name in names if name not in (*FORMATS, "png")]:
         raise ValidationError(expected + schema.did_you_mean(unknown[0], FORMATS))
     return tuple(name for name in FORMATS if name in names)

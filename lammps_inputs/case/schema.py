@@ -37,6 +37,12 @@ class ValidationError(Exception):
     """Error of a value that is not valid for its key; the message says what was expected."""
 
 
+def refuse_if(wrong: object, expected: str) -> None:
+    """Raise `ValidationError` with what was ``expected`` if a value is wrong."""
+    if wrong:
+        raise ValidationError(expected)
+
+
 @dataclasses.dataclass
 class ErrorList:
     """Errors of one file, one line each.
@@ -132,8 +138,7 @@ def number(
         if word is not None and value == word:
             return value
         result = finite(value, expected)
-        if not (above < result < below and at_least <= result <= at_most):
-            raise ValidationError(expected)
+        refuse_if(not (above < result < below and at_least <= result <= at_most), expected)
         return result
 
     return _field(description, unit, default, parse, (word,) if word else None)
@@ -166,8 +171,7 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
     """Field of a string that is not empty."""
 
     def parse(value: Any) -> Any:
-        if not isinstance(value, str) or not value.strip():
-            raise ValidationError("a string that is not empty")
+        refuse_if(not isinstance(value, str) or not value.strip(), "a string that is not empty")
         return value
 
     return _field(description, None, default, parse)
@@ -180,8 +184,7 @@ def label(description: str, *, default: Any = REQUIRED) -> Any:
 
 def parse_label(value: Any) -> str:
     """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError` otherwise."""
-    if not isinstance(value, str) or not value or value != value.strip() or not value.isprintable():
-        raise ValidationError(LABEL_FORM)
+    refuse_if(not isinstance(value, str) or not value or value != value.strip() or not value.isprintable(), LABEL_FORM)
     return value
 
 
@@ -192,23 +195,19 @@ def custom(description: str, parse: Parse, *, unit: str | Usual | None = None, d
 
 def finite(value: Any, expected: str) -> float:
     """Convert ``value`` to a finite float; raise `ValidationError` for booleans, strings, NaN and infinity."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValidationError(expected)
+    refuse_if(isinstance(value, bool) or not isinstance(value, int | float), expected)
     try:
         result = float(value)
     except OverflowError:
         raise ValidationError(expected) from None
-    if not math.isfinite(result):
-        raise ValidationError(expected)
+    refuse_if(not math.isfinite(result), expected)
     return result
 
 
 def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
     """Return ``value`` as an integer within bounds; raise `ValidationError` for booleans and floats."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < at_least:
-        raise ValidationError(expected)
-    if value > at_most:
-        raise ValidationError(f"at most {at_most}")
+    refuse_if(isinstance(value, bool) or not isinstance(value, int) or value < at_least, expected)
+    refuse_if(value > at_most, f"at most {at_most}")
     return value
 
 
@@ -228,11 +227,9 @@ def numbers(n: int, expected: str, fits: Callable[..., bool] = lambda *_: True, 
     """
 
     def parse(value: Any) -> tuple[float, ...]:
-        if not isinstance(value, list | tuple) or len(value) != n:
-            raise ValidationError(expected)
+        refuse_if(not isinstance(value, list | tuple) or len(value) != n, expected)
         found = tuple(finite(one, expected) for one in value)
-        if not fits(*found):
-            raise ValidationError(otherwise or expected)
+        refuse_if(not fits(*found), otherwise or expected)
         return found
 
     return parse
@@ -259,8 +256,7 @@ def plain_name(value: Any) -> str:
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
     if not fits or "/" in value or value[0] in ".-~":
         raise ValidationError('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
-    if len(value.encode()) > _LONGEST_NAME:
-        raise ValidationError(f"a plain name of at most {_LONGEST_NAME} bytes")
+    refuse_if(len(value.encode()) > _LONGEST_NAME, f"a plain name of at most {_LONGEST_NAME} bytes")
     return value
 
 
@@ -402,15 +398,11 @@ _MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Pyth
 def parse_index(value: Any) -> tuple[int, ...]:
     """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
     if isinstance(value, Mapping):
-        if set(value) - {"step"} != {"first", "last"}:
-            raise ValidationError(_INDEX_FORM)
+        refuse_if(set(value) - {"step"} != {"first", "last"}, _INDEX_FORM)
         first, last, step = (whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step"))
-        if last < first:
-            raise ValidationError(f"{_INDEX_FORM}, the last not before the first")
-        if (last - first) // step >= _MOST_IDS:
-            raise ValidationError(f"at most {_MOST_IDS} ids; take a box from low to high for more")
+        refuse_if(last < first, f"{_INDEX_FORM}, the last not before the first")
+        refuse_if((last - first) // step >= _MOST_IDS, f"at most {_MOST_IDS} ids; take a box from low to high for more")
         return tuple(range(first, last + 1, step))
     ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
-    if not ids:
-        raise ValidationError(_INDEX_FORM)
+    refuse_if(not ids, _INDEX_FORM)
     return ids
