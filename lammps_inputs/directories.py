@@ -295,7 +295,12 @@ def decide(
     refuse_other_kind(directory, kind)
     if resume and results_in(directory) and (there := tables_as_run(directory)) is not None:
         check_case(directory)
-        refuse_other_case(directory, read(there), case)
+        as_run = read(there)
+        if different := sorted(name for name in {*as_run, *case} if as_run.get(name) != case.get(name)):
+            raise InputError(
+                f"{directory}: holds another case (different: {', '.join(different)}); --force replaces it, or choose "
+                "another directory with -o"
+            )
         return True
     if not force:
         refuse_results(directory)
@@ -322,16 +327,6 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
         raise InputError(
             f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
             "choose another directory with -o"
-        )
-
-
-def refuse_other_case(directory: Path, there: Mapping[str, Any], here: Mapping[str, Any]) -> None:
-    """Raise InputError if two cases, as tables, differ."""
-    if there != here:
-        keys = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
-        raise InputError(
-            f"{directory}: holds another case (different: {', '.join(keys)}); --force replaces it, or choose another "
-            "directory with -o"
         )
 
 

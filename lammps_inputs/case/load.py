@@ -26,7 +26,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -52,39 +52,23 @@ def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
     return rows
 
 
-def read_load_file(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    name, fault = table["file"], ""
-    if "table" in table:
-        fault = "found beside load.table; give one of them"
-    elif not isinstance(name, str) or not name:
-        fault = f"found {show(name)}, expected the path of a file of two columns, time and value"
-    else:
-        try:
-            rows = _numbers(read_text(Path(name)).splitlines())
-            return {"table": parse_load_table(rows)}
-        except OSError as error:
-            fault = f"{name}: cannot be read: {error.strerror or error}"
-        except ValueError as error:
-            fault = f"{name}: {error}; expected two columns of numbers, {_TABLE_FORM}"
-        except ValidationError as error:
-            fault = f"{name}: found {show(rows)}, expected {error}"
-    errors.add("load.file", fault)
-    return {}
-
-
-def _numbers(lines: Sequence[str]) -> list[list[float]]:
-    """Read two numbers from each line; raise ValueError naming the first line that has others."""
+def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
+    """Read the two columns of a file of a load; raise ValueError with the fault."""
+    form = f"two columns of numbers, {_TABLE_FORM}"
+    try:
+        lines = [line.partition("#")[0].split() for line in read_text(path).splitlines()]
+    except ValueError as error:
+        raise ValueError(f"{error}; expected {form}") from None
     rows = []
-    for n, line in enumerate(lines, start=1):
-        words = line.partition("#")[0].split()
-        if not words:
-            continue
+    for n, words in enumerate(lines, start=1):
         try:
-            time, size = map(float, words)
+            rows += [[float(time), float(size)] for time, size in ([words] if words else [])]
         except ValueError:
-            raise ValueError(f"found {show(line.strip())} in line {n}") from None
-        rows.append([time, size])
-    return rows
+            raise ValueError(f"found {show(' '.join(words))} in line {n}; expected {form}") from None
+    try:
+        return parse_load_table(rows)
+    except ValidationError as error:
+        raise ValueError(f"found {show(rows)}, expected {error}") from None
 
 
 Array = NDArray[np.float64]
@@ -294,10 +278,12 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     """
     before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
     if "file" in names:
-        rest = {name: value for name, value in table.items() if name != "file"}
-        table = {"shape": "table"} | rest | read_load_file(table, errors)
-        if len(errors.lines) > before:
+        expected = "the path of a file of two columns, time and value"
+        errors.check(("table" in names, "load.file", "found beside load.table; give one of them"))
+        rows = None if "table" in names else schema.read_named("load.file", table["file"], expected, _read_rows, errors)
+        if rows is None:
             return None
+        table = {"shape": "table", "table": rows} | {name: table[name] for name in names if name != "file"}
     load = read_table(Load, table, "load", errors)
     if load is None:
         return None

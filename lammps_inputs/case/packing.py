@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
-from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual, unusual
+from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.case.material import (
     Shape,
     Vector,
@@ -31,6 +31,7 @@ LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
 _NOT_OF_FILE = ("size", "top_row", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_OF_FILE = ("file", "grains", "period")
 _OF_SHAPE = ("shape", "length", "axis")
 _BOTH_WAYS = schema.numbers(
     2,
@@ -194,21 +195,19 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     """
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
-    if table.get("kind") != FILE:
-        for name in ("file", "grains", "period"):  # a cell may come with [[grains]]: see `check_cell`
-            if name in table:
-                errors.add(f"packing.{name}", f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
-                table = {key: value for key, value in table.items() if key != name}
-        if "top_row" in table and table.get("kind") in list(KINDS) and not is_plane_crystal(str(table["kind"])):
-            able = " or ".join(f'"{name}"' for name in KINDS if is_plane_crystal(name))
-            errors.add("packing.top_row", f"belongs to packing.kind = {able}; found {show(table['kind'])}")
-            table = {key: value for key, value in table.items() if key != "top_row"}
-        return _with_shape(read_table(PackingSection, table, "packing", errors), errors)
-    before = len(errors.lines)
-    for name in (*_NOT_OF_FILE, *_OF_SHAPE):
-        if name in table:
-            errors.add(f"packing.{name}", 'does not belong to packing.kind = "file", whose grains are all in the file')
-    rest = {name: value for name, value in table.items() if name not in ("file", *_NOT_OF_FILE, *_OF_SHAPE)}
+    kind, before = table.get("kind"), len(errors.lines)
+    of_file, in_plane = kind == FILE, [name for name in KINDS if is_plane_crystal(name)]
+    text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+    foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
+    if not of_file:  # a cell may come with [[grains]]: see `parse_case`
+        foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
+        if kind in list(KINDS) and kind not in in_plane:
+            able = " or ".join(map(show, in_plane))
+            foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
+    errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
+    rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
+    if not of_file:
+        return _with_shape(read_table(PackingSection, rest, "packing", errors), errors)
     if "grains" not in table:
         rest["grains"] = found = _from_file(table, errors)
         if found is not None and found.period is not None:
@@ -236,12 +235,12 @@ def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSec
     if len(errors.lines) == before and (shape := packing.of_grain) is not None:
         along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
         flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
-        if packing.kind not in flat:
-            expected = f"a packing in a plane: {', '.join(flat)}"
-            errors.add("packing.shape", f'found "cylinder" for {packing.kind}, expected {expected}')
-        elif along > _ACROSS:
-            found = f"found {show(list(shape.axis))}"
-            errors.add("packing.axis", f"{found}, expected a direction across all contacts of {packing.kind}")
+        errors.check_first(
+            (packing.kind not in flat, "packing.shape",
+             f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}'),
+            (along > _ACROSS, "packing.axis",
+             f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}"),
+        )  # fmt: skip
     return packing if len(errors.lines) == before else None
 
 
@@ -250,23 +249,12 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     if "file" not in table:
         errors.add("packing.file", f'missing; packing.kind = "file" needs {_FORM_OF_FILE}')
         return None
-    if not isinstance(name, str) or not name:
-        errors.add("packing.file", f"found {show(name)}, expected {_FORM_OF_FILE}")
-        return None
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
-    try:
-        grains = read_grains(Path(name), diameter)
-        for size in (float(grains.diameter.max()), float(grains.diameter.min())):
-            if odd := unusual(size, DIAMETER):
-                errors.notes.append(f"packing.file: {name}: diameter: {odd}")
-                break
-        return grains
-    except OSError as error:
-        errors.add("packing.file", f"{name}: cannot be read: {error.strerror or error}")
-    except ValueError as error:
-        errors.add("packing.file", f"{name}: {error}")
-    return None
+    grains = schema.read_named("packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors)
+    if grains and (odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)):
+        errors.notes.append(f"packing.file: {name}: diameter: {odd}")
+    return grains
 
 
 _KEY = "packing.size"

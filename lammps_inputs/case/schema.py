@@ -21,6 +21,7 @@ from granwave.lammps_inputs.errors import InputError
 
 Section = TypeVar("Section")
 Entry = TypeVar("Entry")
+Content = TypeVar("Content")
 Parse = Callable[[Any], Any]
 
 _LOG = logging.getLogger("granwave")
@@ -347,6 +348,22 @@ def accepted(field: dataclasses.Field[Any]) -> str:
         unit = field.metadata["unit"]
         return str(error).replace(f" ({unit})", "") if unit else str(error)
     return "any value"
+
+
+def read_named(
+    key: str, name: Any, expected: str, read: Callable[[Path], Content], errors: ErrorList
+) -> Content | None:
+    """Return what ``read`` makes of the file that a key names; None with an error if there is a fault."""
+    if not isinstance(name, str) or not name:
+        errors.add(key, f"found {show(name)}, expected {expected}")
+        return None
+    try:
+        return read(Path(name))
+    except OSError as error:
+        errors.add(key, f"{name}: cannot be read: {error.strerror or error}")
+    except ValueError as error:
+        errors.add(key, f"{name}: {error}")
+    return None
 
 
 def numbered(name: str, entries: Iterable[Entry]) -> dict[str, Entry]:
