@@ -12,7 +12,7 @@ import pytest
 
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, solver
 from granwave.workflows.finite_elements.sphere_contact import study as study_module
-from granwave.workflows.finite_elements.sphere_contact.study import History, integrate, make_solver
+from granwave.workflows.finite_elements.sphere_contact.run import ContactRun
 
 pytestmark = [pytest.mark.validation, pytest.mark.xdist_group("sphere_contact")]
 
@@ -27,10 +27,10 @@ CASE = {
 
 def exponents(case: SphereContactCase) -> list[float]:
     """Exponents of fits from 1, 5 and 20 % of the largest force on, and of a fit of the forces themselves."""
-    history = History()
-    integrate(case, make_solver(case), history)
-    assert history.end_reason == "done"
-    overlap, force = history.column("overlap"), history.column("force")
+    run = ContactRun(case)
+    run.integrate()
+    assert run.end_reason == "done"
+    overlap, force = run.column("overlap"), run.column("force")
     assert force[-1] == pytest.approx(27.6, rel=0.16)
     chosen = [force > share * force.max() for share in (0.01, 0.05, 0.2)]
     return [float(np.polyfit(np.log(overlap[one]), np.log(force[one]), 1)[0]) for one in chosen]

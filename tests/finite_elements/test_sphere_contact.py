@@ -18,12 +18,12 @@ from granwave.workflows.finite_elements.frame import check_memory
 from granwave.workflows.finite_elements.material import N_STATE, RR, RZ, TT, ZZ, Elastoplastic, von_mises
 from granwave.workflows.finite_elements.punch.mesh import Mesh
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels
-from granwave.workflows.finite_elements.sphere_contact import study as study_module
-from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading
+from granwave.workflows.finite_elements.sphere_contact import run as run_module
+from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading, worst
 from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES
 from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere
-from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact, summarise
-from granwave.workflows.finite_elements.sphere_contact.study import History, core_size, integrate, make_solver, peaks
+from granwave.workflows.finite_elements.sphere_contact.run import ContactRun, run_sphere_contact
+from granwave.workflows.finite_elements.sphere_contact.study import core_size, peaks
 
 pytestmark = pytest.mark.xdist_group("sphere_contact")  # its fixtures are made once
 
@@ -46,9 +46,9 @@ def case_of(changes=None, **run):
 
 def values_of(case):
     """Case, history and summary, without writing files."""
-    solver, history = make_solver(case), History()
-    integrate(case, solver, history)
-    return history, summarise(case, solver, history, 1.0)
+    run = ContactRun(case)
+    run.integrate()
+    return run.history, run.summarise(1.0)
 
 
 def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC):
@@ -143,10 +143,10 @@ def test_elastic_spheres_are_hertzian(partner):
     loading = compare_loading(case, history)
     late = loading.overlap > 0.5 * case.max_overlap
     assert case.law.name == "hertz"
-    assert loading.deviations["force"][late] == pytest.approx(0.6, abs=1.0)
-    assert np.abs(loading.deviations["contact_radius"][late]).max() < 6
+    assert loading["force_deviation"][late].to_numpy() == pytest.approx(0.6, abs=1.0)
+    assert loading["contact_radius_deviation"][late].abs().max() < 6
     assert summary["energy_balance_error"] < 0.005
-    cycle = compare_cycles(case, history)[0]
+    cycle = compare_cycles(case, history).iloc[0]
     assert cycle.exponent == pytest.approx(1.5, abs=0.03)
     assert abs(cycle.residual_overlap) < 0.02 * cycle.peak_overlap
 
@@ -224,15 +224,16 @@ def test_two_bodies_are_as_one_on_the_plane_of_symmetry():
 
 def test_softer_sphere_takes_the_deformation():
     case = case_of({"partner": {"material": {**BRASS, "youngs_modulus": 210e9}}}, max_overlap=0.02, unloadings=1)
-    solver, history = make_solver(case), History()
-    integrate(case, solver, history)
-    strains = [solver.state[solver.kind == body, study_module.STRAIN].max() for body in (0, 1)]
+    run = ContactRun(case)
+    run.integrate()
+    solver = run.solver
+    strains = [solver.state[solver.kind == body, run_module.STRAIN].max() for body in (0, 1)]
     assert strains[0] > 0.01 and strains[1] == 0.0
     contact = solver.contact()
     ring = 2 * math.pi * contact.radius * contact.pressure
     found = np.sum(0.5 * (ring[1:] + ring[:-1]) * np.diff(contact.radius))
     assert found == pytest.approx(solver.force, rel=0.05)
-    assert abs(compare_loading(case, history).worst()["force_deviation_10_to_50_rms_percent"]) < 8
+    assert abs(worst(case, compare_loading(case, run.history))["force_deviation_10_to_50_rms_percent"]) < 8
 
 
 def test_speed_does_not_matter():
@@ -346,7 +347,7 @@ def test_directory_manners(brass, tmp_path):
 
 
 def test_bad_balance_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(study_module, "TOLERANCE", 1e-6)
+    monkeypatch.setattr(run_module, "TOLERANCE", 1e-6)
     with pytest.raises(RunError, match="energy balance is off"):
         run_sphere_contact(case_of(elements=500, max_overlap=0.005), tmp_path, figures=False)
     assert json.loads((tmp_path / "summary.json").read_text())["end_reason"] == "refused"

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.punch.run import History, integrate, make_solver, summarise
+from granwave.workflows.finite_elements.punch.run import BlockRun
 
 
 def values_of(changes=None, **run):
     """Summary of a case from its tables, without writing files."""
     tables = {"name": "case", "material": "brass"} | (changes or {})
-    case = ContinuumCase.from_dict(tables | {"run": tables.get("run", {}) | run})
-    solver, history = make_solver(case), History()
-    integrate(case, solver, history)
-    return summarise(case, solver, history, 1.0)
+    run = BlockRun(ContinuumCase.from_dict(tables | {"run": tables.get("run", {}) | run}))
+    run.integrate()
+    return run.summarise(1.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import importlib
 import json
 import logging
 import math
@@ -10,6 +11,7 @@ import os
 import time
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -22,6 +24,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.directories import (
     changed_result,
     decide,
@@ -31,7 +34,7 @@ from granwave.lammps_inputs.directories import (
     result_fault,
     results_directory,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
 from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE, SUMMARY_FILE
@@ -41,36 +44,6 @@ Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a
 
 logger = logging.getLogger("granwave")
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
-
-
-def write_result(
-    directory: Path,
-    kind: str,
-    case: ElementCase,
-    summary: Mapping[str, Any],
-    tables: Tables,
-    overlaps: Mapping[str, float] | None = None,
-) -> None:
-    """Write ``result.h5`` into a directory.
-
-    Parameters
-    ----------
-    kind
-        Of the result, as its root says.
-    tables
-        Data sets.
-    overlaps
-        Overlaps, m, at which the data of some groups are, by the name of the group.
-    """
-    with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
-        for name, (values, unit) in tables.items():
-            array = np.asarray(values)
-            options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
-            file.create_dataset(name, data=array, **options).attrs["unit"] = unit
-        for group, overlap in (overlaps or {}).items():
-            file[group].attrs["overlap"] = overlap
-        file.attrs.update(kind=kind, name=case.name, case=case.to_toml(), summary=json.dumps(summary))
-        file.attrs["versions"] = json.dumps(summary["versions"])
 
 
 class ElementResult:
@@ -99,22 +72,16 @@ class ElementResult:
             ) from None
 
     def _read(self, file: h5py.File) -> None:
-        names: list[str] = []
-        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
-        self._values: dict[str, NDArray] = {name: file[name][()] for name in names}
+        self.values: dict[str, NDArray] = {}
+        file.visititems(
+            lambda name, item: self.values.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+        )
         self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
         self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
-        self._read_more(file)
-
-    def _read_more(self, file: h5py.File) -> None:
-        """Further values that a kind of result reads."""
 
     def __getitem__(self, name: str) -> NDArray:
         """A data set by its name."""
-        return self._values[name]
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._values
+        return self.values[name]
 
 
 class ElementRun(abc.ABC):
@@ -122,33 +89,53 @@ class ElementRun(abc.ABC):
 
     Attributes
     ----------
+    KIND
+        Kind of result, as the root of ``result.h5`` and the summary say.
     RESULTS
         Names of the files that a run leaves.
     FINISHED
         Values of ``end_reason`` of a run that is finished.
     UNIT
-        Of progress.
+        Unit of progress.
+    PACKAGES
+        Packages whose versions are recorded.
     total
         Progress at the end, in the unit; None where it is not known before.
+    end_reason
+        Why the run ended: one of ``FINISHED``, ``refused`` (energy balance), or ``interrupted``.
+    rows
+        History: quantities by name, for each instant.
+    overlaps
+        Overlaps, m, at which the data of some groups of ``result.h5`` are, by the name of the group.
     """
 
+    KIND: ClassVar[str]
     RESULTS: ClassVar[Sequence[str]] = (CASE_FILE, RESULT_FILE, SUMMARY_FILE)
     FINISHED: ClassVar[Sequence[str]]
     UNIT: ClassVar[str]
+    PACKAGES: ClassVar[Sequence[str]]
 
+    solver: Any
     total: float | None
 
-    @abc.abstractmethod
     def __init__(self, case: Any) -> None:
-        """Make the solver."""
+        """Make the solver, at its start."""
+        self.case = case
+        self.end_reason = "interrupted"
+        self.rows: list[dict[str, float]] = []
+        self.overlaps: dict[str, float] = {}
 
-    @staticmethod
-    @abc.abstractmethod
-    def figures() -> ModuleType:
-        """Module with ``FIGURES``, names, and ``draw_figures``; the drawing library takes a second to load."""
+    @classmethod
+    def figures(cls) -> ModuleType:
+        """Module ``figures`` beside that of the run; the drawing library takes a second to load."""
+        return importlib.import_module(f"{cls.__module__.rpartition('.')[0]}.figures")
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """Return one quantity of the history, (n_instants,)."""
+        return np.array([row[name] for row in self.rows])
 
     @abc.abstractmethod
-    def integrate(self, report: Callable[[], None]) -> None:
+    def integrate(self, report: Callable[[], None] = lambda: None) -> None:
         """Run the solver to the end of the case; ``report`` is called after each entry of the history."""
 
     @abc.abstractmethod
@@ -156,22 +143,44 @@ class ElementRun(abc.ABC):
         """Progress so far, in the unit, and a note beside it."""
 
     @abc.abstractmethod
-    def summarise(self, wall_time: float) -> dict[str, Any] | None:
-        """Summary of what was computed in a time, s; None where there is nothing yet."""
+    def values(self) -> dict[str, Any]:
+        """Values of summary.json that belong to this kind of run."""
 
     @abc.abstractmethod
-    def write(self, directory: Path, summary: dict[str, Any]) -> None:
-        """Write the results but for the summary."""
+    def tables(self) -> Tables:
+        """Data sets of ``result.h5``."""
 
     @abc.abstractmethod
-    def conclude(self, directory: Path, summary: Mapping[str, Any], draw: Callable[[], None]) -> None:
-        """Warn of what is doubtful, draw the figures, and refuse a run whose energy balance is off.
+    def warning(self, summary: Mapping[str, Any]) -> str:
+        """Warning of what is doubtful; empty if nothing is."""
 
-        Raises
-        ------
-        RunError
-            The energy balance was refused; what was computed is kept.
-        """
+    @abc.abstractmethod
+    def refusal(self) -> tuple[str, str]:
+        """Parts of the message that refuses the energy balance: by how much it is off, and what helps."""
+
+    def summarise(self, wall_time: float) -> dict[str, Any]:
+        """Return the values of summary.json of a run whose integration took a time, s."""
+        return {
+            "name": self.case.name,
+            "kind": self.KIND,
+            **self.values(),
+            "wall_time_s": wall_time,
+            "element_steps_per_s": self.solver.n_elements * self.solver.n_steps / wall_time,
+            "n_ranks": 1,
+            "versions": versions_of(self.PACKAGES),
+        }
+
+    def write(self, directory: Path, summary: Mapping[str, Any]) -> None:
+        """Write ``result.h5`` into a directory."""
+        with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
+            for name, (values, unit) in self.tables().items():
+                array = np.asarray(values)
+                options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
+                file.create_dataset(name, data=array, **options).attrs["unit"] = unit
+            for group, overlap in self.overlaps.items():
+                file[group].attrs["overlap"] = overlap
+            file.attrs.update(kind=self.KIND, name=self.case.name, case=self.case.to_toml())
+            file.attrs.update(summary=json.dumps(summary), versions=json.dumps(summary["versions"]))
 
 
 def run_elements(
@@ -228,15 +237,40 @@ def run_elements(
 
             run.integrate(show)
     finally:
-        summary = run.summarise(time.perf_counter() - started)
-        if summary is not None:
-            summary = plain(summary)
+        if len(run.rows) > 1:
+            summary: dict[str, Any] = plain(run.summarise(time.perf_counter() - started))
             run.write(directory, summary)
             replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
             note_files(directory, [RESULT_FILE, SUMMARY_FILE])
-    assert summary is not None  # what is done has a history
-    run.conclude(directory, summary, lambda: kind.figures().draw_figures(directory) if figures else None)
+    if words := run.warning(summary):
+        logger.warning("%s: %s", case.name, words)
+    if figures:
+        draw_figures(kind, directory)
+    if run.end_reason == "refused":
+        off, remedy = run.refusal()
+        raise RunError(
+            f"{case.name}: the energy balance is off by {off} is accepted; what was computed is kept in {directory}. "
+            f"{remedy}"
+        )
     return summary
+
+
+def draw_figures(kind: type[ElementRun], directory: Path) -> list[Path]:
+    """Draw the figures of a run from its ``result.h5``; return the paths of the PNG files.
+
+    Raises
+    ------
+    MissingOutputError
+        There is no result.h5.
+    """
+    from granwave.analysis.figures.style import FigureFolder, style
+
+    module, folder = kind.figures(), FigureFolder(directory)
+    result = module.RESULT(directory)
+    with style():
+        for name, draw in module.FIGURES.items():
+            folder.draw(partial(draw, result), name)
+    return folder.written
 
 
 def digits_of(total: float | None) -> int:

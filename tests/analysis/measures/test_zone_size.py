@@ -22,8 +22,7 @@ from granwave.analysis.measures.zone_size import (
 from granwave.analysis.quantities import SHARES
 from granwave.workflows.finite_elements.material import PLASTIC
 from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.punch.run import History, make_solver
-from granwave.workflows.finite_elements.punch.run import zone_summary as zone_of_block
+from granwave.workflows.finite_elements.punch.run import BlockRun
 from granwave.workflows.run.driver import run_case
 from tests.helpers import synthetic
 
@@ -300,21 +299,22 @@ def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
 
 @pytest.fixture
 def block():
-    """Solver with uniform plastic work in a cylinder below the punch, with its case and history."""
+    """Run with uniform plastic work in a cylinder below the punch."""
     case = ContinuumCase.from_dict({"name": "block", "material": "brass", "run": {"elements": 20_000}})
-    solver, history = make_solver(case), History()
+    run = BlockRun(case)
+    solver = run.solver
     r, z = solver.mesh.centres
     inside = (r[None, :] < 0.004) & (z[:, None] < 0.006)
     solver.state[:, :, PLASTIC] = np.where(inside, 3e6, 0.0)
     solver.ever[:] = inside
-    history.add(0, solver.look(), case.punch.energy)
-    return case, solver, history
+    run.add(0)
+    return run
 
 
 def test_elements_weigh_with_their_volume(block):
     """A share s of a uniform density in a cylinder of radius a and height h is within h s, a sqrt(s) and the volume V s."""
-    sizes = zone_of_block(*block)
-    mesh = block[1].mesh
+    sizes = block.zone_summary()
+    mesh = block.solver.mesh
     r, z = mesh.centres
     a, h = mesh.r[1:][r < 0.004].max(), mesh.z[1:][z < 0.006].max()
     for percent in SHARES:
@@ -328,26 +328,25 @@ def test_elements_weigh_with_their_volume(block):
 
 
 def test_small_dense_elements_come_before_large_ones(block):
-    case, solver, history = block
+    solver = block.solver
     solver.state[0, 0, PLASTIC] = 3e9
     volume = solver.operators.volume[0, 0]
     energy = (solver.state[:, :, PLASTIC] * solver.operators.volume).sum()
     assert 3e9 * volume < 0.5 * energy
-    held = zone_of_block(case, solver, history)["zone_volume_50_m3"]
+    held = block.zone_summary()["zone_volume_50_m3"]
     rest = 0.5 * energy - 3e9 * volume
     assert held == pytest.approx(volume + rest / 3e6, rel=0.02)
 
 
 def test_block_that_is_cut(block):
-    case, solver, history = block
+    solver = block.solver
     solver.ever[-1, 3] = solver.ever[7, -1] = True
-    assert zone_of_block(case, solver, history)["zone_cut"] == ["bottom", "sides"]
+    assert block.zone_summary()["zone_cut"] == ["bottom", "sides"]
 
 
 def test_wave_in_a_block_goes_at_the_speed_of_compression(block):
     """Path of the wave from the edge of the punch to the side at 50 mm and back; 99 % of the work is within the edge."""
-    case, solver, history = block
     speed = math.sqrt(115e9 * 0.7 / (1.3 * 0.4 * 8500.0))
-    found = zone_of_block(case, solver, history)
+    found = block.zone_summary()
     assert found["wave_return_s"] == pytest.approx(2 * 0.045 / speed, rel=1e-6)
     assert found["wave_returned"] == []  # the history ends before

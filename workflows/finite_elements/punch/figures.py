@@ -4,30 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.dissipation import draw_zone_size
 from granwave.analysis.figures.series import one_panel, panels
-from granwave.analysis.figures.style import (
-    BLANK,
-    BLUE,
-    FORCE_MAP,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    Drawing,
-    FigureFolder,
-    style,
-)
+from granwave.analysis.figures.style import BLANK, BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 from granwave.workflows.finite_elements.runner import ElementResult
@@ -119,11 +108,8 @@ def von_mises(result: ContinuumResult) -> Drawing:
     largest = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
     frame = int(np.abs(result["fields/time"] - largest).argmin())
     stress = result["fields/von_mises"][frame]
-    limit = result.tables["material"]["yield_strength"]
-    figure, axes = one_panel(2.6, "r (mm)", "Depth (mm)")
-    scale = Normalize(0, limit * _MEGA)
-    _section(axes, result, result.grid(stress) * _MEGA, FORCE_MAP, scale)
-    figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
+    scale = Normalize(0, result.tables["material"]["yield_strength"] * _MEGA)
+    figure, axes = _section_with_bar(result, stress * _MEGA, FORCE_MAP, scale, "Von Mises stress (MPa)")
     axes.set_title(f"{result['fields/time'][frame] * _MICRO:.1f} µs")
     return Drawing(figure, result.centres | {"von_mises_Pa": stress})
 
@@ -139,7 +125,7 @@ def plastic_zone(result: ContinuumResult) -> Drawing:
     columns = result.centres
     for axes, frame in zip(grid, frames, strict=False):
         state = np.where(at_yield[frame], 2, np.where(at_yield[: frame + 1].any(axis=0), 1, 0))
-        _section(axes, result, result.grid(state), _YIELDED_MAP, Normalize(0, 2))
+        _section(axes, result, state, _YIELDED_MAP, Normalize(0, 2))
         axes.set_title(f"{times[frame] * _MICRO:.1f} µs")
         columns[f"state_{times[frame] * _MICRO:.2f}us"] = state
     for n, axes in enumerate(grid):
@@ -152,39 +138,19 @@ def plastic_strain(result: ContinuumResult) -> Drawing:
     """Draw the final equivalent plastic strain in a section."""
     strain = result["fields/plastic_strain"]
     largest = float(np.quantile(strain[strain > 0], 0.99)) if np.any(strain > 0) else 1.0
-    figure, axes = one_panel(2.6, "r (mm)", "Depth (mm)")
     scale = Normalize(0, 100 * largest)
-    _section(axes, result, 100 * result.grid(strain), "inferno", scale)
-    mappable = ScalarMappable(scale, "inferno")
-    figure.colorbar(mappable, ax=axes, label="Equivalent plastic strain (%)", shrink=0.8, extend="max")
+    label = "Equivalent plastic strain (%)"
+    figure, _ = _section_with_bar(result, 100 * strain, "inferno", scale, label, extend="max")
     return Drawing(figure, result.centres | {"plastic_strain": strain})
 
 
-#: Functions that draw a figure of a result, by name.
-FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
-    "energies": energies,
-    "plastic_zone": plastic_zone,
-    "plastic_zone_volume": plastic_zone_volume,
-    "plastic_zone_size": plastic_zone_size,
-    "von_mises": von_mises,
-    "plastic_strain": plastic_strain,
-    "punch": punch,
-}
-
-
-def draw_figures(directory: str | Path) -> list[Path]:
-    """Draw the figures of a continuum run from its ``result.h5``; return the paths of the PNG files.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    """
-    result, folder = ContinuumResult(directory), FigureFolder(directory)
-    with style():
-        for name, draw in FIGURES.items():
-            folder.draw(partial(draw, result), name)
-    return folder.written
+def _section_with_bar(
+    result: ContinuumResult, values: NDArray, colours: str, scale: Normalize, label: str, **options: Any
+) -> tuple[Figure, Axes]:
+    figure, axes = one_panel(2.6, "", "")
+    _section(axes, result, values, colours, scale)
+    figure.colorbar(ScalarMappable(scale, colours), ax=axes, label=label, shrink=0.8, **options)
+    return figure, axes
 
 
 def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:
@@ -194,7 +160,7 @@ def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str 
     reach = max(_SHOWN * diameter / 2, 1.3 * zone)
     columns, rows = (int(np.searchsorted(line, reach)) + 1 for line in (result.r, result.z))
     r, z = result.r[:columns] * _MILLI, result.z[:rows] * _MILLI
-    part = values[: len(z) - 1, : len(r) - 1]
+    part = result.grid(values)[: len(z) - 1, : len(r) - 1]
     for side in (-1, 1):
         axes.pcolormesh(side * r, z, part, cmap=colours, norm=scale, rasterized=True)
     half = diameter / 2 * _MILLI
@@ -206,3 +172,11 @@ def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str 
 def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
     axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
+
+
+RESULT = ContinuumResult
+#: Functions that draw a figure of a result, by name.
+FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
+    draw.__name__: draw
+    for draw in (energies, plastic_zone, plastic_zone_volume, plastic_zone_size, von_mises, plastic_strain, punch)
+}

@@ -15,7 +15,6 @@ stress times plastic strain increment, viscous and contact losses from their wor
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
@@ -30,7 +29,7 @@ from granwave.workflows.finite_elements.material import (
     von_mises,
 )
 from granwave.workflows.finite_elements.punch import kernels
-from granwave.workflows.finite_elements.punch.mesh import Line, Mesh
+from granwave.workflows.finite_elements.punch.mesh import Mesh
 
 QUADRATIC_VISCOSITY = 1.2
 ONE_POINT = (np.array([[0.5], [0.5]]), np.array([1.0]))  # centre of the reference square, and its weight
@@ -41,7 +40,6 @@ Grid = NDArray[np.float64]
 AT_YIELD = 0.99  # von Mises stress over yield strength from which on an element counts as at yield
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
 class Operators:
     """Arrays of the mesh and the material for the inner loops.
 
@@ -59,14 +57,20 @@ class Operators:
         Lumped nodal masses, (n_z + 1, n_r + 1), kg.
     """
 
-    br: Line
-    bz: Line
-    bt: Line
-    area: Line
-    height: Line
-    length: Grid
-    hourglass: Grid
-    mass: Grid
+    def __init__(self, mesh: Mesh, material: Elastoplastic) -> None:
+        rows, columns = mesh.shape
+        point = library_basis(mesh)
+        gradient = np.abs(point.basis[0][0].grad[:, :, 0]).reshape(2, rows, columns)
+        value = np.broadcast_to(np.asarray(point.basis[0][0])[..., 0], rows * columns).reshape(rows, columns)
+        radius = np.asarray(point.global_coordinates())[0, :, 0].reshape(rows, columns)
+        volume = 2 * math.pi * radius * point.dx[:, 0].reshape(rows, columns)
+        mass = LinearForm(lambda v, w: 2 * math.pi * material.density * w.x[0] * v).assemble(point)
+        self.br, self.bz, self.bt = gradient[0, 0].copy(), gradient[1, :, 0].copy(), (value / radius)[0].copy()
+        self.height = 0.5 / gradient[1, :, 0]
+        self.area = volume[0] / self.height[0]
+        self.length = 0.5 / gradient.max(axis=0)
+        self.hourglass = hourglass_stiffness(volume, gradient[0] ** 2 + gradient[1] ** 2, material)
+        self.mass = mass.reshape(rows + 1, columns + 1)
 
     @property
     def volume(self) -> Grid:
@@ -77,30 +81,6 @@ class Operators:
 def library_basis(mesh: Mesh) -> Basis:
     """Return scikit-fem's bilinear basis on the mesh, with one quadrature point."""
     return Basis(MeshQuad(mesh.nodes.T.copy(), mesh.elements.T.copy()), ElementQuad1(), quadrature=ONE_POINT)
-
-
-def make_operators(mesh: Mesh, material: Elastoplastic) -> Operators:
-    """Make the operators for a mesh and a material."""
-    rows, columns = mesh.shape
-    point = library_basis(mesh)
-    gradient = np.abs(point.basis[0][0].grad[:, :, 0]).reshape(2, rows, columns)
-    value = np.broadcast_to(np.asarray(point.basis[0][0])[..., 0], rows * columns).reshape(rows, columns)
-    radius = np.asarray(point.global_coordinates())[0, :, 0].reshape(rows, columns)
-    plane = point.dx[:, 0].reshape(rows, columns)
-    height = 0.5 / gradient[1, :, 0]
-    mass = LinearForm(lambda v, w: 2 * math.pi * material.density * w.x[0] * v).assemble(point)
-    volume = 2 * math.pi * radius * plane
-    squares = gradient[0] ** 2 + gradient[1] ** 2
-    return Operators(
-        br=gradient[0, 0].copy(),
-        bz=gradient[1, :, 0].copy(),
-        bt=(value / radius)[0].copy(),
-        area=volume[0] / height[0],
-        height=height,
-        length=0.5 / gradient.max(axis=0),
-        hourglass=hourglass_stiffness(volume, squares, material),
-        mass=mass.reshape(rows + 1, columns + 1),
-    )
 
 
 def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
@@ -135,32 +115,6 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     return _SAFETY * 2 / omega * (math.sqrt(1 + damping**2) - damping)
 
 
-@dataclasses.dataclass(frozen=True)
-class Instant:
-    """Energies (J), volumes (m^3) and state of the punch at one time (s)."""
-
-    time: float
-    kinetic: float
-    elastic: float
-    plastic: float
-    viscous: float
-    hourglass: float
-    contact: float
-    punch: float
-    plastic_volume: float
-    plastic_volume_ever: float
-    largest_strain: float
-    punch_displacement: float
-    punch_velocity: float
-    contact_force: float
-
-    @property
-    def total(self) -> float:
-        """Sum of all energies, J."""
-        stored = self.kinetic + self.elastic + self.hourglass + self.punch
-        return stored + self.plastic + self.viscous + self.contact
-
-
 class Solver:
     """Block struck by a rigid punch.
 
@@ -191,7 +145,7 @@ class Solver:
         timestep: float | None = None,
     ) -> None:
         self.mesh, self.material = mesh, material
-        self.operators = make_operators(mesh, material)
+        self.operators = Operators(mesh, material)
         self.timestep = stable_timestep(self.operators, material) if timestep is None else timestep
         self.n_steps = 0
         rows, columns = mesh.shape
@@ -208,12 +162,17 @@ class Solver:
             self._mobility[:, -1] = 0.0
         if sides == "roller":
             self._mobility[0, :, -1] = 0.0
-        self._tables = tuple(getattr(self.operators, name) for name in ("br", "bz", "bt", "area", "height"))
-        self._fields = (self.operators.length, self.operators.hourglass)
+        of = self.operators
+        self._tables, self._fields = (of.br, of.bz, of.bt, of.area, of.height), (of.length, of.hourglass)
         lam, mu = material.lame
         damping = LINEAR_VISCOSITY * material.density * material.longitudinal_speed
         quadratic = QUADRATIC_VISCOSITY**2 * material.density
         self._constants = (lam, mu, material.yield_strength, damping, quadratic)
+
+    @property
+    def n_elements(self) -> int:
+        """Number of elements."""
+        return self.mesh.n_elements
 
     @property
     def time(self) -> float:
@@ -235,8 +194,14 @@ class Solver:
         self.motion[2] = np.where(self._mobility[0] > 0, radial, 0.0)
         self.motion[3] = np.where(self._mobility[1] > 0, axial, 0.0)
 
-    def advance(self, n_steps: int) -> Instant:
-        """Take ``n_steps`` (one or more); return the instant before them."""
+    def advance(self, n_steps: int) -> dict[str, float]:
+        """Take ``n_steps`` (one or more); return the instant before them.
+
+        Returns
+        -------
+        dict
+            Time (s), energies and their ``total`` (J), volumes (m^3), largest strain and state of the punch, by name.
+        """
         elastic, plastic, now, ever, strain = kernels.measure(
             self.state, self._tables, self._constants, AT_YIELD, self.ever
         )
@@ -258,24 +223,27 @@ class Solver:
             self.timestep,
         )
         self.n_steps += n_steps
-        return Instant(
-            time=time,
-            kinetic=tally[kernels.KINETIC],
-            elastic=elastic,
-            plastic=plastic,
-            viscous=viscous,
-            hourglass=hourglass,
-            contact=tally[kernels.CONTACT_NOW],
-            punch=tally[kernels.PUNCH_KINETIC],
-            plastic_volume=now,
-            plastic_volume_ever=ever,
-            largest_strain=strain,
-            punch_displacement=place,
-            punch_velocity=speed,
-            contact_force=force,
-        )
+        energies = {
+            "kinetic": tally[kernels.KINETIC],
+            "elastic": elastic,
+            "hourglass": hourglass,
+            "punch": tally[kernels.PUNCH_KINETIC],
+            "plastic": plastic,
+            "viscous": viscous,
+            "contact": tally[kernels.CONTACT_NOW],
+        }
+        return energies | {
+            "time": time,
+            "total": sum(energies.values()),
+            "plastic_volume": now,
+            "plastic_volume_ever": ever,
+            "largest_strain": strain,
+            "punch_displacement": place,
+            "punch_velocity": speed,
+            "contact_force": force,
+        }
 
-    def look(self) -> Instant:
+    def look(self) -> dict[str, float]:
         """Return the present instant, without advancing."""
         kept = [part.copy() for part in (self.motion, self.state, self._tally)]
         instant = self.advance(1)

@@ -4,31 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
-from pathlib import Path
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import h5py
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import one_panel, panels
-from granwave.analysis.figures.style import (
-    BLUE,
-    FORCE_MAP,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Drawing,
-    FigureFolder,
-    new_figure,
-    style,
-)
+from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, Drawing
 from granwave.workflows.finite_elements.runner import ElementResult
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
@@ -42,13 +31,13 @@ Array = NDArray[np.float64]
 _CURVE = 500  # points of a curve of a law
 _MILLI, _MEGA = 1e3, 1e-6
 _SHOWN = 2.5  # half-width of the section, contact radii
-_OF_CYCLES = ("unloading", "residual_overlap")
 
 
 class SphereContactResult(ElementResult):
     """The ``result.h5`` of a sphere contact, with quantities for its figures; raise as `ElementResult`."""
 
-    def _read_more(self, file: h5py.File) -> None:
+    def _read(self, file: h5py.File) -> None:
+        super()._read(file)
         self.case = SphereContactCase.from_dict(self.tables)
         profiles = sorted(file.get("pressure", {}), key=int)
         self.profiles = [(float(file[f"pressure/{n}"].attrs["overlap"]), f"pressure/{n}") for n in profiles]
@@ -85,10 +74,6 @@ class SphereContactResult(ElementResult):
         """Return the force of Hertz's law at overlaps (m), N."""
         return 4 / 3 * self.law.effective_modulus * math.sqrt(self.law.effective_radius) * overlap**1.5
 
-    def thornton(self) -> ContactLaw | None:
-        """Return Thornton's law of the same pair; None if no sphere can yield."""
-        return self.case.contact_law("thornton") if self.case.yields else None
-
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
         """Return the indices of the entries of one branch."""
         return np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
@@ -124,9 +109,8 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     columns: dict[str, NDArray] = {"overlap_normalised": overlap, "force_normalised": force}
     columns |= {"branch": result["history/branch"], "cycle": result["history/cycle"]}
     columns |= {"curve_overlap_normalised": curve / unit, "law_normalised": law}
-    thornton = result.thornton()
-    if thornton is not None:
-        values = thornton.loading_force(curve) / force_unit
+    if result.case.yields:
+        values = result.case.contact_law("thornton").loading_force(curve) / force_unit
         axes.plot(curve / unit, values, "-.", color=PURPLE, label="Thornton")
         columns["thornton_normalised"] = values
     hertz = result.hertz(curve) / force_unit
@@ -153,6 +137,20 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
     return Drawing(figure, columns)
 
 
+def _compared(result: SphereContactResult, columns: dict[str, Array], ylabel: str) -> tuple[Drawing, Axes]:
+    """Draw columns against the first, the overlap: those of the finite elements, of the law, and of Hertz."""
+    overlap, *curves = columns.values()
+    order = np.argsort(overlap)
+    figure, axes = one_panel(2.5, result.overlap_label, ylabel)
+    for values, (label, line, colour, width) in zip(
+        curves,
+        (("finite elements", "-", BLUE, 0.9), ("contact law", "--", GREEN, None), ("Hertz", "-", GREY, 0.8)),
+        strict=False,
+    ):
+        axes.plot(overlap[order], values[order], line, color=colour, linewidth=width, label=label)
+    return Drawing(figure, columns), axes
+
+
 def mean_pressure(result: SphereContactResult) -> Drawing:
     """Draw the mean contact pressure against overlap."""
     unit, _ = result.units
@@ -161,34 +159,30 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     area = math.pi * result["loading/law_contact_radius"] ** 2
     law = result["loading/law_force"] / area / result.strength
     hertz = result.hertz(overlap) / (math.pi * result.law.effective_radius * overlap) / result.strength
-    figure, axes = one_panel(2.5, result.overlap_label, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
-    order = np.argsort(overlap)
-    axes.plot(overlap[order] / unit, found[order], color=BLUE, linewidth=0.9, label="finite elements")
-    axes.plot(overlap[order] / unit, law[order], "--", color=GREEN, label="contact law")
-    axes.plot(overlap[order] / unit, hertz[order], color=GREY, linewidth=0.8, label="Hertz")
+    columns = {"overlap_normalised": overlap / unit, "finite_elements": found, "law": law, "hertz": hertz}
+    drawing, axes = _compared(result, columns, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
     axes.set(xscale="log", xlim=(RESOLVED, None), ylim=(0, 1.15 * found[overlap > unit].max(initial=found.max())))
     axes.legend(loc="lower right")
-    return Drawing(figure, {"overlap_normalised": overlap / unit, "finite_elements": found, "law": law, "hertz": hertz})
+    return drawing
 
 
 def contact_area(result: SphereContactResult) -> Drawing:
     """Draw the contact area against overlap."""
     unit, _ = result.units
-    overlap = result["loading/overlap"] / unit
-    area_unit = result.law.effective_radius * unit
+    overlap, area_unit = result["loading/overlap"] / unit, result.law.effective_radius * unit
     found, law = (result[f"loading/{name}"] ** 2 / area_unit for name in ("contact_radius", "law_contact_radius"))
-    order = np.argsort(overlap)
-    figure, axes = one_panel(2.5, result.overlap_label, r"Contact area $A/A_\mathrm{y}$")
-    axes.plot(overlap[order], found[order], color=BLUE, label="finite elements")
-    axes.plot(overlap[order], law[order], "--", color=GREEN, label="contact law")
-    axes.plot(overlap[order], overlap[order], color=GREY, linewidth=0.8, label="Hertz, Thornton")
-    axes.set(xlim=(0, None), ylim=(0, None))
+    columns = {"overlap_normalised": overlap, "finite_elements": found, "law": law}
+    drawing, axes = _compared(result, columns, r"Contact area $A/A_\mathrm{y}$")
+    axes.axline((0, 0), slope=1, color=GREY, linewidth=0.8, label="Hertz, Thornton")
+    axes.set(xlim=(0, overlap.max()), ylim=(0, None))
     axes.legend(loc="upper left")
-    return Drawing(figure, {"overlap_normalised": overlap, "finite_elements": found, "law": law})
+    return drawing
 
 
-def unloading(result: SphereContactResult) -> Drawing:
-    """Draw the normalised unloading curves."""
+def unloading(result: SphereContactResult) -> Drawing | None:
+    """Draw the normalised unloading curves; None without any."""
+    if not result.cycles:
+        return None
     figure, axes = one_panel(
         2.9, r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$", r"Force $F/F_\mathrm{max}$"
     )
@@ -212,8 +206,10 @@ def unloading(result: SphereContactResult) -> Drawing:
     return Drawing(figure, columns)
 
 
-def residual_overlap(result: SphereContactResult) -> Drawing:
-    """Draw residual overlap and unloading exponent against the largest overlap."""
+def residual_overlap(result: SphereContactResult) -> Drawing | None:
+    """Draw residual overlap and unloading exponent against the largest overlap; None without plastic unloading."""
+    if not result.cycles or not result.plastic:
+        return None
     unit, _ = result.units
     peak, residual, exponent = (result[f"cycles/{name}"] for name in ("peak_overlap", "residual_overlap", "exponent"))
     curve = np.geomspace(min(unit, peak.min()), peak.max(), _CURVE)
@@ -281,67 +277,39 @@ def quasi_static(result: SphereContactResult) -> Drawing:
     return Drawing(figure, columns | {"face_force_difference_percent": difference})
 
 
-def von_mises(result: SphereContactResult) -> Drawing:
-    """Draw the von Mises stress in both spheres at the largest overlap."""
+def von_mises(result: SphereContactResult) -> Drawing | None:
+    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not reached."""
+    if "fields/von_mises" not in result.values:
+        return None
     position, elements = result["fields/position"] * _MILLI, result["fields/elements"]
     body, stress = result["fields/body"], result["fields/von_mises"] * _MEGA
     radius = result.summary["contact_radius_m"] * _MILLI
     scale = Normalize(0, float(stress.max()))
     reach = min(_SHOWN * radius, 1.05 * _MILLI * max(result.case.radii))
-    figure = new_figure(3.2)
-    axes = figure.subplots()
+    figure, axes = one_panel(3.2, "r (mm)", "z (mm)")
     corners = position[elements]
     for half, up in ((0, 1), (int(body.max()), -1)):  # the second half of equal spheres is a mirror image
         own = body == half
         quads = corners[own] - [0.0, position[elements[own].min(), 1]]  # its first node is the contact point
         for side in (-1, 1):
             points = quads * [side, up]
-            part = PolyCollection(points, array=stress[own], cmap=FORCE_MAP, norm=scale, rasterized=True)
-            part.set_edgecolor("face")
-            part.set_linewidth(0.2)
-            axes.add_collection(part)
-    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xlabel="r (mm)", ylabel="z (mm)")
+            colours = {"array": stress[own], "cmap": FORCE_MAP, "norm": scale, "edgecolors": "face"}
+            axes.add_collection(PolyCollection(points, linewidths=0.2, rasterized=True, **colours))
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
     axes.set_title(rf"$\alpha/R^*$ = {result['history/overlap'].max() / result.law.effective_radius:.3g}")
     centre = corners.mean(axis=1) / _MILLI
     return Drawing(figure, {"body": body, "r_m": centre[:, 0], "z_m": centre[:, 1], "von_mises_Pa": stress / _MEGA})
 
 
-#: Functions that draw a figure of a result, by name.
-FIGURES: dict[str, Callable[[SphereContactResult], Drawing]] = {
-    "force_overlap": force_overlap,
-    "pressure_profiles": pressure_profiles,
-    "mean_pressure": mean_pressure,
-    "contact_area": contact_area,
-    "unloading": unloading,
-    "residual_overlap": residual_overlap,
-    "deviation": deviation,
-    "quasi_static": quasi_static,
-    "von_mises": von_mises,
-}
-
-
-def draw_figures(directory: str | Path) -> list[Path]:
-    """Draw the figures of a sphere contact from its ``result.h5``; return the paths of the PNG files.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no result.h5.
-    """
-    result, folder = SphereContactResult(directory), FigureFolder(directory)
-    drawn = {
-        name: draw
-        for name, draw in FIGURES.items()
-        if (name not in _OF_CYCLES or len(result.cycles))
-        and (name != "residual_overlap" or result.plastic)
-        and (name != "von_mises" or "fields/von_mises" in result)
-    }
-    with style():
-        for name, draw in drawn.items():
-            folder.draw(partial(draw, result), name)
-    return folder.written
-
-
 def _colour(share: float) -> Any:
     return colormaps[FORCE_MAP](0.92 * share)
+
+
+RESULT = SphereContactResult
+#: Functions that draw a figure of a result, by name.
+FIGURES: dict[str, Callable[[SphereContactResult], Drawing | None]] = {
+    draw.__name__: draw
+    for draw in (force_overlap, pressure_profiles, mean_pressure, contact_area, unloading, residual_overlap, deviation,
+                 quasi_static, von_mises)
+}  # fmt: skip

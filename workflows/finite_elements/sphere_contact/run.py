@@ -15,282 +15,338 @@
 
 from __future__ import annotations
 
-import dataclasses
-import logging
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
-from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.directories import note_files
-from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.run_directory import CONTACT_TABLE
-from granwave.workflows.finite_elements.runner import ElementRun, Tables, run_elements, write_result
+from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
+from granwave.workflows.finite_elements.runner import ElementRun, Tables, run_elements
+from granwave.workflows.finite_elements.sphere_contact import study
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
-from granwave.workflows.finite_elements.sphere_contact.deviations import Cycle, compare_cycles, compare_loading
-from granwave.workflows.finite_elements.sphere_contact.solver import Solver
-from granwave.workflows.finite_elements.sphere_contact.study import (
-    LOADING,
-    RELOADING,
-    TOLERANCE,
-    UNLOADING,
-    History,
-    integrate,
-    make_solver,
-    yield_unit,
+from granwave.workflows.finite_elements.sphere_contact.deviations import (
+    COMPARED,
+    OF_CYCLE,
+    compare_cycles,
+    compare_loading,
+    worst,
 )
+from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere
+from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Solver
+from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, yield_unit
 
-logger = logging.getLogger("granwave")
-
-_PACKAGES = ("numpy", "numba", "scipy", "h5py", "matplotlib")
+TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
+PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
+_ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
+_AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
+_MOST_KINETIC = 0.01  # of the internal energy
+_OF_HISTORY = {"overlap": "m", "force": "N", "face_force": "N", "contact_radius": "m", "penetration": "m"}
 _ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
     "contact": "penalty",
     "input": "work",
 }
-_OF_LOADING = {
-    "overlap": "m",
-    "force": "N",
-    "contact_radius": "m",
-    "mean_pressure": "Pa",
-    "law_force": "N",
-    "law_contact_radius": "m",
-}
-_UNITS = {"peak_overlap": "m", "residual_overlap": "m", "law_residual_overlap": "m", "peak_force": "N"}
-_MOST_KINETIC = 0.01  # of the internal energy
+_OF_LOADING = {"overlap": "m", "force": "N", "contact_radius": "m", "mean_pressure": "Pa", "law_force": "N",
+               "law_contact_radius": "m"}  # fmt: skip
 
 
-def summarise(case: SphereContactCase, solver: Solver, history: History, wall_time: float) -> dict[str, Any]:
-    """Return the values of summary.json.
+class _Refused(Exception):
+    """Error of an energy balance that does not close."""
 
-    Parameters
+
+class ContactRun(ElementRun):
+    """Run of a sphere contact through loading and all cycles.
+
+    Rows of its history hold what `Solver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or `RELOADING`), the
+    number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and ``penetration`` (m).
+
+    Attributes
     ----------
-    wall_time
-        Wall time of the time integration, s.
+    profiles
+        Overlap (m) and contact at which loading passes `PROFILES`.
+    field
+        Data sets of the fields at the largest overlap.
     """
-    law, last = case.law, history.ledgers[-1]
-    loading = compare_loading(case, history)
-    summary: dict[str, Any] = {
-        "name": case.name,
-        "kind": "sphere-contact",
-        "n_bodies": len(solver.bodies),
-        "n_elements": solver.n_elements,
-        "n_steps": solver.n_steps,
-        "end_reason": history.end_reason,
-        "effective_radius_m": law.effective_radius,
-        "effective_modulus_Pa": law.effective_modulus,
-        "yield_overlap_m": law.yield_overlap,
-        "yield_force_N": law.yield_force,
-        "max_overlap_m": float(history.column("overlap").max()),
-        "max_force_N": float(history.column("force").max()),
-        "contact_radius_m": max(history.contact_radii),
-        "mean_pressure_Pa": float(loading.mean_pressure[-1]) if len(loading.mean_pressure) else math.nan,
-        **loading.worst(),
-        **_of_cycles(compare_cycles(case, history)),
-        **_quasi_static(case, history),
-        "energy_input_J": last.work,
-        "energy_elastic_J": last.elastic,
-        "energy_dissipated_J": last.plastic,
-        "energy_kinetic_J": last.kinetic,
-        "energy_hourglass_J": last.hourglass,
-        "energy_viscous_J": last.viscous,
-        "energy_damping_J": last.damping,
-        "energy_contact_J": last.penalty,
-        "energy_balance_error": _balance_error(case, history),
-        "hourglass_share": last.hourglass / last.work if last.work else math.nan,
-        "wall_time_s": wall_time,
-        "element_steps_per_s": solver.n_elements * solver.n_steps / wall_time,
-        "n_ranks": 1,
-        "versions": versions_of(_PACKAGES),
-    }
-    return summary
 
-
-def significant(case: SphereContactCase, history: History) -> NDArray[np.bool_]:
-    """Return True for entries beyond first yield (0.1 of the largest overlap if nothing yields), (n_entries,)."""
-    return history.column("overlap") >= min(yield_unit(case), 0.1 * case.max_overlap)
-
-
-def _of_cycles(cycles: list[Cycle]) -> dict[str, float]:
-    exponents = [cycle.exponent for cycle in cycles]
-    residuals = [(c.residual_overlap - c.law_residual_overlap) / c.peak_overlap for c in cycles]
-
-    def most(name: str) -> float:
-        return max((getattr(cycle, name) for cycle in cycles), default=math.nan)
-
-    return {
-        "n_unloadings": len(cycles),
-        "unloading_exponent_min": min(exponents, default=math.nan),
-        "unloading_exponent_max": max(exponents, default=math.nan),
-        "unloading_misfit_percent": 100 * most("misfit"),
-        "unloading_law_difference_percent": 100 * most("law_difference"),
-        "residual_overlap_deviation_percent_of_peak": 100 * max(residuals, key=abs, default=math.nan),
-        "reloading_difference_percent": 100 * most("reloading_difference"),
-        "unloading_plastic_share": most("plastic_share"),
-    }
-
-
-def _quasi_static(case: SphereContactCase, history: History) -> dict[str, float]:
-    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and penetrations."""
-    kept = significant(case, history)
-    loading = kept & (np.array(history.branches) == LOADING) & (history.column("force") > 0)
-    internal = history.column("elastic") + history.column("plastic")
-    difference = 100 * (history.column("face_force")[loading] / history.column("force")[loading] - 1)
-    penetrations = np.array(history.penetrations)[kept] / history.column("overlap")[kept]
-    kinetic = history.column("kinetic")[kept] / internal[kept]
-    any_loading = bool(loading.any())
-    return {
-        "kinetic_share_max": float(kinetic.max()) if len(kinetic) else math.nan,
-        "face_force_difference_max_percent": float(np.abs(difference).max()) if any_loading else math.nan,
-        "face_force_difference_rms_percent": float(np.sqrt(np.mean(difference**2))) if any_loading else math.nan,
-        "face_force_difference_mean_percent": float(np.mean(difference)) if any_loading else math.nan,
-        "penetration_share_max": float(penetrations.max()) if len(kinetic) else math.nan,
-    }
-
-
-def _balance_error(case: SphereContactCase, history: History) -> float:
-    """Return the largest error of the energy balance over the work done so far, from first yield on."""
-    kept = significant(case, history)
-    if not kept.any():
-        return math.nan
-    return float(np.abs(history.column("balance")[kept] / history.column("work")[kept]).max())
-
-
-def contact_table(case: SphereContactCase, history: History) -> dict[str, NDArray]:
-    """The columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
-    names, rows = [], []
-    branches = [(LOADING, 0, "loading")]
-    for cycle in range(1, max(history.cycles, default=0) + 1):
-        branches += [(UNLOADING, cycle, f"unloading_{cycle}"), (RELOADING, cycle, f"reloading_{cycle}")]
-    for branch, cycle, name in branches:
-        found = history.rows(branch, cycle)
-        if branch == UNLOADING and len(found):
-            found = np.concatenate([[found[0] - 1], found])  # from where it began
-        names += [name] * len(found)
-        rows.append(found)
-    order = np.concatenate(rows)
-    overlap, force = history.column("overlap")[order], history.column("force")[order]
-    radius, law = np.array(history.contact_radii)[order], case.law
-    pressure = _mean_pressure(force, radius)
-    yields = math.isfinite(law.yield_overlap)
-    nothing = np.full(len(order), math.nan)
-    return {
-        "branch": np.array(names),
-        "overlap_m": overlap,
-        "force_N": force,
-        "overlap_normalised": overlap / law.yield_overlap if yields else nothing,
-        "force_normalised": force / law.yield_force if yields else nothing,
-        "contact_radius_m": radius,
-        "mean_pressure_Pa": pressure,
-        "contact_area_normalised": radius**2 / (law.effective_radius * law.yield_overlap) if yields else nothing,
-        "mean_pressure_normalised": pressure / law.yield_strength if yields else nothing,
-        "overlap_over_effective_radius": overlap / law.effective_radius,
-    }
-
-
-def _mean_pressure(force: NDArray[np.float64], radius: NDArray[np.float64]) -> NDArray[np.float64]:
-    area = math.pi * radius**2
-    return np.divide(force, area, out=np.zeros_like(force), where=area > 0)
-
-
-def _tables(case: SphereContactCase, solver: Solver, history: History) -> Tables:
-    """Return the data sets of ``result.h5``."""
-    column, loading, cycles = history.column, compare_loading(case, history), compare_cycles(case, history)
-    force, radius, field = column("force"), np.array(history.contact_radii), history.field
-    tables: dict[str, tuple[ArrayLike, str]] = {
-        "history/branch": (np.array(history.branches, dtype=np.int32), "1"),
-        "history/cycle": (np.array(history.cycles, dtype=np.int32), "1"),
-        "history/overlap": (column("overlap"), "m"),
-        "history/force": (force, "N"),
-        "history/face_force": (column("face_force"), "N"),
-        "history/contact_radius": (radius, "m"),
-        "history/mean_pressure": (_mean_pressure(force, radius), "Pa"),
-        "history/penetration": (history.penetrations, "m"),
-        **{f"energy/{name}": (column(entry), "J") for name, entry in _ENERGIES.items()},
-        **{f"loading/{name}": (getattr(loading, name), unit) for name, unit in _OF_LOADING.items()},
-        **{f"deviation/{name}": (values, "%") for name, values in loading.deviations.items()},
-    }
-    for entry in dataclasses.fields(Cycle):
-        values = [float(getattr(cycle, entry.name)) for cycle in cycles]
-        tables[f"cycles/{entry.name}"] = values, _UNITS.get(entry.name, "1")
-    for number, (_, profile) in enumerate(history.profiles):
-        tables[f"pressure/{number}/radius"] = profile.radius, "m"
-        tables[f"pressure/{number}/pressure"] = profile.pressure, "Pa"
-    if field is not None:
-        tables["fields/position"] = field.position, "m"
-        tables["fields/elements"] = solver.elements.astype(np.int32), "1"
-        tables["fields/body"] = solver.kind.astype(np.int32), "1"
-        tables["fields/von_mises"] = field.von_mises, "Pa"
-        tables["fields/plastic_strain"] = field.plastic_strain, "1"
-    return tables
-
-
-class _Run(ElementRun):
+    KIND = "sphere-contact"
     RESULTS = (*ElementRun.RESULTS, CONTACT_TABLE)
     FINISHED = ("done",)
     UNIT = " e-folds"
+    PACKAGES = ("numpy", "numba", "scipy", "h5py", "matplotlib")
 
     def __init__(self, case: SphereContactCase) -> None:
-        self.case, self.solver, self.history = case, make_solver(case), History()
+        super().__init__(case)
+        n, core, number, speed = study.squares(case), study.core_size(case), 1 if case.identical else 2, case.run.speed
+        self.solver: Solver = Solver(
+            tuple(half_sphere(radius, core, n) for radius in case.radii[:number]),
+            tuple(Elastoplastic.of(material) for material in case.materials[:number]),
+            smoothing=study.SMOOTHING * n / speed,
+            damping=study.DAMPING / n,
+            memory=study.MEMORY * n,
+        )
+        self.profiles: list[tuple[float, Contact]] = []
+        self.field: Tables = {}
         self._unit = yield_unit(case)
+        self._fold, self._way = study.STEPS_PER_E_FOLD * n / speed, study.STEPS_PER_UNLOADING * n / speed
+        self._start = study.START * min(self._unit, case.max_overlap)
+        self._significant = min(self._unit, 0.1 * case.max_overlap)
+        self._due = [share * case.law.effective_radius for share in PROFILES]
+        self._report: Callable[[], None] = lambda: None
         self.total = self._place(case.max_overlap)
 
-    @staticmethod
-    def figures() -> ModuleType:
-        from granwave.workflows.finite_elements.sphere_contact import figures
+    def integrate(self, report: Callable[[], None] = lambda: None) -> None:
+        self._report, peaks = report, study.peaks(self.case)
+        try:
+            self._enter(LOADING, 0)
+            for cycle, peak in enumerate(peaks, start=1):
+                self._load(peak)
+                self._cycle(cycle, last=cycle == len(peaks))
+            if not len(peaks):
+                self._load(self.case.max_overlap, turns=False)
+                self._stop()
+                self._keep_field()
+        except _Refused:
+            self.end_reason = "refused"
+            return
+        self.end_reason = "done"
 
-        return figures
+    def _load(self, peak: float, *, turns: bool = True) -> None:
+        """Load until turning, or stopping, would just not exceed the overlap ``peak``."""
+        solver = self.solver
+        every = max(1, round(self._fold / _ENTRIES[0]))
+        while True:
+            back = self._unloading_rate() if turns and solver.force > 0 else 0.0
+            left = peak - solver.overlap - _overrun(solver.rate, solver.target_rate, back, solver.smoothing)
+            steps = every if solver.rate <= 0 else min(every, math.ceil(left / solver.rate))
+            if steps <= 0:
+                return
+            solver.advance(steps, self._start / self._fold, 1 / self._fold)
+            self._enter(LOADING, 0)
 
-    def integrate(self, report: Callable[[], None]) -> None:
-        integrate(self.case, self.solver, self.history, lambda _: report())
+    def _stop(self) -> None:
+        solver = self.solver
+        still = _AT_REST * solver.rate
+        while solver.rate > still:
+            solver.advance(max(1, round(self._fold / _ENTRIES[0])), 0.0)
+            self._enter(LOADING, 0)
+
+    def _cycle(self, cycle: int, *, last: bool) -> None:
+        """Unload until the contact force vanishes, and reload to the overlap at which unloading began."""
+        solver = self.solver
+        rate = self._unloading_rate()
+        every = max(1, round(self._way / _ENTRIES[1]))
+        small = max(1, every // 5)
+        while solver.rate > 0:
+            solver.advance(small, -rate)
+            self._enter(LOADING, 0)
+        peak = solver.overlap
+        if last:
+            self._keep_field()
+        while solver.force > 0:
+            solver.advance(every, -rate)
+            self._enter(UNLOADING, cycle)
+        while solver.rate < 0:
+            solver.advance(small, rate)
+            self._enter(UNLOADING, cycle)
+        while solver.overlap < peak:
+            solver.advance(every, rate)
+            self._enter(RELOADING, cycle)
+
+    def _unloading_rate(self) -> float:
+        """Return the change of overlap in a step that unloads the contact in about the set time, m."""
+        radius = max(self.solver.contact().contact_radius, 1e-12)
+        return 1.5 * self.solver.force / (2 * self.case.law.effective_modulus * radius) / self._way
+
+    def _keep_field(self) -> None:
+        solver = self.solver
+        self.overlaps["fields"] = solver.overlap
+        self.field = {
+            "fields/position": (solver.motion[0].copy(), "m"),
+            "fields/elements": (solver.elements.astype(np.int32), "1"),
+            "fields/body": (solver.kind.astype(np.int32), "1"),
+            "fields/von_mises": (solver.von_mises, "Pa"),
+            "fields/plastic_strain": (solver.state[:, STRAIN].copy(), "1"),
+        }
+
+    def _enter(self, branch: int, cycle: int) -> None:
+        ledger, contact = self.solver.ledger(), self.solver.contact()
+        radius = contact.contact_radius if ledger["force"] > 0 else 0.0
+        place = {"branch": branch, "cycle": cycle, "contact_radius": radius, "penetration": contact.penetration}
+        self.rows.append(ledger | place)
+        if branch == LOADING and self._due and ledger["overlap"] >= 0.999 * self._due[0]:
+            self.overlaps[f"pressure/{len(self.profiles)}"] = ledger["overlap"]
+            self.profiles.append((ledger["overlap"], contact))
+            self._due = [overlap for overlap in self._due if 0.999 * overlap > ledger["overlap"]]
+        self._report()
+        balanced = abs(ledger["balance"]) <= TOLERANCE * abs(ledger["work"])
+        if not balanced and not ledger["overlap"] < self._significant:
+            raise _Refused
 
     def progress(self) -> tuple[float, str]:
         """Share of the loading that is done, by the logarithm of the overlap, as its rate goes."""
-        overlap = self.history.ledgers[-1].overlap
-        return self._place(overlap), f"overlap {overlap / self._unit:.1f} alpha_y, cycle {self.history.cycles[-1]}"
+        last = self.rows[-1]
+        return self._place(
+            last["overlap"]
+        ), f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"
 
     def _place(self, overlap: float) -> float:
         return math.log1p(max(0.0, overlap) / self._unit)
 
-    def summarise(self, wall_time: float) -> dict[str, Any] | None:
-        return summarise(self.case, self.solver, self.history, wall_time) if len(self.history.ledgers) > 1 else None
+    @property
+    def history(self) -> pd.DataFrame:
+        """History with the mean pressures of the contact, Pa."""
+        found = pd.DataFrame(self.rows)
+        area = math.pi * found["contact_radius"] ** 2
+        return found.assign(mean_pressure=(found["force"] / area).where(area > 0, 0.0))
 
-    def write(self, directory: Path, summary: dict[str, Any]) -> None:
+    def values(self) -> dict[str, Any]:
+        law, last, history = self.case.law, self.rows[-1], self.history
+        loading = compare_loading(self.case, history)
+        late = history[history["overlap"] >= self._significant]
+        return {
+            "n_bodies": len(self.solver.bodies),
+            "n_elements": self.solver.n_elements,
+            "n_steps": self.solver.n_steps,
+            "end_reason": self.end_reason,
+            "effective_radius_m": law.effective_radius,
+            "effective_modulus_Pa": law.effective_modulus,
+            "yield_overlap_m": law.yield_overlap,
+            "yield_force_N": law.yield_force,
+            "max_overlap_m": history["overlap"].max(),
+            "max_force_N": history["force"].max(),
+            "contact_radius_m": history["contact_radius"].max(),
+            "mean_pressure_Pa": loading["mean_pressure"].iloc[-1] if len(loading) else math.nan,
+            **worst(self.case, loading),
+            **_of_cycles(compare_cycles(self.case, history)),
+            **_quasi_static(late),
+            "energy_input_J": last["work"],
+            "energy_elastic_J": last["elastic"],
+            "energy_dissipated_J": last["plastic"],
+            "energy_kinetic_J": last["kinetic"],
+            "energy_hourglass_J": last["hourglass"],
+            "energy_viscous_J": last["viscous"],
+            "energy_damping_J": last["damping"],
+            "energy_contact_J": last["penalty"],
+            "energy_balance_error": (late["balance"] / late["work"]).abs().max(),
+            "hourglass_share": last["hourglass"] / last["work"] if last["work"] else math.nan,
+        }
+
+    def tables(self) -> Tables:
+        history = self.history
+        loading, cycles = compare_loading(self.case, history), compare_cycles(self.case, history)
+        tables: dict[str, tuple[ArrayLike, str]] = {
+            **{f"history/{name}": (history[name].astype(np.int32), "1") for name in ("branch", "cycle")},
+            **{f"history/{name}": (history[name], unit) for name, unit in _OF_HISTORY.items()},
+            "history/mean_pressure": (history["mean_pressure"], "Pa"),
+            **{f"energy/{name}": (history[entry], "J") for name, entry in _ENERGIES.items()},
+            **{f"loading/{name}": (loading[name], unit) for name, unit in _OF_LOADING.items()},
+            **{f"deviation/{name}": (loading[f"{name}_deviation"], "%") for name in COMPARED},
+            **{f"cycles/{name}": (cycles[name], unit) for name, unit in OF_CYCLE.items()},
+        }
+        for number, (_, profile) in enumerate(self.profiles):
+            tables[f"pressure/{number}/radius"] = profile.radius, "m"
+            tables[f"pressure/{number}/pressure"] = profile.pressure, "Pa"
+        return tables | dict(self.field)
+
+    def write(self, directory: Path, summary: Mapping[str, Any]) -> None:
         with replacing(directory / CONTACT_TABLE) as scratch:
             write_csv(contact_table(self.case, self.history), scratch)
-        overlaps = {f"pressure/{number}": overlap for number, (overlap, _) in enumerate(self.history.profiles)}
-        if self.history.field is not None:
-            overlaps["fields"] = self.history.field.overlap
-        tables = _tables(self.case, self.solver, self.history)
-        write_result(directory, "sphere-contact", self.case, summary, tables, overlaps)
+        super().write(directory, summary)
         note_files(directory, [CONTACT_TABLE])
 
-    def conclude(self, directory: Path, summary: Mapping[str, Any], draw: Callable[[], None]) -> None:
-        if self.history.end_reason == "refused":
-            last = self.history.ledgers[-1]
-            raise RunError(
-                f"{self.case.name}: the energy balance is off by {100 * abs(last.balance / last.work):.3g} % of the "
-                f"work of the faces at an overlap of {last.overlap:.4g} m, at most {100 * TOLERANCE:g} % is accepted; "
-                f"what was computed is kept in {directory}. Take a smaller run.speed or run.max_overlap, or more "
-                "run.elements"
-            )
-        if (summary.get("kinetic_share_max") or 0.0) > _MOST_KINETIC:
-            logger.warning(
-                "%s: not quasi-static: the kinetic energy reaches %.2g of the internal energy, expected at most %g; "
-                "take a smaller run.speed",
-                self.case.name,
-                summary["kinetic_share_max"],
-                _MOST_KINETIC,
-            )
-        draw()
+    def warning(self, summary: Mapping[str, Any]) -> str:
+        if (summary["kinetic_share_max"] or 0.0) <= _MOST_KINETIC:
+            return ""
+        return (
+            f"not quasi-static: the kinetic energy reaches {summary['kinetic_share_max']:.2g} of the internal energy, "
+            f"expected at most {_MOST_KINETIC:g}; take a smaller run.speed"
+        )
+
+    def refusal(self) -> tuple[str, str]:
+        last = self.rows[-1]
+        return (
+            f"{100 * abs(last['balance'] / last['work']):.3g} % of the work of the faces at an overlap of "
+            f"{last['overlap']:.4g} m, at most {100 * TOLERANCE:g} %",
+            "Take a smaller run.speed or run.max_overlap, or more run.elements",
+        )
+
+
+def _overrun(rate: float, target_rate: float, back: float, smoothing: float) -> float:
+    """Return the further growth of the overlap, m, if the target is ``-back`` from now on (`kernels.advance`).
+
+    The rate is then ``(rate + back + (target_rate + back) t) exp(-t) - back``, with t in units of ``smoothing``.
+    """
+    if rate <= 0:
+        return 0.0
+    here, there = rate + back, target_rate + back
+    low, high = 0.0, 50.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if (here + there * middle) * math.exp(-middle) > back else (low, middle)
+    return smoothing * (here * (1 - math.exp(-low)) + there * (1 - (1 + low) * math.exp(-low)) - back * low)
+
+
+def _of_cycles(cycles: pd.DataFrame) -> dict[str, float]:
+    residuals = (cycles["residual_overlap"] - cycles["law_residual_overlap"]) / cycles["peak_overlap"]
+    return {
+        "n_unloadings": len(cycles),
+        "unloading_exponent_min": cycles["exponent"].min(),
+        "unloading_exponent_max": cycles["exponent"].max(),
+        "unloading_misfit_percent": 100 * cycles["misfit"].max(),
+        "unloading_law_difference_percent": 100 * cycles["law_difference"].max(),
+        "residual_overlap_deviation_percent_of_peak": 100 * max(residuals, key=abs, default=math.nan),
+        "reloading_difference_percent": 100 * cycles["reloading_difference"].max(),
+        "unloading_plastic_share": cycles["plastic_share"].max(),
+    }
+
+
+def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
+    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and penetrations."""
+    loading = late[(late["branch"] == LOADING) & (late["force"] > 0)]
+    difference = 100 * (loading["face_force"] / loading["force"] - 1)
+    return {
+        "kinetic_share_max": (late["kinetic"] / (late["elastic"] + late["plastic"])).max(),
+        "face_force_difference_max_percent": difference.abs().max(),
+        "face_force_difference_rms_percent": np.sqrt((difference**2).mean()),
+        "face_force_difference_mean_percent": difference.mean(),
+        "penetration_share_max": (late["penetration"] / late["overlap"]).max(),
+    }
+
+
+def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, NDArray]:
+    """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
+    down = history["branch"] == UNLOADING
+    first = history[down & (history["branch"].shift() == LOADING)]
+    begun = history.loc[first.index - 1].assign(branch=UNLOADING, cycle=first["cycle"].to_numpy())  # where it began
+    ordered = pd.concat([begun, history]).sort_values(["cycle", "branch"], kind="stable")
+    names = [f"{('loading', 'unloading', 'reloading')[branch]}_{cycle}" if cycle else "loading"
+             for branch, cycle in zip(ordered["branch"], ordered["cycle"], strict=True)]  # fmt: skip
+    overlap, force, radius, pressure = (
+        ordered[name].to_numpy() for name in ("overlap", "force", "contact_radius", "mean_pressure")
+    )
+    law = case.law
+    yields = 1.0 if math.isfinite(law.yield_overlap) else math.nan  # what scales with yield is empty without it
+    return {
+        "branch": np.array(names),
+        "overlap_m": overlap,
+        "force_N": force,
+        "overlap_normalised": yields * overlap / law.yield_overlap,
+        "force_normalised": yields * force / law.yield_force,
+        "contact_radius_m": radius,
+        "mean_pressure_Pa": pressure,
+        "contact_area_normalised": yields * radius**2 / (law.effective_radius * law.yield_overlap),
+        "mean_pressure_normalised": yields * pressure / law.yield_strength,
+        "overlap_over_effective_radius": overlap / law.effective_radius,
+    }
 
 
 #: Run a study, as `run_elements` does; leaves contact.csv besides.
-run_sphere_contact = partial(run_elements, _Run)
+run_sphere_contact = partial(run_elements, ContactRun)

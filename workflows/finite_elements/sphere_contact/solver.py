@@ -43,29 +43,6 @@ Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True)
-class Ledger:
-    """Present overlap (m), forces (N), energies and work (J) of both spheres together."""
-
-    overlap: float
-    force: float
-    face_force: float
-    kinetic: float
-    elastic: float
-    plastic: float
-    hourglass: float
-    viscous: float
-    damping: float
-    penalty: float
-    work: float
-
-    @property
-    def balance(self) -> float:
-        """Sum of all energies minus the work of the faces, J."""
-        stored = self.kinetic + self.elastic + self.penalty + self.hourglass
-        return stored + self.plastic + self.viscous + self.damping - self.work
-
-
-@dataclasses.dataclass(frozen=True)
 class Contact:
     """Contact along the surface of the first sphere.
 
@@ -202,24 +179,30 @@ class Solver:
             if self.n_steps % _REFRESH == 0:
                 self._set_masses()
 
-    def ledger(self) -> Ledger:
-        """Return the present forces and energies."""
+    def ledger(self) -> dict[str, float]:
+        """Return the present overlap (m), forces (N), energies and work (J) of both spheres together, by name.
+
+        ``balance`` is the sum of all energies minus the work of the faces.
+        """
         elastic, plastic = kernels.stored(self.motion[0], self.elements, self.kind, self._constants, self.state)
         both, tally = 1 / self._halves, self.tally
-        face = self.bodies[0].face
-        return Ledger(
-            overlap=self.overlap,
-            force=self.force,
-            face_force=-float(self.motion[2, face, 1].sum()),
-            kinetic=both * tally[kernels.KINETIC],
-            elastic=both * elastic,
-            plastic=both * plastic,
-            hourglass=both * tally[kernels.HOURGLASS],
-            viscous=both * tally[kernels.VISCOUS],
-            damping=both * tally[kernels.DAMPING],
-            penalty=both * tally[kernels.PENALTY],
-            work=both * tally[kernels.WORK],
-        )
+        energies = {
+            "kinetic": both * tally[kernels.KINETIC],
+            "elastic": both * elastic,
+            "penalty": both * tally[kernels.PENALTY],
+            "hourglass": both * tally[kernels.HOURGLASS],
+            "plastic": both * plastic,
+            "viscous": both * tally[kernels.VISCOUS],
+            "damping": both * tally[kernels.DAMPING],
+        }
+        work = both * tally[kernels.WORK]
+        return energies | {
+            "overlap": self.overlap,
+            "force": self.force,
+            "face_force": -float(self.motion[2, self.bodies[0].face, 1].sum()),
+            "work": work,
+            "balance": sum(energies.values()) - work,
+        }
 
     def contact(self) -> Contact:
         """Return the present contact."""
