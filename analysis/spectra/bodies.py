@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, no_supports
-from granwave.analysis.spectra.pair_laws import PairLaws, Part
+from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, across, joined
+from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 
 if TYPE_CHECKING:
@@ -21,6 +21,33 @@ if TYPE_CHECKING:
 _OF_SPHERE, _OF_CYLINDER = 0.4, 0.5  # moments of inertia over m R^2, the second about the axis
 _NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
 _UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what the search for balance left
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs of grains near each other, each once.
+
+    Attributes
+    ----------
+    first, second, image, normal, turns
+        As in `Springs`.
+    distance, overlap
+        Distances that overlaps count from, and overlaps: (n,), m.
+    radii
+        Radii of both grains: (n, 2), m.
+    shift
+        Vectors between their cells before the load: (n, 3), m.
+    """
+
+    first: Ints
+    second: Ints
+    image: Ints
+    normal: Array
+    turns: Array | None
+    distance: Array
+    overlap: Array
+    radii: Array
+    shift: Array
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -71,58 +98,64 @@ class Bodies:
         factor = np.array([_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes])[self.kind]
         return np.asarray(factor * self.mass * self.radius**2)
 
-    def at_wall(self, wall: Wall, position: Array, gap: float) -> Ints:
-        """Find the rows of the grains whose gap to a wall is less than ``gap``, m.
+    def at_walls(self, position: Array, gap: float) -> Iterator[tuple[Wall, Ints, Array, Array]]:
+        """Give each wall with the rows of the grains whose gap to it is less than ``gap``, m, overlaps and normals.
 
-        The ends of cylinders do not touch.
+        Overlaps are (n,), m, and unit vectors to the wall (n, 3). The ends of cylinders do not touch.
         """
-        near = wall.gaps(position, self.radius) < gap
-        if wall.name in self.touched:
-            near &= self.touched[wall.name]
-        if self.laws.has_cylinders and not wall.tube:
-            ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
-            near &= ~np.array(ends)[self.kind]
-        return np.flatnonzero(near)
+        for wall in self.walls:
+            if wall.held_layer:
+                continue
+            gaps = wall.gaps(position, self.radius)
+            near = gaps < gap
+            if wall.name in self.touched:
+                near &= self.touched[wall.name]
+            if self.laws.has_cylinders and not wall.tube:
+                ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
+                near &= ~np.array(ends)[self.kind]
+            rows = np.flatnonzero(near)
+            normal = np.zeros((len(rows), 3))
+            if wall.tube:
+                reach = np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
+                normal[:, :2] = position[rows, :2] / reach[:, None]
+            else:
+                normal[:, wall.axis] = wall.outward
+            yield wall, rows, -gaps[rows], normal
 
-    def separations(self, first: Ints, second: Ints, step: Array) -> tuple[Array, NDArray[np.bool_], Array | None]:
-        """Return how pairs of rows are apart, from vectors between their centres (n, 3), m.
+    def pairs(
+        self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
+    ) -> tuple[Pairs, NDArray[np.bool_]]:
+        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where nothing touches.
 
-        Returns
-        -------
-        apart
-            Vectors from the first to the second whose lengths are the distances that overlaps count from: (n, 3), m.
-        beyond
-            True where the nearest places are beyond the end of a cylinder, and nothing touches: (n,).
-        turns
-            As in `Springs`.
+        That is where the nearest places are beyond the end of a cylinder. Distances may be given: (n,), m.
         """
-        if not self.laws.has_cylinders:
-            return step, np.zeros(len(first), dtype=bool), None
-        apart, turns = np.empty_like(step), np.empty((len(first), 3, 3))
-        beyond = np.zeros(len(first), dtype=bool)
-        shapes = self.laws.shapes
-        code = self.kind[first] * len(shapes) + self.kind[second]
-        for each in np.unique(code).tolist():
-            rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
-            apart[rows], past = nearest_vectors(step[rows], *pair)
-            beyond[rows] = past > -_NEGLIGIBLE * self.spacing
-            normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
-            turns[rows] = turning_projection(normal, *pair)
-        return apart, beyond, turns
+        apart, turns, beyond = step, None, np.zeros(len(first), dtype=bool)
+        if self.laws.has_cylinders:
+            apart, turns = np.empty_like(step), np.empty((len(first), 3, 3))
+            shapes = self.laws.shapes
+            code = self.kind[first] * len(shapes) + self.kind[second]
+            for each in np.unique(code).tolist():
+                rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
+                apart[rows], past = nearest_vectors(step[rows], *pair)
+                beyond[rows] = past > -_NEGLIGIBLE * self.spacing
+                normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
+                turns[rows] = turning_projection(normal, *pair)
+        distance = np.linalg.norm(apart, axis=1)
+        radii = np.stack([self.radius[first], self.radius[second]], axis=1)
+        if lengths is not None:
+            apart, distance = apart * (lengths / distance)[:, None], lengths
+        with np.errstate(invalid="ignore"):
+            normal = apart / distance[:, None]
+        overlap = radii.sum(axis=1) - distance
+        return Pairs(first, second, image, normal, turns, distance, overlap, radii, image @ self.periods), beyond
 
     @property
     def spacing(self) -> float:
         """Mean diameter, m."""
         return float(2 * self.radius.mean())
 
-    def near(self, position: Array, periods: Array, gap: float) -> tuple[Ints, Ints, Ints]:
-        """Find the pairs of grains whose surfaces are at most ``gap`` apart, m.
-
-        Returns
-        -------
-        first, second, image
-            As in `Springs`; each pair once.
-        """
+    def near(self, position: Array, periods: Array, gap: float) -> Pairs:
+        """Find the pairs of grains whose surfaces are at most ``gap`` apart, m."""
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
         half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
@@ -141,12 +174,8 @@ class Bodies:
             first, second = np.asarray(table.row, dtype=np.int64), inside[table.col]
             found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
         first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
-        step = position[second] + shifts @ periods - position[first] if len(periods) else (
-            position[second] - position[first]
-        )  # fmt: skip
-        apart, beyond, _ = self.separations(first, second, step)
-        close = (np.linalg.norm(apart, axis=1) - self.radius[first] - self.radius[second] <= gap) & ~beyond
-        return first[close], second[close], shifts[close]
+        near, beyond = self.pairs(first, second, shifts, position[second] - position[first] + shifts @ periods)
+        return joined([near], (-near.overlap <= gap) & ~beyond)
 
     def network(
         self, position: Array, periods: Array, peak: Callable[[Ints, Ints], Array] | None = None,
@@ -164,92 +193,45 @@ class Bodies:
             Functions that give the largest overlaps so far, m, of pairs of rows, and of rows at a wall; by default
             those of the state.
         """
-        slack = _NEGLIGIBLE * self.spacing
-        first, second, image = self.near(position, periods, -slack)
-        step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
-        apart, _, turns = self.separations(first, second, step)
-        springs = self.springs(first, second, image, apart, turns, None if peak is None else peak(first, second))
-        force, stiffness = springs.force, springs.stiffness
-        supports = self._supports(position, wall_peak)
-        largest = max(force.max(initial=0.0), supports.force.max(initial=0.0))
-        network = Network(
-            self.ids,
-            self.position,
-            self.mass,
-            self.inertia,
-            self.moves,
-            self.periods,
-            springs.where((force > _UNLOADED * largest) & (stiffness > 0)),
-            supports.where((supports.force > _UNLOADED * largest) & (supports.stiffness > 0)),
-        )
-        return network.without_idle()
+        slack = -_NEGLIGIBLE * self.spacing
+        near = self.near(position, periods, slack)
+        springs = self.springs(near, None if peak is None else peak(near.first, near.second))
+        supports = self._supports(position, slack, wall_peak)
+        least = _UNLOADED * max(springs.force.max(initial=0.0), supports.force.max(initial=0.0))
+        springs = joined([springs], (springs.force > least) & (springs.stiffness > 0))
+        return self.with_springs(springs, joined([supports], (supports.force > least) & (supports.stiffness > 0)))
 
-    def springs(
-        self, first: Ints, second: Ints, image: Ints, apart: Array, turns: Array | None, peak: Array | None = None
-    ) -> Springs:
-        """Return the springs of pairs of rows.
+    def with_springs(self, springs: Springs, supports: Supports) -> Network:
+        """Return the network of these contacts, without grains that nothing touches."""
+        given = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
+        return Network(*given, springs, supports).without_idle()
 
-        Parameters
-        ----------
-        image
-            As in `Springs`.
-        apart, turns
-            As `separations` returns them.
-        peak
-            Largest overlaps so far: (n,), m; by default those of the state.
-        """
-        distance = np.linalg.norm(apart, axis=1)
-        radii = np.stack([self.radius[first], self.radius[second]], axis=1)
-        overlap = radii.sum(axis=1) - distance
-        most = overlap if peak is None else np.maximum(overlap, peak)
-        laws = self.laws.pairs(self.kind[first], self.kind[second], radii)
-        force, stiffness, tangential = _small(laws, overlap, most)
+    def springs(self, pairs: Pairs, peak: Array | None = None) -> Springs:
+        """Return the springs of pairs; ``peak`` are the largest overlaps so far, (n,), m, by default those now."""
+        most = pairs.overlap if peak is None else np.maximum(pairs.overlap, peak)
+        force, stiffness, tangential = np.zeros((3, len(most)))
+        for law, rows, scale in self.laws.pairs(self.kind[pairs.first], self.kind[pairs.second], pairs.radii):
+            force[rows], stiffness[rows], tangential[rows] = law.small(pairs.overlap[rows], most[rows], scale)
         return Springs(
-            first, second, image, apart / distance[:, None], distance, force, stiffness, tangential,
-            radii - overlap[:, None] / 2, turns,
+            pairs.first, pairs.second, pairs.image, pairs.normal, pairs.distance, force, stiffness, tangential,
+            pairs.radii - pairs.overlap[:, None] / 2, across(pairs.normal) if pairs.turns is None else pairs.turns,
         )  # fmt: skip
 
-    def _supports(self, position: Array, wall_peak: Callable[[str, Ints], Array] | None) -> Supports:
-        slack, tables = _NEGLIGIBLE * self.spacing, []
-        for wall in self.walls:
-            if wall.held_layer:
-                continue
-            grain = self.at_wall(wall, position, -slack)
-            overlap = -wall.gaps(position[grain], self.radius[grain])
+    def _supports(self, position: Array, gap: float, wall_peak: Callable[[str, Ints], Array] | None) -> Supports:
+        tables = [Supports.none()]
+        for wall, grain, overlap, normal in self.at_walls(position, gap):
             most = overlap if wall_peak is None else np.maximum(overlap, wall_peak(wall.name, grain))
-            force, stiffness, tangential = _small(
-                self.laws.wall(wall, self.kind[grain], self.radius[grain]), overlap, most
-            )
-            normal = np.zeros((len(grain), 3))
-            around, turning = np.zeros((len(grain), 3)), np.zeros(len(grain))
+            force, stiffness, tangential, turning = np.zeros((4, len(grain)))
+            for law, rows, scale in self.laws.wall(wall, self.kind[grain], self.radius[grain]):
+                force[rows], stiffness[rows], tangential[rows] = law.small(overlap[rows], most[rows], scale)
+            around = np.zeros_like(normal)
             if wall.tube:
-                reach = np.hypot(*position[grain].T[:2])
-                normal[:, :2] = position[grain, :2] / reach[:, None]
                 around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
-                turning = force / reach
-            else:
-                normal[:, wall.axis] = wall.outward
-            tables.append(
-                Supports(
-                    grain, np.full(len(grain), wall.name, dtype=object), normal, force, stiffness, tangential,
-                    self.radius[grain] - overlap / 2, turning, around,
-                )
-            )  # fmt: skip
-        if not tables:
-            return no_supports()
-        return Supports(
-            **{
-                field.name: np.concatenate([getattr(table, field.name) for table in tables])
-                for field in dataclasses.fields(Supports)
-            }
-        )
-
-
-def _small(laws: Sequence[Part], overlap: Array, peak: Array) -> tuple[Array, Array, Array]:
-    found = np.zeros((3, len(overlap)))
-    for law, rows, scale in laws:
-        found[:, rows] = law.small(overlap[rows], peak[rows], scale)
-    return found[0], found[1], found[2]
+                turning = force / np.hypot(*position[grain].T[:2])
+            names = np.full(len(grain), wall.name, dtype=object)
+            lever = self.radius[grain] - overlap / 2
+            tables.append(Supports(grain, names, normal, force, stiffness, tangential, lever, turning, around))
+        return joined(tables)
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:

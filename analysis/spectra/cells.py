@@ -12,7 +12,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +36,13 @@ _ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z u
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class UnitCell:
-    """Grains of a unit cell, as rows of the packing that they are taken from.
+class UnitCell(NamedTuple):
+    """Grains of a unit cell.
 
     Attributes
     ----------
     rows
-        Rows of the packing: (n,).
+        Rows of the packing that they are taken from: (n,).
     periods
         Vectors after which it repeats: (n_periods, 3), m.
     """
@@ -110,7 +109,12 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat")
     endless = case.boundary.bottom == "periodic"
     if not isinstance(lattice, Lattice):
-        return _of_file(assembly)
+        if case.packing.cell is None:
+            raise InputError(
+                f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the vectors after which "
+                "they do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
+            )
+        return UnitCell(np.arange(n), np.array(case.packing.cell))
     if lattice.kind == "chain":
         return _of_chain(assembly, endless=endless)
     if assembly.sites is None and not holds_some(case):
@@ -167,17 +171,6 @@ def holds_some(case: Case) -> bool:
     return any(hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size) for hold in case.holds.values())
 
 
-def _of_file(assembly: Assembly) -> UnitCell:
-    case = assembly.case
-    cell = case.packing.cell
-    if cell is None:
-        raise InputError(
-            f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the vectors after which they "
-            "do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
-        )
-    return UnitCell(np.arange(assembly.lattice.n_spheres), np.array(cell))
-
-
 def cell_bodies(case: Case) -> Bodies:
     """Return the grains of the unit cell of a case, with their loads.
 
@@ -206,7 +199,7 @@ def cell_bodies(case: Case) -> Bodies:
         walls=planes if lattice_walls else (),
         dead_load=np.zeros_like(base.dead_load),
         stress=_stress(assembly, cell),
-        moves=base.moves & _moving(assembly.lattice.rule.axes or "xyz", case),
+        moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
     if lattice_walls:
         _refuse_overlaps(bodies)
@@ -221,20 +214,19 @@ def _refuse_overlaps(bodies: Bodies) -> None:
             f"{bodies.case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
             f"diameter of {2 * largest:.3g} m, which its own image would lie in; give larger periods (m)"
         )
-    first, second, image = bodies.near(bodies.position, bodies.periods, 0.0)
-    step, _, _ = bodies.separations(
-        first, second, bodies.position[second] - bodies.position[first] + image @ bodies.periods
-    )
-    radii = bodies.radius[first], bodies.radius[second]
-    share = (sum(radii) - np.linalg.norm(step, axis=1)) * (1 / radii[0] + 1 / radii[1])
+    near = bodies.near(bodies.position, bodies.periods, 0.0)
+    share = near.overlap * (1 / near.radii).sum(axis=1)
     if not len(share) or share.max() <= LARGEST:
         return
     worst = int(np.argmax(share))
-    i, j, of = bodies.ids[first[worst]], bodies.ids[second[worst]], "an image of " * bool(image[worst].any())
-    overlap = share[worst] / (1 / radii[0][worst] + 1 / radii[1][worst])
+    i, j, of = (
+        bodies.ids[near.first[worst]],
+        bodies.ids[near.second[worst]],
+        "an image of " * bool(near.image[worst].any()),
+    )
     raise InputError(
         f"{bodies.case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
-        f"{overlap:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
+        f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
     )
 
 
@@ -257,7 +249,7 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
             held[chosen, "xyz".index(axis)] = True
         if entry.rotation:
             held[chosen, 3:] = True
-    moves = ~held & _moving("xyz", case)
+    moves = ~held & moving("xyz", case)
     part = slice(None) if rows is None else rows
     position = assembly.positions()[inside][part]
     around = walls(assembly)
@@ -300,7 +292,7 @@ def _no_turns(shapes: Sequence[Shape], case: Case) -> NDArray[np.bool_]:
     return found
 
 
-def _moving(directions: str, case: Case) -> NDArray[np.bool_]:
+def moving(directions: str, case: Case) -> NDArray[np.bool_]:
     """Degrees of freedom: those directions; with friction, rotations that contacts along them resist."""
     there = [axis in directions for axis in "xyz"]
     turns = [case.has_friction and sum(there) - there[axis] > 1 for axis in range(3)]
@@ -309,11 +301,10 @@ def _moving(directions: str, case: Case) -> NDArray[np.bool_]:
 
 def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
-    case, stage = assembly.case, assembly.case.precompression
-    if stage is None:
-        return {}
-    n_periods = len(cell.periods)
-    along_z = float(np.abs(cell.periods[:, 2]).max())
+    case, stage, lattice = assembly.case, assembly.case.precompression, assembly.lattice
+    assert stage is not None
+    n_periods, lengths = len(cell.periods), np.abs(cell.periods).max(axis=0)
+    along_z = float(lengths[2])
     if stage.moves_walls:
         if stage.force is None:
             return {}
@@ -323,35 +314,34 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
                 "repeat along z alone, expected one that does"
             )
         return {(2, 2): stage.force * along_z}
+    volume = 0.0
     if n_periods == 3:
         volume = abs(float(np.linalg.det(cell.periods)))
     elif n_periods == 2:
-        volume = float(np.linalg.norm(np.cross(*cell.periods))) * assembly.lattice.diameter
-    else:
-        volume = 0.0
-    if stage.kind == "uniaxial":
-        if along_z == 0:
-            raise InputError(f'{case.name}: precompression.kind: found "uniaxial", but the packing ends along z')
-        if stage.force is not None:
-            spheres = len(cell.rows) if isinstance(assembly.lattice, Lattice) and n_periods == 3 else 1
-            if n_periods == 1:
-                return {(2, 2): stage.force * along_z}
-            if assembly.sites is None and isinstance(assembly.lattice, Lattice):
-                # a force on each sphere of a layer, of which the cell has one in each of its layers
-                return {(2, 2): stage.force * spheres * assembly.lattice.rule.layer_spacing * case.packing.diameter}
-            if isinstance(assembly.lattice, Lattice):
-                nx, ny, _ = assembly.lattice.shape
-                return {(2, 2): stage.force * nx * ny * along_z}
+        volume = float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
+    load = (stage.pressure or 0.0) * volume
+    if stage.kind != "uniaxial":
+        if n_periods == 1:
             raise InputError(
-                f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
-                "expected precompression.pressure (Pa)"
+                f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"'
             )
+        axes = np.flatnonzero(lengths > 0).tolist()
+        return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}
+    if along_z == 0:
+        raise InputError(f'{case.name}: precompression.kind: found "uniaxial", but the packing ends along z')
+    if stage.force is None:
         if n_periods == 1:
             raise InputError(f"{case.name}: precompression.pressure: found a pressure on a row, expected a force (N)")
-        return {(2, 2): (stage.pressure or 0.0) * volume}
+        return {(2, 2): load}
     if n_periods == 1:
-        raise InputError(f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"')
-    axes = [axis for axis in range(3) if np.abs(cell.periods[:, axis]).max() > 0]
-    load = (stage.pressure or 0.0) * volume
-    found = {(axis, axis): load for axis in axes}
-    return found | {pair: 0.0 for pair in itertools.combinations(axes, 2)}
+        return {(2, 2): stage.force * along_z}
+    if not isinstance(lattice, Lattice):
+        raise InputError(
+            f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
+            "expected precompression.pressure (Pa)"
+        )
+    if assembly.sites is None:  # a force on each sphere of a layer, of which the cell has one in each of its layers
+        spheres = len(cell.rows) if n_periods == 3 else 1
+        return {(2, 2): stage.force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
+    nx, ny, _ = lattice.shape
+    return {(2, 2): stage.force * nx * ny * along_z}

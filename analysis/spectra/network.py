@@ -16,13 +16,16 @@ The numbers may come from a packing (`granwave.analysis.spectra.packing`), or fr
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+_Table = TypeVar("_Table", bound=Any)
 
 FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")  # displacements and rotations of a grain
 
@@ -48,7 +51,7 @@ class Springs:
     lever
         Lever arms of both grains: (n, 2), m.
     turns
-        Projections T, see the module: (n, 3, 3); None: all contacts are of spheres.
+        Projections T, see the module; of spheres as of `across`: (n, 3, 3).
     """
 
     first: Ints
@@ -60,23 +63,10 @@ class Springs:
     stiffness: Array
     tangential: Array
     lever: Array
-    turns: Array | None = None
+    turns: Array
 
     def __len__(self) -> int:
         return len(self.first)
-
-    def where(self, kept: NDArray[np.bool_]) -> Springs:
-        """Return the contacts that are kept, (n,)."""
-        values: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        rows: dict[str, Any] = {name: None if value is None else value[kept] for name, value in values.items()}
-        return Springs(**rows)
-
-    @property
-    def turning(self) -> Array:
-        """Projections T on the motions that turn a contact: (n, 3, 3)."""
-        if self.turns is not None:
-            return self.turns
-        return np.asarray(np.eye(3) - self.normal[:, :, None] * self.normal[:, None, :])
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -113,16 +103,24 @@ class Supports:
     def __len__(self) -> int:
         return len(self.grain)
 
-    def where(self, kept: NDArray[np.bool_]) -> Supports:
-        """Return the contacts that are kept, (n,)."""
-        return Supports(**{field.name: getattr(self, field.name)[kept] for field in dataclasses.fields(self)})
+    @classmethod
+    def none(cls) -> Supports:
+        """Return an empty table."""
+        none, vectors, names = np.empty(0), np.empty((0, 3)), np.empty(0, dtype=object)
+        return cls(np.empty(0, dtype=np.int64), names, vectors, none, none, none, none, none, vectors)
 
 
-def no_supports() -> Supports:
-    """Return an empty table of contacts with walls."""
-    none, vectors = np.empty(0), np.empty((0, 3))
-    rows, words = np.empty(0, dtype=np.int64), np.empty(0, dtype=object)
-    return Supports(rows, words, vectors, none, none, none, none, none, vectors)
+def across(normal: Array) -> Array:
+    """Return the projections 1 - e e across unit vectors (n, 3): (n, 3, 3)."""
+    return np.asarray(np.eye(3) - normal[:, :, None] * normal[:, None, :])
+
+
+def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
+    """Put tables of arrays below each other, and return the rows that are kept."""
+    names = [field.name for field in dataclasses.fields(tables[0])]
+    columns: dict[str, Any] = {name: [getattr(table, name) for table in tables] for name in names}
+    whole = {name: None if parts[0] is None else np.concatenate(parts)[kept] for name, parts in columns.items()}
+    return type(tables[0])(**whole)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -154,7 +152,7 @@ class Network:
     moves: NDArray[np.bool_]
     periods: Array
     springs: Springs
-    supports: Supports = dataclasses.field(default_factory=no_supports)
+    supports: Supports = dataclasses.field(default_factory=Supports.none)
     left_out: Ints = dataclasses.field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     @property
@@ -167,6 +165,11 @@ class Network:
         """Row of the grain and direction (a place in `FREEDOMS`) of each degree of freedom: (n_freedoms,) each."""
         grain, direction = np.nonzero(self.moves)
         return grain, direction
+
+    @property
+    def numbers(self) -> Ints:
+        """Number of the degree of freedom of each grain and direction, -1 where it does not move: (n, 6)."""
+        return np.where(self.moves, np.cumsum(self.moves).reshape(self.moves.shape) - 1, -1)
 
     @property
     def n_freedoms(self) -> int:
@@ -193,16 +196,13 @@ class Network:
         if present.all():
             return self
         row = np.cumsum(present) - 1
-        springs = self.springs.where(present[self.springs.first] & present[self.springs.second])
-        supports = self.supports.where(present[self.supports.grain])
-        return Network(
-            self.ids[present],
-            self.position[present],
-            self.mass[present],
-            self.inertia[present],
-            self.moves[present],
-            self.periods,
-            dataclasses.replace(springs, first=row[springs.first], second=row[springs.second]),
-            dataclasses.replace(supports, grain=row[supports.grain]),
-            np.concatenate([self.left_out, self.ids[~present]]),
+        springs = joined([self.springs], present[self.springs.first] & present[self.springs.second])
+        supports = joined([self.supports], present[self.supports.grain])
+        own = {name: getattr(self, name)[present] for name in ("ids", "position", "mass", "inertia", "moves")}
+        return dataclasses.replace(
+            self,
+            **own,
+            springs=dataclasses.replace(springs, first=row[springs.first], second=row[springs.second]),
+            supports=dataclasses.replace(supports, grain=row[supports.grain]),
+            left_out=np.concatenate([self.left_out, self.ids[~present]]),
         )

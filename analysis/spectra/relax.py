@@ -16,14 +16,13 @@ from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
-from granwave.analysis.spectra.bodies import Bodies
-from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.bodies import Bodies, Pairs
+from granwave.analysis.spectra.network import Array, Ints, across
 from granwave.analysis.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.walls import Wall
 
 _MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 _ROUNDS = 200
@@ -103,27 +102,21 @@ class _Problem:
         """Evaluate the energy."""
         bodies = self.bodies
         position, periods = self.state(x)
-        first, second, image = bodies.near(position, periods, _MARGIN * bodies.spacing)
-        step = position[second] - position[first] + (image @ periods if len(periods) else 0.0)
-        apart, _, turns = bodies.separations(first, second, step)
-        distance = np.linalg.norm(apart, axis=1)
-        normal = apart / distance[:, None]
-        radii = np.stack([bodies.radius[first], bodies.radius[second]], axis=1)
-        overlap = radii.sum(axis=1) - distance
-        values = np.zeros((3, len(first)))
-        for law, rows, scale in bodies.laws.pairs(bodies.kind[first], bodies.kind[second], radii):
-            values[:, rows] = law.evaluate(overlap[rows], scale)
-        shifts = image @ bodies.periods if len(periods) else np.zeros((len(first), 3))
-        stretch = self._stretch(first, second, normal, shifts)
-        tables = [(values, stretch)]
+        pairs = bodies.near(position, periods, _MARGIN * bodies.spacing)
+        values = np.zeros((3, len(pairs.first)))
+        for law, rows, scale in bodies.laws.pairs(bodies.kind[pairs.first], bodies.kind[pairs.second], pairs.radii):
+            values[:, rows] = law.evaluate(pairs.overlap[rows], scale)
+        tables = [(values, self._stretch(pairs, pairs.normal))]
         turning = []
         if self.with_turning:
-            across = np.eye(3) - normal[:, :, None] * normal[:, None, :] if turns is None else turns
-            weight = -values[0] / distance
-            turning = [(weight, self._stretch(first, second, across[:, axis], shifts)) for axis in range(3)]
-        for wall in bodies.walls:
-            if not wall.held_layer:
-                tables.append(self._at_wall(wall, position))
+            turns = across(pairs.normal) if pairs.turns is None else pairs.turns
+            weight = -values[0] / pairs.distance
+            turning = [(weight, self._stretch(pairs, turns[:, axis])) for axis in range(3)]
+        for wall, grain, overlap, normal in bodies.at_walls(position, _MARGIN * bodies.spacing):
+            values = np.zeros((3, len(grain)))
+            for law, rows, scale in bodies.laws.wall(wall, bodies.kind[grain], bodies.radius[grain]):
+                values[:, rows] = law.evaluate(overlap[rows], scale)
+            tables.append((values, self._approach(grain, normal)))
         energy, gradient = 0.0, np.zeros(self.n)
         largest, stiffest = 0.0, 0.0
         for (force, slope, work), rows in tables:
@@ -143,7 +136,7 @@ class _Problem:
             largest,
             _ROUNDING * stiffest * np.finfo(float).eps * span,
             turning,
-            (first, second),
+            (pairs.first, pairs.second),
         )
 
     def largest_approach(self, now: _At, move: Array) -> float:
@@ -159,54 +152,30 @@ class _Problem:
         bodies = self.bodies
         stiffness = static_stiffness(assemble(bodies.case))
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
-        first, second, image = bodies.near(bodies.position, bodies.periods, gap)
-        shifts = image @ bodies.periods if len(bodies.periods) else np.zeros((len(first), 3))
-        step, _, _ = bodies.separations(first, second, bodies.position[second] + shifts - bodies.position[first])
-        tables = [self._stretch(first, second, step / np.linalg.norm(step, axis=1)[:, None], shifts)]
-        tables += [self._at_wall(wall, bodies.position)[1] for wall in bodies.walls if not wall.held_layer]
+        pairs = bodies.near(bodies.position, bodies.periods, gap)
+        tables = [self._stretch(pairs, pairs.normal)]
+        walls = bodies.at_walls(bodies.position, _MARGIN * bodies.spacing)
+        tables += [self._approach(grain, normal) for _, grain, _, normal in walls]
         gradient = np.zeros(self.n)
         gradient[: self.n_motions] = -bodies.dead_load[self.free]
         even = [(np.full(rows.shape[0], stiffness), rows) for rows in tables]
         return _move(_At(0.0, gradient, even, 0.0, 0.0))
 
-    def _stretch(self, first: Ints, second: Ints, normal: Array, shifts: Array) -> sparse.csr_array:
-        """Derivatives of the distances by the unknowns: (n_contacts, n)."""
-        n = len(first)
-        rows, columns, values = [], [], []
-        for grains, sign in ((first, -1.0), (second, 1.0)):
-            number = self.number[grains]
-            kept = number >= 0
-            rows.append(np.repeat(np.arange(n), 3).reshape(n, 3)[kept])
-            columns.append(number[kept])
-            values.append(sign * normal[kept])
-        for place, (a, b) in enumerate(self.strains, start=self.n_motions):
-            part = normal[:, a] * shifts[:, b] + (normal[:, b] * shifts[:, a] if a != b else 0.0)
-            rows.append(np.arange(n))
-            columns.append(np.full(n, place))
-            values.append(part)
-        where = (np.concatenate(rows), np.concatenate(columns))
-        return sparse.coo_array((np.concatenate(values), where), shape=(n, self.n)).tocsr()
+    def _stretch(self, pairs: Pairs, direction: Array) -> sparse.csr_array:
+        """Derivatives by the unknowns of how far pairs are apart along directions (n, 3): (n, n_unknowns)."""
+        moved = self._approach(pairs.first, direction) - self._approach(pairs.second, direction)
+        strained = np.zeros((len(direction), len(self.strains)))
+        for place, (a, b) in enumerate(self.strains):
+            strained[:, place] = direction[:, a] * pairs.shift[:, b]
+            strained[:, place] += direction[:, b] * pairs.shift[:, a] if a != b else 0.0
+        return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained]))
 
-    def _at_wall(self, wall: Wall, position: Array) -> tuple[Array, sparse.csr_array]:
-        """Force, slope and work of the contacts with a wall, and the derivatives of their distances."""
-        bodies = self.bodies
-        gaps = wall.gaps(position, bodies.radius)
-        grain = bodies.at_wall(wall, position, _MARGIN * bodies.spacing)
-        values = np.zeros((3, len(grain)))
-        for law, rows, scale in bodies.laws.wall(wall, bodies.kind[grain], bodies.radius[grain]):
-            values[:, rows] = law.evaluate(-gaps[grain[rows]], scale)
-        outward = np.zeros((len(grain), 3))
-        if wall.tube:
-            reach = np.maximum(np.hypot(*position[grain].T[:2]), 1e-300)
-            outward[:, :2] = position[grain, :2] / reach[:, None]
-        else:
-            outward[:, wall.axis] = wall.outward
+    def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
+        """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n, n_unknowns)."""
         number = self.number[grain]
         kept = number >= 0
         row = np.repeat(np.arange(len(grain)), 3).reshape(len(grain), 3)[kept]
-        # the gap shrinks as the grain moves outward, as the distance of two grains that approach
-        rows = sparse.coo_array((-outward[kept], (row, number[kept])), shape=(len(grain), self.n)).tocsr()
-        return values, rows
+        return sparse.coo_array((-normal[kept], (row, number[kept])), shape=(len(grain), self.n)).tocsr()
 
 
 def relax(bodies: Bodies) -> tuple[Array, Array, float]:

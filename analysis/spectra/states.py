@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
@@ -14,11 +17,12 @@ from granwave.analysis.spectra.cells import (
     UnitCell,
     cell_bodies,
     holds_some,
+    moving,
     packing_bodies,
     unit_cell,
     vectors_of_layer,
 )
-from granwave.analysis.spectra.network import Array, Ints, Network
+from granwave.analysis.spectra.network import Array, Ints, Network, Supports
 from granwave.analysis.spectra.relax import relax
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.static_load import dead_loads
@@ -107,8 +111,7 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     with Result(source) as result:
         _refuse_parts(result.assembly, damped=damped)
         bodies = _whole(result.assembly)
-        network = bodies.network(_positions(result, bodies), bodies.periods, _peaks(result, bodies.ids),
-                                 _wall_peaks(result, bodies.ids))  # fmt: skip
+        network = bodies.network(_positions(result, bodies), bodies.periods, **_peaks(result, bodies.ids))
         _refuse_unloaded(result.case, network)
         return State(result.case.name, result.case, network, "run", np.nan, bodies.periods)
 
@@ -197,13 +200,11 @@ def _whole(assembly: Assembly) -> Bodies:
     if case.boundary.bottom == "fixed":
         moves[np.isin(bodies.ids, lattice.last_layer)] = False
     axes = lattice.rule.axes or "xyz"
-    there = [axis in axes for axis in "xyz"]
-    turns = [sum(there) - there[axis] > 1 for axis in range(3)]
     periods = np.empty((0, 3))
     if lattice.periodic:
         across = [axis in axes for axis in "xy"]
         periods = np.diag([*lattice.lengths, 0.0])[:2][across]
-    return dataclasses.replace(bodies, dead_load=load, moves=moves & np.array(there + turns), periods=periods)
+    return dataclasses.replace(bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods)
 
 
 def _positions(result: Result, bodies: Bodies) -> Array:
@@ -211,38 +212,25 @@ def _positions(result: Result, bodies: Bodies) -> Array:
     return np.asarray(bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)])
 
 
-def _peaks(result: Result, ids: Ints):  # type: ignore[no-untyped-def]
-    """Return a function that gives the largest overlaps before the impact of pairs of rows."""
-    peak = result.get("contacts/initial_overlap")
+def _peaks(result: Result, ids: Ints) -> dict[str, Callable[..., Array]]:
+    """Return functions that give the largest overlaps before the impact, of pairs of rows and of rows at a wall."""
+    pairs, walls = pd.Series(dtype=float), pd.Series(dtype=float)
+    if "contacts/initial_overlap" in result:
+        keys = np.sort(np.stack([result["contacts/i"], result["contacts/j"]]), axis=0)
+        pairs = pd.Series(result["contacts/initial_overlap"], pd.MultiIndex.from_arrays(keys))
+    if "wall_contacts/initial_overlap" in result:
+        names = pd.MultiIndex.from_arrays([result["wall_contacts/wall"], result["wall_contacts/id"]])
+        walls = pd.Series(result["wall_contacts/initial_overlap"], names)
 
-    def of(first: Ints, second: Ints) -> Array:
-        if peak is None:
-            return np.zeros(len(first))
-        stride = int(ids.max()) + 1
-        key = result["contacts/i"] * stride + result["contacts/j"]
-        order = np.argsort(key)
-        one, other = ids[first], ids[second]
-        wanted = np.minimum(one, other) * stride + np.maximum(one, other)
-        place = np.minimum(np.searchsorted(key, wanted, sorter=order), len(key) - 1)
-        return np.where(key[order[place]] == wanted, peak[order[place]], 0.0)
+    def of(table: pd.Series, first: Any, second: Any) -> Array:
+        if table.empty:
+            return np.zeros(len(second))
+        return table.reindex(pd.MultiIndex.from_arrays([first, second]), fill_value=0.0).to_numpy()
 
-    return of
-
-
-def _wall_peaks(result: Result, ids: Ints):  # type: ignore[no-untyped-def]
-    peak = result.get("wall_contacts/initial_overlap")
-
-    def of(name: str, rows: Ints) -> Array:
-        if peak is None:
-            return np.zeros(len(rows))
-        known = {
-            int(one): float(value)
-            for wall, one, value in zip(result["wall_contacts/wall"], result["wall_contacts/id"], peak, strict=True)
-            if wall == name
-        }
-        return np.array([known.get(int(one), 0.0) for one in ids[rows]])
-
-    return of
+    return {
+        "peak": lambda one, other: of(pairs, np.minimum(ids[one], ids[other]), np.maximum(ids[one], ids[other])),
+        "wall_peak": lambda name, rows: of(walls, [name] * len(rows), ids[rows]),
+    }
 
 
 def _mean_cell(result: Result) -> State:
@@ -252,62 +240,45 @@ def _mean_cell(result: Result) -> State:
     if not isinstance(assembly.lattice, Lattice):
         raise InputError(f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell")
     bodies = _whole(assembly)
-    position = _positions(result, bodies)
-    whole = bodies.network(position, bodies.periods, _peaks(result, bodies.ids))
+    peaks = _peaks(result, bodies.ids)["peak"]
+    whole = bodies.network(_positions(result, bodies), bodies.periods, peaks)
     _refuse_unloaded(case, whole)
     basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
     springs, row = whole.springs, np.searchsorted(bodies.ids, whole.ids)
     first, second = row[springs.first], row[springs.second]
     inside = _inside(bodies, assembly)
     kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
-    periods = bodies.periods
-    jump = np.zeros((len(first), len(cell.periods)), dtype=np.int64)
-    if len(periods):
-        jump = np.rint(springs.image @ periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
+    jump = np.rint(springs.image @ bodies.periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
     image = place[second] + jump - place[first]
     # each contact of the cell once, from its first grain
     leading = image[np.arange(len(image)), (image != 0).argmax(axis=1)]  # first number other than zero
     swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & (leading < 0))
     one, other = np.where(swap, basis[second], basis[first]), np.where(swap, basis[first], basis[second])
-    image = np.where(swap[:, None], -image, image)
-    normal = np.where(swap[:, None], -springs.normal, springs.normal)
-    table = np.column_stack([one, other, image])[kept]
-    if not len(table):
+    overlap = bodies.radius[first] + bodies.radius[second] - springs.distance
+    sign = np.where(swap, -1, 1)[:, None]
+    keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
+    table = pd.DataFrame(np.column_stack([one, other, sign * image]), columns=keys)
+    table[["x", "y", "z"]] = sign * springs.normal * springs.distance[:, None]
+    table["overlap"], table["peak"] = overlap, np.maximum(peaks(first, second), overlap)
+    cells = table[kept].groupby(keys)
+    if not cells.ngroups:
         raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
-    keys, which, counts = np.unique(table, axis=0, return_inverse=True, return_counts=True)
-    which = which.ravel()
-    overlap = (bodies.radius[first] + bodies.radius[second] - springs.distance)[kept]
-    peak = np.maximum(_peaks(result, bodies.ids)(first[kept], second[kept]), overlap)
-
-    def mean(values: Array) -> Array:
-        total = np.zeros((len(keys), *values.shape[1:]))
-        np.add.at(total, which, values)
-        return np.asarray(total / counts.reshape(-1, *[1] * (values.ndim - 1)))
-
-    average = mean(overlap)
-    spread = float(np.abs(overlap - average[which]).max() / average.max())
+    mean = cells.mean().reset_index()
+    spread = float((table["overlap"] - cells["overlap"].transform("mean")).abs().max() / mean["overlap"].max())
     if spread > _ALIKE:
         raise InputError(
             f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
             f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
             "a packing"
         )
-    direction = mean((normal * springs.distance[:, None])[kept])
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
     unit = dataclasses.replace(_part(bodies, cell.rows, cell.periods), moves=moves, walls=(), touched={})
-    network = _network_of_means(unit, keys, direction, average, mean(peak))
-    return State(case.name, case, network, "run", np.nan, cell.periods, spread)
-
-
-def _network_of_means(unit: Bodies, keys: Ints, direction: Array, overlap: Array, peak: Array) -> Network:
-    """Springs of a cell, from mean vectors (n, 3), m, overlaps and largest overlaps (n,), m."""
-    first, second, image = keys[:, 0], keys[:, 1], keys[:, 2:]
-    _, _, turns = unit.separations(first, second, direction)
+    i, j = (mean[name].to_numpy() for name in keys[:2])
     # the mean overlap, which the length of the mean vector differs from by rounding
-    length = unit.radius[first] + unit.radius[second] - overlap
-    apart = direction * (length / np.linalg.norm(direction, axis=1))[:, None]
-    springs = unit.springs(first, second, image, apart, turns, peak)
-    return Network(unit.ids, unit.position, unit.mass, unit.inertia, unit.moves, unit.periods, springs).without_idle()
+    length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
+    pairs, _ = unit.pairs(i, j, mean[keys[2:]].to_numpy(), mean[["x", "y", "z"]].to_numpy(), length)
+    network = unit.with_springs(unit.springs(pairs, mean["peak"].to_numpy()), Supports.none())
+    return State(case.name, case, network, "run", np.nan, cell.periods, spread)
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
 
-from granwave.analysis.spectra.network import Array, Network
+from granwave.analysis.spectra.network import Array, Network, across
 from granwave.lammps_inputs.errors import InputError, RunError
 
 Complex = NDArray[np.complex128]
@@ -45,13 +45,12 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
     """Stretch, turning and slip of each contact by the motion of its first and of its second grain: (n, 1 or 3, 6)."""
     springs = network.springs
     normal, turn = springs.normal, _cross(springs.normal)
-    across = np.eye(3) - normal[:, :, None] * normal[:, None, :]
-    none, turns = np.zeros_like(turn), springs.turning
+    none, aside = np.zeros_like(turn), across(normal)
     found = []
     for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
         stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
-        turning = np.concatenate([side * turns, none], axis=2)
-        slip = np.concatenate([side * across, -lever[:, None, None] * turn], axis=2)
+        turning = np.concatenate([side * springs.turns, none], axis=2)
+        slip = np.concatenate([side * aside, -lever[:, None, None] * turn], axis=2)
         found.append([stretch, turning, slip])
     return found[0], found[1]
 
@@ -143,9 +142,7 @@ def stiffness_of(network: Network) -> Stiffness:
     springs = network.springs
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
-    number = np.cumsum(network.moves.ravel()).reshape(network.moves.shape) - 1
-    number[~network.moves] = -1
-    n, n_periods = network.n_freedoms, len(network.periods)
+    number, n = network.numbers, network.n_freedoms
 
     def gathered(rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array) -> sparse.csr_array:
         row = np.repeat(number[rows], 6, axis=1).reshape(-1)
@@ -157,10 +154,10 @@ def stiffness_of(network: Network) -> Stiffness:
     own = own + gathered(springs.second, springs.second, _block(second, second, weights))
     own = own + gathered(network.supports.grain, network.supports.grain, _of_supports(network))
     between = _block(first, second, weights)
-    inside = ~springs.image.any(axis=1) if n_periods else np.ones(len(springs), dtype=bool)
+    inside = ~springs.image.any(axis=1)
     coupled = gathered(springs.first[inside], springs.second[inside], between[inside])
     own = own + coupled + coupled.T
-    images = np.unique(springs.image[~inside], axis=0) if n_periods else np.empty((0, 0), dtype=np.int64)
+    images = np.unique(springs.image[~inside], axis=0)
     others = []
     for image in images:
         there = np.flatnonzero((springs.image == image).all(axis=1))
@@ -171,11 +168,10 @@ def stiffness_of(network: Network) -> Stiffness:
 def _of_supports(network: Network) -> Array:
     """Stiffness of each contact with a wall: (n, 6, 6)."""
     walls = network.supports
-    across = np.eye(3) - walls.normal[:, :, None] * walls.normal[:, None, :]
     none = np.zeros_like(walls.normal)
     stretch = np.concatenate([walls.normal, none], axis=1)[:, None, :]
     turning = np.concatenate([walls.turning_direction, none], axis=1)[:, None, :]
-    slip = np.concatenate([across, -walls.lever[:, None, None] * _cross(walls.normal)], axis=2)
+    slip = np.concatenate([across(walls.normal), -walls.lever[:, None, None] * _cross(walls.normal)], axis=2)
     parts = [stretch, turning, slip]
     return _block(parts, parts, [walls.stiffness, walls.turning, walls.tangential])
 

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from granwave.analysis.spectra.network import Array, Network
+from granwave.analysis.spectra.network import Array, Network, joined
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
@@ -143,13 +143,12 @@ def transmission(
             matched = _matched(network, last)
         else:
             resisting = resisting + _layer(network, stiffness, last, share)
-    freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
 
     def place_of(grain: int, option: str) -> int:
-        row = _row(network, grain, option)
-        if (row, direction) not in freedom:
+        place = int(network.numbers[_row(network, grain, option), direction])
+        if place < 0:
             raise InputError(f"{option}: grain {grain} is held along {axis}, expected one that moves")
-        return freedom[row, direction]
+        return place
 
     driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
     places = [place_of(sensor, "--sensor") for sensor in sensors]
@@ -182,15 +181,11 @@ def transmission(
 
 def _on_plate(network: Network, losses: Network | None) -> tuple[Array, Array] | None:
     """Stiffnesses and damping constants between each freedom and the bottom, N/m and N s/m; None without contacts."""
-    supports = network.supports
-    rows = np.flatnonzero(supports.wall == BOTTOM)
-    freedom = {(int(g), int(d)): n for n, (g, d) in enumerate(zip(*network.freedoms, strict=True))}
-    found = np.zeros((2, network.n_freedoms))
-    for row in rows.tolist():
-        place = freedom.get((int(supports.grain[row]), _Z))
-        if place is not None:
-            found[0, place] = supports.stiffness[row]
-            found[1, place] = 0.0 if losses is None else losses.supports.stiffness[row]
+    supports, found = network.supports, np.zeros((2, network.n_freedoms))
+    place = network.numbers[supports.grain, _Z]
+    rows = np.flatnonzero((supports.wall == BOTTOM) & (place >= 0))
+    found[0, place[rows]] = supports.stiffness[rows]
+    found[1, place[rows]] = 0.0 if losses is None else losses.supports.stiffness[rows]
     return (found[0], found[1]) if found[0].any() else None
 
 
@@ -204,7 +199,7 @@ def _with_plate(whole: sparse.sparray, plate: tuple[Array, Array], omega: float,
 def _without_walls(network: Network, rows: NDArray[np.int64]) -> Network:
     """Take the walls from grains."""
     supports = network.supports
-    return dataclasses.replace(network, supports=supports.where(~np.isin(supports.grain, rows)))
+    return dataclasses.replace(network, supports=joined([supports], ~np.isin(supports.grain, rows)))
 
 
 def _row(network: Network, grain: int, option: str) -> int:
@@ -243,9 +238,6 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
     """Return S of a matched end, (n_freedoms, n_freedoms), N/m, as a function of omega, rad/s."""
     springs, inside = network.springs, np.zeros(network.n_grains, dtype=bool)
     inside[last] = True
-    number = np.full((network.n_grains, 6), -1)
-    grain, freedom = network.freedoms
-    number[grain, freedom] = np.arange(network.n_freedoms)
     stiffness = np.zeros((network.n_grains, 3, 3))
     for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
         across = np.flatnonzero(inside[one] & ~inside[other])
@@ -253,11 +245,11 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
         parallel = normal[:, :, None] * normal[:, None, :]
         block = springs.stiffness[across, None, None] * parallel
         block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
-        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turning[across]
+        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[across]
         np.add.at(stiffness, one[across], block)
     free = [np.flatnonzero(network.moves[row, :3]) for row in last.tolist()]
     principal = [np.linalg.eigh(stiffness[row][np.ix_(own, own)]) for row, own in zip(last, free, strict=True)]
-    places = [number[row, own] for row, own in zip(last.tolist(), free, strict=True)]
+    places = [network.numbers[row, own] for row, own in zip(last.tolist(), free, strict=True)]
     rows = np.concatenate([np.repeat(at, len(at)) for at in places])
     columns = np.concatenate([np.tile(at, len(at)) for at in places])
 

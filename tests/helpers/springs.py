@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.spectra.network import Network, Springs, Supports
+from granwave.analysis.spectra.network import Network, Springs, Supports, across
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 
@@ -31,7 +31,7 @@ def network(
     n = len(first)
     springs = Springs(
         first, second, image[:, None], normal.astype(float), np.full(n, period), np.zeros(n), stiffness, np.zeros(n),
-        np.full((n, 2), period / 2),
+        np.full((n, 2), period / 2), across(normal),
     )  # fmt: skip
     rows = np.array([one[0] for one in ground], dtype=np.int64)
     vectors = np.array([one[1] for one in ground], dtype=float).reshape(-1, 3)

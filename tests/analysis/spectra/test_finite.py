@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.spectra.bands import solve_modes
-from granwave.analysis.spectra.network import Network, Springs
+from granwave.analysis.spectra.network import Network, Springs, across
 from granwave.analysis.spectra.states import packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import losses_of, transmission
@@ -90,7 +90,7 @@ def test_turning_as_a_whole_costs_nothing():
     springs = Springs(
         first, second, np.empty((len(first), 0), dtype=int), step / length[:, None], length, np.zeros(len(first)),
         rng.uniform(1, 2, len(first)), rng.uniform(1, 2, len(first)),
-        np.stack([share * length, (1 - share) * length], axis=1),
+        np.stack([share * length, (1 - share) * length], axis=1), across(step / length[:, None]),
     )  # fmt: skip
     ones, free = np.ones(5), np.ones((5, 6), dtype=bool)
     matrix = stiffness_of(Network(np.arange(1, 6), place, ones, ones, free, np.empty((0, 3)), springs)).own.toarray()

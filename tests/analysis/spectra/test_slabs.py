@@ -9,7 +9,7 @@ import pytest
 
 from granwave.analysis.spectra import wave_vectors
 from granwave.analysis.spectra.band_structure import band_structure
-from granwave.analysis.spectra.network import Network, Springs
+from granwave.analysis.spectra.network import Network, Springs, across
 from granwave.analysis.spectra.states import cell_state, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.wave_vectors import complex_bands
@@ -84,7 +84,7 @@ def strip(n):
             first.append(row), second.append(row + 1), image.append([shift]), normal.append(step)
     one, none = np.ones(len(first)), np.zeros(len(first))
     springs = Springs(np.array(first), np.array(second), np.array(image), np.array(normal), one, none, one, none,
-                      np.zeros((len(first), 2)))  # fmt: skip
+                      np.zeros((len(first), 2)), across(np.array(normal)))  # fmt: skip
     moves = np.zeros((n, 6), dtype=bool)
     moves[:, [0, 2]] = True
     places = np.array([[0.5 * (row % 2), 0, row * math.sqrt(0.75)] for row in range(n)])
