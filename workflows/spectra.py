@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import json
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figures.style import Columns, Drawing, FigureFolder, style, write_csv
+from granwave.analysis.figures.style import Columns, FigureFolder, style, write_csv
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra import files
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure
@@ -35,7 +36,18 @@ _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger number
 _LOWEST_MODES = 2  # of a large packing: whether it buckles
 _LOG = logging.getLogger("granwave")
 
-Figures = Mapping[str, Callable[[], Drawing | None]]
+#: Functions of `granwave.analysis.figures.spectra` by the name of the figure, for each command.
+_FIGURES = {
+    "bands": {
+        "bands": "band_diagram",
+        "group_velocity": "group_velocities",
+        "slowness": "slowness_curves",
+        "equal_frequency": "equal_frequency_curves",
+        "mode_shapes": "mode_shapes",
+    },
+    "modes": {"density_of_states": "density_of_states", "participation": "participation"},
+    "transmission": {"transmission": "transmission_curve"},
+}
 
 
 def check_place(directory: Path | None, name: str, source: Case | Path, *, force: bool) -> Path | None:
@@ -74,10 +86,12 @@ def write_output(
     directory: Path,
     name: str,
     state: State,
-    tables: Mapping[str, Table],
+    found: Any,
     columns: Columns,
     summary: Mapping[str, Any],
-    figures: Figures,
+    tables: Mapping[str, Table],
+    *,
+    figures: bool,
 ) -> list[Path]:
     """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
     with held(directory):
@@ -90,9 +104,12 @@ def write_output(
             write_csv(columns, scratch)
         replace_text(directory / names[1], json.dumps(plain(dict(summary)), indent=1, allow_nan=False) + "\n")
         folder = FigureFolder(directory)
-        with style():
-            for figure, draw in figures.items():
-                folder.draw(draw, figure)
+        if figures:
+            from granwave.analysis.figures import spectra as drawing  # the drawing library takes a second to load
+
+            with style():
+                for figure, draw in _FIGURES[name].items():
+                    folder.draw(partial(getattr(drawing, draw), found), figure)
     return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
 
 
@@ -168,19 +185,8 @@ def bands(
     columns: dict[str, Any] = {"distance": way.distance}
     columns |= {name: one for name, one in zip(("kx", "ky", "kz"), way.k.T, strict=True)}
     columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
-    drawn: Figures = {}
-    if figures:
-        from granwave.analysis.figures import spectra as draw  # the drawing library takes a second to load
-
-        drawn = {
-            "bands": lambda: draw.band_diagram(found),
-            "group_velocity": lambda: draw.group_velocities(found),
-            "slowness": lambda: draw.slowness_curves(found),
-            "equal_frequency": lambda: draw.equal_frequency_curves(found),
-            "mode_shapes": lambda: draw.mode_shapes(found),
-        }
-    tables = files.tables_of_bands(found)
-    return found, write_output(place, "bands", found.state, tables, columns, found.summary(), drawn)
+    tables, summary = files.tables_of_bands(found), found.summary()
+    return found, write_output(place, "bands", found.state, found, columns, summary, tables, figures=figures)
 
 
 def modes(
@@ -224,16 +230,8 @@ def modes(
         "frequency_Hz": found.modes.frequency,
         "participation_ratio": found.modes.participation,
     }
-    drawn: Figures = {}
-    if figures:
-        from granwave.analysis.figures import spectra as draw
-
-        drawn = {
-            "density_of_states": lambda: draw.density_of_states(found.modes),
-            "participation": lambda: draw.participation(found.modes),
-        }
-    tables = files.tables_of_modes(state, found.modes)
-    return found, write_output(place, "modes", state, tables, columns, found.summary(), drawn)
+    tables, summary = files.tables_of_modes(state, found.modes), found.summary()
+    return found, write_output(place, "modes", state, found.modes, columns, summary, tables, figures=figures)
 
 
 def steady(
@@ -275,10 +273,18 @@ def steady(
     support = state.case.boundary.bottom_support
     damping = support.damper.damping if support is not None and support.damper is not None else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
-    _note_buckling(state)
+    stiffness, small = stiffness_of(state.network), state.network.n_freedoms <= ALL_UP_TO
+    modes = solve_modes(stiffness, None if small else _LOWEST_MODES)
+    if words := growing(modes.square, modes.largest):  # a steady motion about such a state does not last
+        _LOG.warning(
+            "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
+            "granwave modes names them",
+            state.name,
+            words.replace(", and ", ": ", 1).replace(" of them", " modes" if small else " modes or more"),
+        )
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
-        stiffness_of(state.network), first, sensors, frequencies, axis=axis, end=end, dampers=dampers,
+        stiffness, first, sensors, frequencies, axis=axis, end=end, dampers=dampers,
         losses=losses_of(assembly, state.network), together=together, bottom=damping,
     )  # fmt: skip
     if place is None:
@@ -290,28 +296,9 @@ def steady(
         "amplitude_ratio": found.amplitude.ravel(),
         "phase_rad": found.phase.ravel(),
     }
-    drawn: Figures = {}
-    if figures:
-        from granwave.analysis.figures import spectra as draw
-
-        drawn = {"transmission": lambda: draw.transmission_curve(found)}
-    tables = files.tables_of_transmission(state, found)
-    summary = transmission_summary(state, found)
-    return found, state, write_output(place, "transmission", state, tables, columns, summary, drawn)
-
-
-def _note_buckling(state: State) -> None:
-    """Log a warning if some modes of a packing grow: a steady motion about such a state does not last."""
-    stiffness = stiffness_of(state.network)
-    small = state.network.n_freedoms <= ALL_UP_TO
-    found = solve_modes(stiffness, None if small else _LOWEST_MODES)
-    if words := growing(found.square, found.largest):
-        _LOG.warning(
-            "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
-            "granwave modes names them",
-            state.name,
-            words.replace(", and ", ": ", 1).replace(" of them", " modes" if small else " modes or more"),
-        )
+    tables, summary = files.tables_of_transmission(state, found), transmission_summary(state, found)
+    written = write_output(place, "transmission", state, found, columns, summary, tables, figures=figures)
+    return found, state, written
 
 
 def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from granwave.analysis.spectra.bands import Bands, Gap, band_edges, describe_flo
 from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
-from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Stiffness, lowest, stiffness_of, upper_bound
+from granwave.analysis.spectra.stiffness import Stiffness, stiffness_of
 from granwave.analysis.spectra.wave_vectors import ComplexBands, complex_bands, make_path
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
@@ -27,7 +27,6 @@ _MOST_POINTS = 100_000
 _FREQUENCIES = 401  # for attenuation
 _BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
 NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface
-_WAVE = 1e-9  # of the largest frequency: where a wave vector counts as one of long waves
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -72,13 +71,8 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
         n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
     size = float(np.linalg.norm(network.periods, axis=1).max())
     k = directions * (_LONG / size)
-    if network.n_freedoms <= DENSE_UP_TO:
-        square = np.linalg.eigvalsh(stiffness.dense(k))[:, :n_waves]
-        largest = float(np.abs(stiffness.dense(k[:1])).sum(axis=2).max())
-    else:
-        largest = upper_bound(stiffness)
-        square = np.array([lowest(stiffness.matrix(one), n_waves, largest)[0] for one in k])
-    there = square > _RIGID * largest * _LONG**2
+    square, _ = stiffness.spectrum(k, n_waves)
+    there = square > _RIGID * stiffness.largest * _LONG**2
     return np.where(there, np.sqrt(np.where(there, square, 0.0)) / (_LONG / size), np.nan)
 
 

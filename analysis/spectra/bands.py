@@ -16,19 +16,25 @@ from numpy.typing import NDArray
 
 from granwave.analysis.spectra.network import FREEDOMS, Array, Network
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES
-from granwave.analysis.spectra.stiffness import DENSE_UP_TO, Complex, Stiffness, lowest, upper_bound
+from granwave.analysis.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.analysis.spectra.wave_vectors import Path
 from granwave.lammps_inputs.errors import InputError
 
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
 _LONG = 1e-6  # |k| times the period: a uniform displacement
-_BATCH = 2**24  # numbers in the matrices that are solved at once
 _TURNING = 0.99  # of the energy in rotations: grains that roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
 _LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
 ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
 _BINS, _MOMENTS, _VECTORS, _SEED = 120, 240, 12, 1
 _WORDS = {place: f"along {name}" if place < 3 else f"turning about {name[1]}" for place, name in enumerate(FREEDOMS)}
+
+
+def _hertz(square: Array, largest: float, rigid: NDArray[np.bool_] | bool = True) -> Array:
+    """Frequencies of omega^2, s^-2; 0 where nothing resists what is ``rigid``, NaN where a motion grows by itself."""
+    zero = _ZERO * largest
+    hertz = np.where((np.abs(square) <= zero) & rigid, 0.0, np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi))
+    return np.where(square < -zero, np.nan, hertz)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -69,10 +75,7 @@ class Bands:
     @cached_property
     def frequency(self) -> Array:
         """Frequencies: (n_k, n_bands), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
-        zero = _ZERO * self.largest
-        hertz = np.sqrt(np.maximum(self.square, 0)) / (2 * np.pi)
-        hertz = np.where(np.abs(self.square) <= zero, np.where(self.uniform[:, None], 0.0, hertz), hertz)
-        return np.where(self.square < -zero, np.nan, hertz)
+        return _hertz(self.square, self.largest, self.uniform[:, None])
 
     @property
     def complete(self) -> bool:
@@ -107,35 +110,23 @@ def solve_bands(
         Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
     n, n_k = stiffness.network.n_freedoms, len(path.k)
-    dense = n <= DENSE_UP_TO
-    wanted = min(n, n_bands or (n if dense else MOST_BANDS))
+    wanted = min(n, n_bands or (n if stiffness.small else MOST_BANDS))
     corners = [row for row, _ in path.corners]
-    at_once = max(1, _BATCH // n**2) if dense else 1
-    largest = upper_bound(stiffness)
     square, velocity = np.empty((n_k, wanted)), np.empty((n_k, wanted, 3))
     shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
     share = None if chosen is None else np.empty((n_k, wanted))
-    for start in range(0, n_k, at_once):
-        part = slice(start, min(start + at_once, n_k))
-        if dense:
-            values, vectors = np.linalg.eigh(stiffness.dense(path.k[part]))
-            square[part], vectors = values[:, :wanted], vectors[:, :, :wanted]
-        else:
-            square[start], vectors = lowest(stiffness.matrix(path.k[start]), wanted, largest)
-            vectors = vectors[None]
+    for start in range(0, n_k, stiffness.at_once):
+        part = slice(start, start + stiffness.at_once)
+        square[part], vectors = stiffness.spectrum(path.k[part], wanted)
         if share is not None:
             share[part] = (np.abs(vectors[:, chosen]) ** 2).sum(axis=1)
         for axis in range(3):
-            if dense:
-                turned = stiffness.dense_slope(path.k[part], axis) @ vectors
-            else:
-                turned = (stiffness.slope(path.k[start], axis) @ vectors[0])[None]
+            turned = stiffness.slope(path.k[part], axis, vectors)
             velocity[part, :, axis] = (vectors.conj() * turned).sum(axis=1).real
         for place, corner in enumerate(corners):
             if start <= corner < part.stop:
                 shape[place] = vectors[corner - start]
-    if dense:
-        largest = max(float(square.max()), largest / 2)
+    largest = max(float(square.max()), stiffness.largest / 2) if stiffness.small else stiffness.largest
     there = square > _ZERO * largest
     omega = np.sqrt(np.where(there, square, 1.0))[:, :, None]
     velocity = np.where(there[:, :, None], velocity / (2 * omega), np.nan)
@@ -152,14 +143,12 @@ def refuse_floppy(bands: Bands, name: str) -> None:
     """
     if bands.floppy.any():
         found = describe_floppy(bands)
+        cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
         if ROLLING in found:
-            cure = "[[hold]] with rotation = true, --set contact.friction=0, or another --path"
-        else:
-            cure = (
-                'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]], or another '
-            )
-            cure += "--path"
-        raise InputError(f"{name}: {found}; {cure} makes it rigid, and --allow-floppy leaves these modes blank")
+            cure = "[[hold]] with rotation = true, --set contact.friction=0"
+        raise InputError(
+            f"{name}: {found}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes blank"
+        )
 
 
 def describe_floppy(bands: Bands) -> str:
@@ -169,11 +158,8 @@ def describe_floppy(bands: Bands) -> str:
     row = int(np.argmax(counts))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        if bands.network.n_freedoms <= DENSE_UP_TO:
-            _, vectors = np.linalg.eigh(bands.stiffness.dense(bands.path.k[row : row + 1])[0])
-        else:
-            _, vectors = lowest(bands.stiffness.matrix(bands.path.k[row]), floppy.shape[1], bands.largest)
-    loose = np.abs(vectors[:, : floppy.shape[1]][:, floppy[row]]) ** 2
+        _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], floppy.shape[1])
+    loose = np.abs(vectors[0][:, floppy[row]]) ** 2
     at = int(np.count_nonzero(counts))
     return (
         f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no resistance at "
@@ -297,9 +283,7 @@ class Modes:
     @property
     def frequency(self) -> Array:
         """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
-        zero = _ZERO * self.largest
-        hertz = np.sqrt(np.maximum(self.square, 0.0)) / (2 * np.pi)
-        return np.where(self.square < -zero, np.nan, np.where(self.square <= zero, 0.0, hertz))
+        return _hertz(self.square, self.largest)
 
     @property
     def complete(self) -> bool:
@@ -327,8 +311,7 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     """
     network = stiffness.network
     n = network.n_freedoms
-    matrix = stiffness.matrix(np.zeros(3)).real.tocsr()
-    largest = float(np.abs(matrix).sum(axis=1).max())
+    matrix, largest = stiffness.matrix(np.zeros(3)).real.tocsr(), stiffness.largest
     if n <= ALL_UP_TO:
         square, vectors = np.linalg.eigh(matrix.toarray())
         frequency, density = _histogram(square)

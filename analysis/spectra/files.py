@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import tomllib
 from collections.abc import Mapping
@@ -26,8 +27,12 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
     """Write groups, and keep those that an earlier file of the same case has beside them."""
-    text = state.case.to_toml()
-    earlier = _others(path, text, tables)
+    text, new = state.case.to_toml(), {name.partition("/")[0] for name in tables}
+    earlier: dict[str, Table] = {}
+    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
+        if file.attrs["case"] == text:
+            for kind in file.keys() - new:
+                earlier |= _tables(file[kind])
     with new_hdf5(path) as file:
         file.attrs["name"], file.attrs["kind"], file.attrs["case"] = state.name, "spectra", text
         file.attrs["versions"] = json.dumps({"granwave": granwave.__version__})
@@ -56,13 +61,26 @@ def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[st
     try:
         values = json.loads((directory / f"{kind}.json").read_text(encoding="utf-8"))
         with h5py.File(path, "r") as file:
-            tables = _tables({kind: file[kind]})
+            return values, _tables(file[kind])
     except (OSError, ValueError, KeyError) as error:
         raise OutputFormatError(
             f"{directory}: {kind}.json or {path.name} is missing or damaged ({error}); make them anew with  "
             f"granwave {kind} CASE -o {directory} --force"
         ) from None
-    return values, tables
+
+
+def _tables(parent: h5py.Group) -> dict[str, Table]:
+    """Return values and units of all data sets of a group, by group and name."""
+    found: dict[str, dict[str, tuple[Any, str]]] = {}
+
+    def add(_: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            group, _, own = item.name[1:].rpartition("/")
+            values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
+            found.setdefault(group, {})[own] = values, str(item.attrs["unit"])
+
+    parent.visititems(add)
+    return dict(found)
 
 
 def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
@@ -74,40 +92,11 @@ def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
         return {}, {}
 
 
-def _tables(groups: Mapping[str, h5py.Group]) -> dict[str, dict[str, tuple[Any, str]]]:
-    """Return values and units of all data sets of groups, by group and name."""
-    found: dict[str, dict[str, tuple[Any, str]]] = {}
-    for kind, parent in groups.items():
-
-        def add(name: str, item: Any, kind: str = kind) -> None:
-            if isinstance(item, h5py.Dataset):
-                group, _, own = f"{kind}/{name}".rpartition("/")
-                values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
-                found.setdefault(group, {})[own] = values, str(item.attrs["unit"])
-
-        parent.visititems(add)
-    return found
-
-
 def case_in(path: Path) -> str:
     """Return the text of the case that a file of spectra is of; empty if there is none."""
-    try:
-        with h5py.File(path, "r") as file:
-            return str(file.attrs["case"])
-    except (OSError, KeyError):
-        return ""
-
-
-def _others(path: Path, case: str, tables: Mapping[str, Table]) -> dict[str, dict[str, tuple[Any, str]]]:
-    """Groups of an earlier file of the same case that are not written now."""
-    new = {name.partition("/")[0] for name in tables}
-    try:
-        with h5py.File(path, "r") as file:
-            if file.attrs.get("case") == case:
-                return _tables({kind: group for kind, group in file.items() if kind not in new})
-    except (OSError, KeyError):
-        pass
-    return {}
+    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
+        return str(file.attrs["case"])
+    return ""
 
 
 def tables_of_network(group: str, state: State) -> dict[str, Table]:

@@ -25,6 +25,7 @@ Complex = NDArray[np.complex128]
 DENSE_UP_TO = 600  # degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
 _FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
 _PRECISION, _MOST_RESTARTS = 1e-9, 20_000
+_BATCH = 2**24  # numbers in the matrices that are solved at once
 _BELOW = 1e-7  # of the largest omega^2, where values are sought from
 
 
@@ -98,35 +99,65 @@ class Stiffness:
         n = self.network.n_freedoms
         return own.toarray(), np.array([one.toarray() for one in others]).reshape(-1, n, n)
 
-    def dense(self, k: Array) -> Complex:
-        """Return D(k) for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms, n_freedoms), s^-2."""
+    @cached_property
+    def largest(self) -> float:
+        """Upper bound of omega^2 by Gershgorin's circles, s^-2."""
+        return float(np.abs(self.matrix(np.zeros(3))).sum(axis=1).max())
+
+    @property
+    def total(self) -> sparse.csr_array:
+        """K(0), of all cells that move alike: (n_freedoms, n_freedoms), N/m."""
+        return sparse.csr_array(sum((one + one.T for one in self.others), start=self.own))
+
+    def _phases(self, k: Array, axis: int | None) -> Complex:
+        """Factors of the K_R at wave vectors (n_k, 3), or their slopes along an axis: (n_k, n_images)."""
+        phases = np.exp(1j * k @ self.shifts.T)
+        return np.asarray(phases if axis is None else 1j * self.shifts[:, axis] * phases)
+
+    def dense(self, k: Array, axis: int | None = None) -> Complex:
+        """Return D(k), or dD/dk along an axis, for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms, n_freedoms)."""
         own, others = self._dense
-        half = np.tensordot(np.exp(1j * k @ self.shifts.T), others, axes=1)
-        return np.asarray(own + half + half.conj().transpose(0, 2, 1))
+        half = np.tensordot(self._phases(k, axis), others, axes=1)
+        return np.asarray((own if axis is None else 0.0) + half + half.conj().transpose(0, 2, 1))
 
-    def dense_slope(self, k: Array, axis: int) -> Complex:
-        """Return dD/dk along an axis: (n_k, n_freedoms, n_freedoms), m s^-2."""
-        _, others = self._dense
-        half = np.tensordot(1j * self.shifts[:, axis] * np.exp(1j * k @ self.shifts.T), others, axes=1)
-        return np.asarray(half + half.conj().transpose(0, 2, 1))
-
-    def matrix(self, k: Array) -> sparse.csr_array:
-        """Return D(k) of one wave vector (3,), rad/m, as a sparse matrix."""
+    def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
+        """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
         own, others = self._scaled
-        found = own.astype(np.complex128)
-        for shift, one in zip(self.shifts, others, strict=True):
-            part = one * np.exp(1j * float(k @ shift))
+        found = own.astype(np.complex128) if axis is None else sparse.csr_array(own.shape, dtype=np.complex128)
+        for phase, one in zip(self._phases(k[None], axis)[0], others, strict=True):
+            part = one * phase
             found = found + part + part.conj().T
         return found.tocsr()
 
-    def slope(self, k: Array, axis: int) -> sparse.csr_array:
-        """Return dD/dk along an axis at one wave vector, as a sparse matrix."""
-        own, others = self._scaled
-        found = sparse.csr_array(own.shape, dtype=np.complex128)
-        for shift, one in zip(self.shifts, others, strict=True):
-            part = one * (1j * shift[axis] * np.exp(1j * float(k @ shift)))
-            found = found + part + part.conj().T
-        return found.tocsr()
+    @property
+    def small(self) -> bool:
+        """True if whole spectra are found."""
+        return self.network.n_freedoms <= DENSE_UP_TO
+
+    @property
+    def at_once(self) -> int:
+        """Number of wave vectors whose spectra are found at once."""
+        return max(1, _BATCH // self.network.n_freedoms**2) if self.small else 1
+
+    def spectrum(self, k: Array, wanted: int) -> tuple[Array, Complex]:
+        """Return the lowest omega^2 and their vectors at wave vectors (n_k, 3), rad/m.
+
+        Returns
+        -------
+        ndarray, ndarray
+            (n_k, wanted), s^-2, rising, and (n_k, n_freedoms, wanted).
+        """
+        if self.small:
+            values, vectors = np.linalg.eigh(self.dense(k))
+            return values[:, :wanted], vectors[:, :, :wanted]
+        found = [lowest(self.matrix(one), wanted, self.largest) for one in k]
+        return np.array([values for values, _ in found]), np.array([vectors for _, vectors in found])
+
+    def slope(self, k: Array, axis: int, vectors: Complex) -> Complex:
+        """Return dD/dk along an axis times vectors, as `spectrum` gives them."""
+        if self.small:
+            return np.asarray(self.dense(k, axis) @ vectors)
+        return np.array([self.matrix(one, axis) @ part for one, part in zip(k, vectors, strict=True)])
 
 
 def stiffness_of(network: Network) -> Stiffness:
@@ -188,19 +219,12 @@ def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # typ
         if matrix.shape[0] > _FACTORISED_UP_TO:
             basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
             values, vectors = eigsh(matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS)
-            order = np.argsort(values)
-            return values[order], vectors[:, order]
-        shift = -_BELOW * largest
-        inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
-        operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
-        values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
+        else:
+            shift = -_BELOW * largest
+            inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
+            operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
+            values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
     except ArpackNoConvergence as error:
         raise RunError(f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)") from None
     order = np.argsort(values)
     return values[order], vectors[:, order]
-
-
-def upper_bound(stiffness: Stiffness) -> float:
-    """Return an upper bound of omega^2 by Gershgorin's circles, s^-2."""
-    matrix = stiffness.matrix(np.zeros(3))
-    return float(np.abs(matrix).sum(axis=1).max())

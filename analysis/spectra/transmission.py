@@ -152,19 +152,17 @@ def transmission(
 
     driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
     places = [place_of(sensor, "--sensor") for sensor in sensors]
-    root = sparse.diags_array(np.sqrt(network.masses))
-    matrix = (root @ stiffness.matrix(np.zeros(3)).real @ root).tocsc()
     mass = sparse.diags_array(network.masses)
     damping = sparse.diags_array(resisting[network.freedoms]).tocsc()
     if losses is not None:
-        damping = damping + root @ stiffness_of(losses).matrix(np.zeros(3)).real @ root
+        damping = damping + stiffness_of(losses).total
     plate = None if bottom is None else _on_plate(network, losses)
     n_unknowns = network.n_freedoms + (plate is not None)
     others = np.delete(np.arange(n_unknowns), driven)
     ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
     for row, one in enumerate(frequency.tolist()):
         omega = 2 * np.pi * one
-        whole = matrix - omega**2 * mass - 1j * omega * damping
+        whole = stiffness.total - omega**2 * mass - 1j * omega * damping
         if matched is not None:
             whole = whole + matched(omega)
         if plate is not None:
@@ -269,9 +267,8 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
 
 def _layer(network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array) -> Array:
     """Return the dampers of a layer: (n_grains, 6), N s/m, N m s."""
-    highest = np.sqrt(float(np.abs(stiffness.matrix(np.zeros(3))).sum(axis=1).max()))
     rate = np.zeros(network.n_grains)
-    rate[last] = 2 * _SHARE_OF_HIGHEST * highest * share**2
+    rate[last] = 2 * _SHARE_OF_HIGHEST * math.sqrt(stiffness.largest) * share**2
     return np.repeat(rate[:, None] * np.stack([network.mass, network.inertia], axis=1), 3, axis=1)
 
 

@@ -178,7 +178,7 @@ def test_sparse_and_dense_agree(monkeypatch):
     stiffness = stiffness_of(cell_state(endless("hcp", [4, 4, 4], ALL_ROUND)).network)
     path = make_path("G-M", stiffness.network.periods, 3)
     dense = solve_bands(stiffness, path, 3)
-    monkeypatch.setattr("granwave.analysis.spectra.bands.DENSE_UP_TO", 0)
+    monkeypatch.setattr("granwave.analysis.spectra.stiffness.DENSE_UP_TO", 0)
     sparse = solve_bands(stiffness, path, 3)
     np.testing.assert_allclose(sparse.frequency[1:], dense.frequency[1:], rtol=1e-7)
 
@@ -187,7 +187,7 @@ def test_lanczos_finds_the_lowest_bands(monkeypatch):
     stiffness = stiffness_of(cell_state(scattered()).network)
     path = make_path("0,0,20; 10,0,30", stiffness.network.periods, 2)
     dense = solve_bands(stiffness, path, 6)
-    for name in ("bands.DENSE_UP_TO", "stiffness._FACTORISED_UP_TO"):
+    for name in ("stiffness.DENSE_UP_TO", "stiffness._FACTORISED_UP_TO"):
         monkeypatch.setattr(f"granwave.analysis.spectra.{name}", 0)
     np.testing.assert_allclose(solve_bands(stiffness, path, 6).frequency, dense.frequency, rtol=1e-7)
 
