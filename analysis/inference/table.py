@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from granwave.analysis.inference.grains import TENSOR, Array
@@ -15,24 +17,22 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_csv_rows
 
+_UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
 _SHOWN = 10  # largest number of faults in a message
-
-
-def axes(dimension: int) -> str:
-    """Return the names of the axes."""
-    return "xyz"[:dimension]
+UNMEASURED = ("acceleration", "spin", "angular_acceleration", "strain", "stress")  # whose cells may be empty
 
 
 def groups(dimension: int) -> dict[str, tuple[str, ...]]:
     """Return the names of the columns by what they tell."""
+    axes = "xyz"[:dimension]
     turns = ("",) if dimension == 2 else ("_x", "_y", "_z")
     return {
-        "position": tuple(f"{axis}_m" for axis in axes(dimension)),
-        "acceleration": tuple(f"a{axis}_m_s2" for axis in axes(dimension)),
+        "position": tuple(f"{axis}_m" for axis in axes),
+        "acceleration": tuple(f"a{axis}_m_s2" for axis in axes),
         "spin": tuple(f"omega{turn}_rad_s" for turn in turns),
         "angular_acceleration": tuple(f"alpha{turn}_rad_s2" for turn in turns),
         "angle": ("angle_rad",) if dimension == 2 else (),
-        "force": tuple(f"f{axis}_N" for axis in axes(dimension)),
+        "force": tuple(f"f{axis}_N" for axis in axes),
         "strain": tuple(f"e{name}" for name in TENSOR[dimension]),
         "stress": tuple(f"s{name}" for name in TENSOR[dimension]),
         "material": ("density_kg_m3", "youngs_modulus_Pa", "poisson_ratio"),
@@ -44,12 +44,7 @@ def aliases(dimension: int) -> dict[str, str]:
     """Return names without units, and with those of stresses, that columns may have too."""
     found = {}
     for name in (name for names in groups(dimension).values() for name in names):
-        short = name
-        for unit in ("_m_s2", "_rad_s2", "_rad_s", "_rad", "_kg_m3", "_Pa", "_m", "_s", "_N"):
-            if name.endswith(unit):
-                short = name.removesuffix(unit)
-                break
-        found[short] = name
+        found[_UNIT.sub("", name)] = name
         if name[0] == "s" and name[1:] in TENSOR[dimension]:
             found[f"{name}_Pa"] = name
     return {short: name for short, name in found.items() if short != name}
@@ -57,33 +52,41 @@ def aliases(dimension: int) -> dict[str, str]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of a table of grains.
+    """Table of grains.
 
     Attributes
     ----------
     source
         Name of the file, for messages.
-    lines
-        Line of each row: (n_rows,).
     columns
-        Values by name; NaN where a cell is empty: (n_rows,) each.
+        Columns of numbers, NaN where a cell is empty; the index has the line of each row.
+    groups
+        Names of the columns by what they tell, see `groups`.
     """
 
     source: str
-    lines: NDArray[np.int64]
-    columns: dict[str, Array]
+    columns: pd.DataFrame
+    groups: Mapping[str, tuple[str, ...]]
 
-    def has(self, names: Sequence[str]) -> bool:
-        """Return True if there are all columns of these names."""
-        return bool(names) and all(name in self.columns for name in names)
+    def __len__(self) -> int:
+        return len(self.columns)
 
-    def take(self, names: Sequence[str]) -> Array:
-        """Return columns side by side: (n_rows, n_names)."""
-        return np.stack([self.columns[name] for name in names], axis=1)
+    def has(self, group: str) -> bool:
+        """Return True if there are all columns of a group."""
+        return bool(self.groups[group]) and set(self.groups[group]) <= set(self.columns)
+
+    def take(self, group: str) -> Array:
+        """Return the columns of a group side by side: (n_rows, n_names)."""
+        return self.columns[list(self.groups[group])].to_numpy()
+
+    def each(self, name: str, default: float = math.nan) -> Array:
+        """Return a column, or the default value in each row: (n_rows,)."""
+        return self.columns[name].to_numpy() if name in self.columns else np.full(len(self), default)
 
     def refuse(self, wrong: NDArray[np.bool_], message: Callable[..., str]) -> list[str]:
         """Return an error with its line for each row that is wrong; ``message`` takes the row."""
-        return [f"{self.source}: line {self.lines[row]}: {message(row)}" for row in np.flatnonzero(wrong).tolist()]
+        lines = self.columns.index
+        return [f"{self.source}: line {lines[row]}: {message(row)}" for row in np.flatnonzero(wrong).tolist()]
 
 
 def raise_errors(source: str, errors: Sequence[str]) -> None:
@@ -109,31 +112,25 @@ def read_table_of_grains(path: str | Path, dimension: int) -> Table:
     errors: list[str] = []
     names = _names([name.strip() for name in header], f"{source}: line {number}", dimension, errors)
     raise_errors(source, errors)
-    values = np.full((len(rows) - 1, len(names)), math.nan)
-    may_be_empty = {name for group in ("acceleration", "spin", "angular_acceleration", "strain", "stress")
-                    for name in groups(dimension)[group]}  # fmt: skip
-    for row, (line, cells) in enumerate(rows[1:]):
-        if len(cells) != len(names):
-            errors.append(
-                f"{source}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
-            )
-            continue
-        for column, (name, cell) in enumerate(zip(names, cells, strict=True)):
-            text = cell.strip()
-            if not text and name in may_be_empty:
-                continue
-            try:
-                values[row, column] = float(text)
-            except ValueError:
-                values[row, column] = math.nan
-            if not math.isfinite(values[row, column]):
-                empty = "; leave cells empty where nothing was measured" if name in may_be_empty else ""
-                errors.append(f"{source}: line {line}: {name}: found {show(text)}, expected a finite number{empty}")
+    errors = [
+        f"{source}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
+        for line, cells in rows[1:]
+        if len(cells) != len(names)
+    ]
     raise_errors(source, errors)
-    lines = np.array([line for line, _ in rows[1:]], dtype=np.int64)
-    if not len(lines):
+    lines = [line for line, _ in rows[1:]]
+    if not lines:
         raise InputError(f"{source}: found no grain, expected a row for each below the line of names")
-    return Table(source, lines, dict(zip(names, values.T, strict=True)))
+    known = groups(dimension)
+    texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(lambda one: one.str.strip())
+    values = texts.apply(pd.to_numeric, errors="coerce").astype(np.float64)
+    may_be_empty = texts.columns.isin([name for group in UNMEASURED for name in known[group]])
+    for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
+        empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""
+        text = show(texts.iloc[row, column])
+        errors.append(f"{source}: line {lines[row]}: {names[column]}: found {text}, expected a finite number{empty}")
+    raise_errors(source, errors)
+    return Table(source, values, known)
 
 
 def _names(names: list[str], where: str, dimension: int, errors: list[str]) -> list[str]:
