@@ -43,7 +43,6 @@ from granwave.lammps_inputs.errors import InputError
 
 _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
-_ROW = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}
 _EPSILON = 1e-3  # of a cell, for recognising its symmetry
 MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
 MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
@@ -81,47 +80,28 @@ class Path:
         return f"k = ({where}) rad/m" + (f", {names[row]}" if names.get(row) else "")
 
 
-def special_points(periods: Array) -> dict[str, Array]:
-    """Return the special points of the Brillouin zone of a cell by name: (3,), rad/m."""
-    scaled, vectors = _scaled_points(periods)
-    return {name: point @ vectors for name, point in scaled.items()}
-
-
-def _scaled_points(periods: Array) -> tuple[dict[str, Array], Array]:
-    """Special points in units of the reciprocal vectors, and these: (3, 3), rad/m."""
+def zone(periods: Array) -> tuple[dict[str, Array], str]:
+    """Return the special points of the Brillouin zone by name, (3,), rad/m, and the standard path by names."""
     from ase.cell import Cell  # takes longer to load than most commands need
 
     n = len(periods)
     reciprocal = np.zeros((3, 3))
     reciprocal[:n] = 2 * np.pi * np.linalg.pinv(periods).T
-    if n == 1:
-        return dict(_ROW), reciprocal
-    full = np.concatenate([periods, _perpendicular(periods)])
     unit = np.linalg.norm(periods[0])
-    pbc = [True] * n + [False] * (3 - n)
+    beside = np.linalg.svd(periods)[2][n:]  # complete one or two periods to three
     try:
-        path = Cell(full / unit).bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
+        if n == 1:
+            points, path = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}, "GX"
+        else:
+            pbc = [True] * n + [False] * (3 - n)
+            cell = Cell(np.concatenate([periods / unit, beside]))
+            found = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
+            points, path = found.special_points, found.path
     except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
-        half = {"X": 0, "Y": 1, "Z": 2}
-        points = {"G": np.zeros(3)} | {name: np.eye(3)[axis] / 2 for name, axis in half.items() if axis < n}
-        return points, reciprocal
-    return {name: np.asarray(point, dtype=float) for name, point in path.special_points.items()}, reciprocal
-
-
-def standard_path(periods: Array) -> str:
-    """Return the standard path of a cell, by names."""
-    from ase.cell import Cell
-
-    n = len(periods)
-    if n == 1:
-        return "G-X"
-    full = np.concatenate([periods, _perpendicular(periods)])
-    pbc = [True] * n + [False] * (3 - n)
-    try:
-        found = Cell(full / np.linalg.norm(periods[0])).bandpath(pbc=pbc, npoints=0, eps=_EPSILON).path
-    except (RuntimeError, ValueError, AssertionError):
-        return "-".join(["G", *"XYZ"[:n], "G"])
-    return "|".join("-".join(_NAMES.findall(stretch)) for stretch in found.split(","))
+        points = {"G": np.zeros(3)} | dict(zip("XYZ"[:n], np.eye(3) / 2, strict=False))
+        path = "".join([*points, "G"])
+    stretches = ("-".join(_NAMES.findall(stretch)) for stretch in path.split(","))
+    return {name: np.asarray(point, dtype=float) @ reciprocal for name, point in points.items()}, "|".join(stretches)
 
 
 def make_path(text: str, periods: Array, points: int) -> Path:
@@ -141,7 +121,7 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     InputError
         The text names no path, an unknown point, or leaves the directions in which the packing repeats.
     """
-    stretches = _corners(text or standard_path(periods), periods)
+    stretches = _corners(text, periods)
     inside = periods.T @ np.linalg.pinv(periods.T)  # the span of the periods
     k: list[Array] = []
     corners: list[tuple[int, str]] = []
@@ -174,10 +154,10 @@ def make_path(text: str, periods: Array, points: int) -> Path:
 
 
 def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
-    if re.search(r"[;,]\s*[-+.\d]", text) or re.fullmatch(r"[-+.\d eE,;]*", text):
+    if text and (re.search(r"[;,]\s*[-+.\d]", text) or re.fullmatch(r"[-+.\d eE,;]*", text)):
         return [_numbers(text)]
-    known = special_points(periods)
-    found = []
+    known, standard = zone(periods)
+    text, found = text or standard, []
     for stretch in re.split(r"[|]", text.replace("Γ", "G").replace("Gamma", "G")):
         names = _NAMES.findall(stretch)
         if "".join(names) != re.sub(r"[-\s]", "", stretch) or len(names) < 2:
@@ -205,12 +185,6 @@ def _numbers(text: str) -> list[tuple[str, Array]]:
     if len(corners) < 2:
         raise InputError(f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}")
     return corners
-
-
-def _perpendicular(periods: Array) -> Array:
-    """Vectors that complete one or two periods to three of the same length."""
-    length = np.linalg.norm(periods[0])
-    return np.asarray(length * np.linalg.svd(periods)[2][len(periods) :])
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -314,10 +288,8 @@ def _of_faces(
     if most * n > _MOST_CONDENSED:
         return None
     parts = _by_plane(stiffness, start, numbers)
-    blocks = [[parts.get(column - row) for column in range(most)] for row in range(most)]
-    middle = sparse.block_array(blocks, format="csc")
-    to_next = [[parts.get(most + column - row) for column in range(most)] for row in range(most)]
-    coupling = sparse.block_array(to_next, format="csc") if most > 1 else parts[1]
+    ahead = [[[parts.get(away + column - row) for column in range(most)] for row in range(most)] for away in (0, most)]
+    middle, coupling = (sparse.block_array(blocks, format="csc") for blocks in ahead)
     coupling.eliminate_zeros()
     on_next, on_last = np.unique(coupling.nonzero()[0]), np.unique(coupling.nonzero()[1])
     size = len(on_next) + len(on_last)
@@ -327,9 +299,8 @@ def _of_faces(
     frequency = frequency[:: max(1, -(-len(frequency) // kept))]
     between = coupling.tocsr()[on_next][:, on_last].toarray()
     faces = np.concatenate([on_next, on_last])
-    loads = sparse.csc_array(
-        (np.ones(size), (faces, np.arange(size))), shape=(middle.shape[0], size), dtype=np.complex128
-    ).toarray()
+    loads = np.zeros((middle.shape[0], size), dtype=np.complex128)
+    loads[faces, np.arange(size)] = 1.0
     found = []
     for one in frequency:
         square = (2 * np.pi * one) ** 2
@@ -342,14 +313,9 @@ def _of_faces(
 
 def _condensed(response: np.ndarray, between: np.ndarray, n: int) -> np.ndarray:
     """Return the lambda that do not grow, from the inverse on the faces; the first n unknowns touch the next cell."""
-    size = len(response)
-    left, right = np.zeros((size, size), dtype=np.complex128), np.zeros((size, size), dtype=np.complex128)
-    left[:n, :n] = -response[:n, n:] @ between.conj().T
-    left[n:, :n] = -response[n:, n:] @ between.conj().T
-    left[n:, n:] = -np.eye(size - n)
-    right[:n, :n] = np.eye(n)
-    right[:n, n:] = response[:n, :n] @ between
-    right[n:, n:] = response[n:, :n] @ between
+    left, right = -np.eye(len(response), dtype=np.complex128), np.eye(len(response), dtype=np.complex128)
+    left[:, :n] = -response[:, n:] @ between.conj().T
+    right[:, n:] = response[:, :n] @ between
     return _decaying(left, right)
 
 
