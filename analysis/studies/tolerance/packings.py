@@ -4,14 +4,91 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple
+
+import pandas as pd
 
 from granwave.analysis.statistics import Estimate, estimate, exactly
 from granwave.analysis.studies.runs import FinishedRun, all_but
-from granwave.analysis.studies.tolerance.quantities import FRICTION, PERFORMANCE, PLASTIC, QUANTITIES, Quantity
-from granwave.analysis.studies.tolerance.settings import AXES, IDEAL, Axis, Setting, setting_of
+from granwave.analysis.studies.titles import bottom_label, impact_title
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
+
+
+class Setting(NamedTuple):
+    """Imperfections of a packing: scatter of the diameters (m), coefficient of friction, share of left out spheres."""
+
+    scatter: float = 0.0
+    friction: float = 0.0
+    vacancies: float = 0.0
+
+
+IDEAL = Setting()
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """A number of a run, or an imperfection.
+
+    Attributes
+    ----------
+    name
+        In the summary, with the unit in SI at the end; of an imperfection, its field of `Setting`.
+    words
+        In the middle of a sentence.
+    unit, scale
+        As shown, and its size in SI.
+    better
+        Which way protects better; empty where neither does.
+    column, key
+        Of an imperfection: column of a CSV file, in SI, and key of a case file.
+    """
+
+    name: str
+    words: str
+    unit: str = ""
+    scale: float = 1.0
+    better: Literal["more", "less", ""] = ""
+    column: str = ""
+    key: str = ""
+
+    @property
+    def title(self) -> str:
+        """For an axis of a figure."""
+        return f"{self.words.capitalize()} ({self.unit})" if self.unit else self.words.capitalize()
+
+    @property
+    def worse(self) -> str:
+        """How a value that protects less lies."""
+        return "higher" if self.better == "less" else "lower"
+
+    def of(self, setting: Setting) -> float:
+        """Value of an imperfection in a setting, in `unit`."""
+        return float(f"{getattr(setting, self.name) / self.scale:.12g}")
+
+    def show(self, value: float) -> str:
+        """A value in `unit`, with it."""
+        return f"{value:.3g} {self.unit}".rstrip()
+
+
+AXES = (
+    Quantity("scatter", "diameter scatter", "µm", 1e-6, "", "diameter_scatter_m", "packing.diameter_scatter"),
+    Quantity("friction", "friction coefficient", "", 1.0, "", "friction", "contact.friction"),
+    Quantity("vacancies", "vacancies", "%", 0.01, "", "vacancies", "packing.vacancies"),
+)
+FORCE = Quantity("wall_peak_force_N", "peak force on the bottom", "N", better="less")
+REDUCTION = Quantity("peak_reduction", "peak force without the packing over that with it", better="more")
+DISSIPATED = Quantity("dissipated_fraction", "dissipated share of the energy", better="more")
+PLASTIC = Quantity("plastic_fraction", "share dissipated by yielding", better="more")
+FRICTION = Quantity("friction_fraction", "share dissipated by friction")
+CONTACTS = Quantity("n_plastic_contacts", "yielded contacts")
+SPHERES = Quantity("n_plastic_spheres", "yielded spheres")
+VOLUME = Quantity("plastic_zone_volume_m3", "plastic volume", "cm³", 1e-6)
+DEPTH = Quantity("plastic_zone_depth_m", "plastic depth", "mm", 1e-3)
+ARRIVAL = Quantity("base_arrival_s", "arrival at the bottom", "µs", 1e-6)
+
+Means = dict[Setting, Estimate]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -30,7 +107,7 @@ class Packing:
         What tells it from other packings of a report; empty for a single one.
     """
 
-    runs: dict[Setting, tuple[FinishedRun, ...]]
+    runs: dict[Setting, list[FinishedRun]]
     name: str = ""
     title: str = ""
     label: str = ""
@@ -38,120 +115,103 @@ class Packing:
     @property
     def case(self) -> Case:
         """Case of its least imperfect run."""
-        return self.runs[self.settings[0]][0].case
+        return next(iter(self.runs.values()))[0].case
 
     @property
-    def settings(self) -> list[Setting]:
-        """In rising order."""
-        return list(self.runs)
-
-    @property
-    def axes(self) -> list[Axis]:
-        """Axes along which a setting is imperfect."""
+    def axes(self) -> list[Quantity]:
+        """Imperfections that any setting has."""
         return [axis for axis in AXES if any(axis.of(setting) for setting in self.runs)]
 
-    def along(self, axis: Axis, base: Setting = IDEAL) -> list[Setting]:
-        """Settings that differ from ``base`` in one imperfection alone, in rising order."""
-        return [setting for setting in self.runs if axis.without(setting) == axis.without(base)]
+    @property
+    def suffix(self) -> str:
+        """End of a caption: the packing, where there are several."""
+        return f" ({self.label})" if self.label else ""
 
-    def bases(self, axis: Axis) -> list[Setting]:
-        """Settings of the other imperfections along which there is more than one value of this."""
-        found = {axis.without(setting) for setting in self.runs}
-        return sorted(base for base in found if len(self.along(axis, base)) > 1)
-
-    def tried(self, axis: Axis) -> list[Setting]:
-        """All settings along which there is more than one value of an imperfection."""
-        return [setting for base in self.bases(axis) for setting in self.along(axis, base)]
-
-    def seeds(self, setting: Setting) -> int:
-        """Number of replicates."""
-        return len(self.runs[setting])
+    def along(self, axis: Quantity) -> dict[Setting, list[Setting]]:
+        """Settings of several values of one imperfection, by that of the others; all in rising order."""
+        lines: dict[Setting, list[Setting]] = {}
+        for setting in self.runs:
+            lines.setdefault(setting._replace(**{axis.name: 0.0}), []).append(setting)
+        return {base: lines[base] for base in sorted(lines) if len(lines[base]) > 1}
 
     def random(self, setting: Setting) -> bool:
         """Values differ from seed to seed."""
         return is_random(self.runs[setting][0].case)
 
     def values(self, quantity: Quantity, setting: Setting) -> list[float]:
-        """Values of the replicates, SI, in the order of the seeds; without those that do not apply."""
-        found = (run.value(quantity.name) for run in self.runs[setting])
-        return [value for value in found if math.isfinite(value)]
+        """Values of the replicates that have one, SI, in the order of the seeds."""
+        return [value for run in self.runs[setting] if math.isfinite(value := run.value(quantity.name))]
 
-    def of(self, quantity: Quantity, setting: Setting) -> Estimate | None:
-        """The estimate, SI; None where there is no value."""
-        found = self.values(quantity, setting)
-        if not found:
-            return None
-        return estimate(found) if self.random(setting) else exactly(found[0])
+    def means(self, quantity: Quantity) -> Means:
+        """Estimates, SI, of the settings that have a value."""
+        found = {setting: values for setting in self.runs if (values := self.values(quantity, setting))}
+        return {s: estimate(values) if self.random(s) else exactly(values[0]) for s, values in found.items()}
 
-    def left(self, quantity: Quantity, setting: Setting) -> Estimate | None:
-        """Ratio to the ideal packing's performance: 1 is all of it, more is better than ideal.
+    def over_ideal(self, quantity: Quantity) -> Means:
+        """Ratios to the ideal packing's value; nothing where that is random, zero or not known."""
+        means = self.means(quantity)
+        ideal = means.get(IDEAL)
+        return {s: one.over(ideal.mean) for s, one in means.items()} if ideal and ideal.exact and ideal.mean else {}
 
-        Of a force that shall be small that is the ideal's over the present one. None where either is not known, or the
-        ideal one is random or zero.
-        """
-        share = self.over_ideal(quantity, setting)
-        if share is None or quantity.better != "less":
-            return share
-        if not share.mean:
-            return None
-        return Estimate(share.n, 1 / share.mean, share.deviation / share.mean**2, share.half_width / share.mean**2)
+    def left(self, quantity: Quantity) -> Means:
+        """Shares of the ideal packing's performance: of a force that shall be small its value over the present one."""
+        shares = self.over_ideal(quantity)
+        if quantity.better != "less":
+            return shares
+        return {
+            setting: Estimate(one.n, 1 / one.mean, one.deviation / one.mean**2, one.half_width / one.mean**2)
+            for setting, one in shares.items()
+            if one.mean
+        }
 
-    def over_ideal(self, quantity: Quantity, setting: Setting) -> Estimate | None:
-        """Ratio to the ideal packing's value; None where either is not known, or the ideal one is random or zero."""
-        ideal = self.of(quantity, IDEAL) if IDEAL in self.runs else None
-        now = self.of(quantity, setting)
-        return now.over(ideal.mean) if now and ideal and ideal.exact and ideal.mean else None
-
-    def shown(
-        self, quantities: Sequence[Quantity] = QUANTITIES, settings: Sequence[Setting] | None = None
-    ) -> list[Quantity]:
-        """The quantities that have a value anywhere; without friction all is dissipated by yielding.
-
-        Parameters
-        ----------
-        settings
-            Those that are shown; None: all of the packing.
-        """
-        settings = self.settings if settings is None else settings
+    def shown(self, quantities: Sequence[Quantity], settings: Sequence[Setting] = ()) -> list[Quantity]:
+        """Quantities that have a value anywhere; without friction all is dissipated by yielding."""
+        settings = settings or list(self.runs)
         has_friction = any(setting.friction for setting in settings)
         there = [one for one in quantities if any(self.values(one, setting) for setting in settings)]
         return [one for one in there if has_friction or one not in (PLASTIC, FRICTION)]
 
-    @property
-    def performance(self) -> list[Quantity]:
-        """Quantities of `PERFORMANCE` that are known."""
-        return self.shown(PERFORMANCE)
 
-
-def packings(runs: Iterable[FinishedRun]) -> list[Packing]:
-    """Packings of which there are runs of two settings at least; of equal runs the longest counts."""
-    groups: dict[str, dict[Setting, dict[int, FinishedRun]]] = {}
-    for run in runs:
-        if run.case.load.kind != "impact" or run.case.packing.kind == "chain":
-            continue
-        same = groups.setdefault(_what_is_hit(run.case), {}).setdefault(setting_of(run.case), {})
-        seed = _seed(run.case)
-        if seed not in same or run.value("end_time_s") > same[seed].value("end_time_s"):
-            same[seed] = run
+def select(runs: Sequence[FinishedRun]) -> list[Packing]:
+    """Packings that were run with two settings at least, named and told apart; of equal runs the longest counts."""
+    impacts = [run for run in runs if run.case.load.kind == "impact" and run.case.packing.kind != "chain"]
+    table = pd.DataFrame([{**imperfections(run.case), "end": run.value("end_time_s"), "run": run} for run in impacts])
+    if table.empty:
+        return []
+    table["what"] = pd.factorize(table["what"])[0]
+    place = ["what", "setting", "seed"]
+    longest = table.sort_values("end", ascending=False, kind="stable").drop_duplicates(place).sort_values(place)
+    groups = [group.groupby("setting")["run"].agg(list).to_dict() for _, group in longest.groupby("what")]
+    found = [Packing(group) for group in groups if len(group) > 1]
+    titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in found]
     return [
-        Packing({setting: tuple(same[seed] for seed in sorted(same)) for setting, same in sorted(group.items())})
-        for group in groups.values()
-        if len(group) > 1
+        dataclasses.replace(packing, name="tolerances" + (f"-{n}" if n > 1 else ""), title=title, label=label)
+        for n, (packing, title, label) in enumerate(zip(found, titles, _labels(titles), strict=True), start=1)
     ]
 
 
-def _what_is_hit(case: Case) -> str:
-    """Everything that is not an imperfection."""
-    left_out = ["packing.diameter_scatter", "packing.seed", "contact.friction"]
-    if not isinstance(case.packing.vacancies, tuple):
-        left_out.append("packing.vacancies")
+def imperfections(case: Case) -> dict[str, Any]:
+    """Return all that is hit but for its imperfections, as text, these, and the seed, 0 where nothing is random."""
+    packing, left_out = case.packing, ["packing.diameter_scatter", "packing.seed", "contact.friction"]
+    listed = isinstance(packing.vacancies, tuple)
+    left_out += [] if listed else ["packing.vacancies"]
     if case.boundary.friction == case.contact.friction:  # as where it is left out
         left_out.append("boundary.friction")
-    return all_but(case, *left_out)
+    values = packing.diameter_scatter, case.contact.friction, 0.0 if listed else packing.vacancies
+    seed = DEFAULT_SEED if packing.seed is None else packing.seed
+    return {
+        "what": all_but(case, *left_out),
+        "setting": Setting(*(float(f"{value:.12g}") for value in values)),
+        "seed": seed if is_random(case) else 0,
+    }
 
 
-def _seed(case: Case) -> int:
-    """Seed of the random part of a packing; 0 where nothing is random."""
-    if not is_random(case):
-        return 0
-    return DEFAULT_SEED if case.packing.seed is None else case.packing.seed
+def _labels(titles: Sequence[str]) -> list[str]:
+    """Label each of several packings for captions; empty for a single one."""
+    if len(titles) < 2:
+        return [""] * len(titles)
+    parts = [title.split(", ") for title in titles]
+    own = [", ".join(part for part in words if not all(part in other for other in parts)) for words in parts]
+    if len(set(own)) < len(own):  # they differ in what no title says
+        own = [", ".join(filter(None, (words, f"packing {n}"))) for n, words in enumerate(own, start=1)]
+    return own

@@ -17,11 +17,7 @@ from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.statistics import estimate
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Study
-from granwave.analysis.studies.tolerance.packings import Packing
-from granwave.analysis.studies.tolerance.quantities import DISSIPATED, FORCE
-from granwave.analysis.studies.tolerance.settings import IDEAL, RUBBING, SCATTER, Setting
-from granwave.analysis.studies.tolerance.study import select
-from granwave.analysis.studies.tolerance.verdict import tolerance
+from granwave.analysis.studies.tolerance.packings import AXES, DISSIPATED, FORCE, IDEAL, Packing, Setting, select
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
@@ -31,6 +27,9 @@ from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
 
 FORCE_IDEAL, SHARE_IDEAL = 1332.0, 0.88
 TABLE = "Mean and 95 % confidence interval"
+KEPT = (
+    "How large each imperfection may be for 90 % of the ideal packing's performance or more: a force of at most 111 %"
+)
 
 
 def summary_of(case: Case, **others: Any) -> dict[str, Any]:
@@ -101,7 +100,7 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
     paths += write(tmp_path / "c", [{"load.velocity": 10}])  # alone
     paths += write(tmp_path / "d", settings([1], seeds=1, **{"run.end_time": 2e-3}), end_time_s=2e-3)
     brass, steel = packings_in(paths, tmp_path)
-    assert brass.settings == steel.settings == [IDEAL, Setting(scatter=1e-6)]
+    assert list(brass.runs) == list(steel.runs) == [IDEAL, Setting(scatter=1e-6)]
     assert [run.case.packing.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
     longer, other = brass.runs[Setting(1e-6)]
     assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # the longest of equal ones
@@ -136,13 +135,12 @@ def test_means_and_what_is_left(tmp_path: Path) -> None:
     (packing,) = packings_in(write(tmp_path, settings([0, 2, 5, 10], [0, 0.2])), tmp_path)
     five = Setting(scatter=5e-6)
     forces = [run.summary["wall_peak_force_N"] for run in packing.runs[five]]
-    assert packing.of(FORCE, five) == estimate(forces) and len(forces) == 6
-    assert packing.of(FORCE, IDEAL).exact and packing.of(FORCE, Setting(friction=0.2)).exact
-    assert packing.left(DISSIPATED, five).mean == pytest.approx(0.9)
-    assert packing.left(FORCE, five).mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
-    assert tolerance(packing, DISSIPATED, SCATTER) == pytest.approx(5.0)
-    assert tolerance(packing, FORCE, SCATTER) is None and tolerance(packing, FORCE, RUBBING) is None
-    assert [axis.name for axis in (SCATTER, RUBBING) if packing.bases(axis)] == ["scatter", "friction"]
+    means = packing.means(FORCE)
+    assert means[five] == estimate(forces) and len(forces) == 6
+    assert means[IDEAL].exact and means[Setting(friction=0.2)].exact
+    assert packing.left(DISSIPATED)[five].mean == pytest.approx(0.9)
+    assert packing.left(FORCE)[five].mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
+    assert [axis.name for axis in AXES if packing.along(axis)] == ["scatter", "friction"]
 
 
 def test_the_report_says_what_is_left(tmp_path: Path) -> None:
@@ -156,9 +154,6 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
         " and is nowhere higher; the dissipated share of the energy goes from 0.88 to 0.704 at worst (80 %, at diameter scatter "
         "10 µm); the share dissipated by yielding goes from 0.88 to 0.591 at worst (67.2 %, at diameter scatter 10 µm, "
         "friction coefficient 0.2).",
-        "the dissipated share of the energy is 80 % of the ideal packing's (0.704, 6 seeds; ideal: 0.88)",
-        "It is 90 % of the ideal packing's or more up to about 5 µm (between 2 and 10 µm)",
-        "of the ideal packing's (41",  # 1332/32 N and its interval
         "By peak force on the bottom these cannot be told apart with the seeds there are: diameter scatter 0 and 0.01 µm; diameter "
         "scatter 0 and 0.01 µm at friction coefficient 0.2",
         "takes 5 seeds, which there are",
@@ -169,6 +164,11 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     assert rows[0]["Peak force on the bottom"].text == "1330" and " ± " in rows[2]["Peak force on the bottom"].text
     against = table(report, "studies", "Against the ideal packing")
     assert "not to be told from it" in against[1]["Peak force on the bottom"].text
+    kept = table(report, "studies", KEPT)
+    texts = [[cell.text for cell in row.values()] for row in kept]
+    assert texts[0][:4] == ["Diameter scatter", "Peak force on the bottom", "1330 N", "10 µm"]
+    assert texts[0][4].startswith("41") and texts[0][7] == "every value tried"  # 1332/32 N
+    assert texts[1][2:] == ["0.88", "10 µm", "0.704", "80 %", "6", "about 5 µm (between 2 and 10 µm)"]
     (study,) = found_in(paths, tmp_path)
     assert [picture.name for picture in study.pictures] == [
         "tolerances_scatter", "tolerances_friction", "tolerances_scatter_friction", "tolerances_seeds",
@@ -189,7 +189,7 @@ def test_a_damaged_result_is_left_out(tmp_path: Path) -> None:
 
 def test_doubt_is_said_where_it_is_due(tmp_path: Path) -> None:
     (single,) = found_in(write(tmp_path / "a", settings([0, 2], seeds=1)), tmp_path)
-    assert "one seed: its confidence is not known" in single.verdict[1]
+    assert single.tables[-1].rows[0][6].text == "1: its confidence is not known"
 
 
 def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path) -> None:
