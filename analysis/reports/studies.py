@@ -286,6 +286,5 @@ def _left_out(runs: Sequence[FinishedRun | ContinuumRun]) -> dict[str, list[str]
     for run in runs:
         if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
             found.setdefault(reason, []).append(run.label)
-    for other in collect(runs).other_packings:
-        found.setdefault("another packing than the reference's", []).append(other.label)
-    return found
+    others = collect(runs).other_packings
+    return found | ({"another packing than the reference's": others["label"].tolist()} if len(others) else {})

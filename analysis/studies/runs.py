@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any, Generic, Self, TypeVar
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.analysis.studies.punch_case import PunchCase, read_punch_case
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import read_material
+from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import load_case
@@ -24,6 +25,12 @@ Kind = TypeVar("Kind", bound="AnyRun[Any]")
 Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
+
+_OF_A_PUNCH = {  # keys that case.toml holds for a punch on a block
+    "block": ("diameter", "height"),
+    "punch": ("diameter", "mass", "velocity", "taper"),
+    "run": ("elements", "edge_size"),
+}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -61,8 +68,8 @@ class AnyRun(Generic[AnyCase]):
         return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
 
 
-class ContinuumRun(AnyRun[PunchCase]):
-    """A finished run of a punch on a block."""
+class ContinuumRun(AnyRun[Mapping[str, Any]]):
+    """A finished run of a punch on a block; its case is what case.toml holds, with all values filled in."""
 
 
 class SphereContactRun(AnyRun[Mapping[str, Any]]):
@@ -106,7 +113,10 @@ def read_run(
     """Read a finished run; None if its case cannot be read."""
     try:
         if summary.get("kind") == "continuum":
-            return ContinuumRun(label, directory, read_punch_case(directory / CASE_FILE), summary)
+            tables, errors = read_toml(directory / CASE_FILE), ErrorList("")
+            whole = all(key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys)
+            sound = read_material(tables.get("material", {}), errors) is not None and not errors.lines
+            return ContinuumRun(label, directory, tables, summary) if whole and sound else None
         if summary.get("kind") == "sphere-contact":
             return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
         return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)

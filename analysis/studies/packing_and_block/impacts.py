@@ -1,158 +1,93 @@
-"""Impacts on packings and on blocks that can be compared, on normalised axes, and groups of them."""
+"""Impacts on packings and on blocks that can be compared, as tables with a row for each run, and groups of them.
+
+Columns have the names that they have in the data of the figures. Energies are normalised by F_y alpha_y for packings,
+and by sigma_y^2 D^3/E for blocks, D being the diameter of the punch.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Iterable, Sequence
 from functools import cached_property
-from typing import TypeVar
+from typing import Any
 
-from granwave._contact_laws import ContactLaw
-from granwave.analysis.studies.punch_case import PunchCase
-from granwave.analysis.studies.runs import AnyCase, AnyRun, ContinuumRun, FinishedRun
-from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material
+import numpy as np
+import pandas as pd
+from pandas import DataFrame
+
+from granwave.analysis.measures.impact import (
+    Involved,
+    QuadraticLaw,
+    elements_involved,
+    quadratic_law,
+    spheres_involved,
+)
+from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.lattices import kind_of
+from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
+_FEWEST_FITTED = 5
 
 _FAST = 0.1  # of the largest velocity
+_CONSTANTS = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+_DIFFERENCES = {  # what tells substances apart: word, size of the unit, and unit
+    "diameter": ("diameter", 1e-3, "mm"),
+    "youngs_modulus": ("modulus", 1e9, "GPa"),
+    "poisson_ratio": ("Poisson's ratio", 1.0, ""),
+    "density": ("density", 1.0, "kg/m³"),
+    "yield_strength": ("yield strength", 1e6, "MPa"),
+}
+_KEYS = ("substance", "shape", "held", "but_for_mass", "but_for_taper")  # equal numbers for equal content
+_MEASURED = (  # columns that a table without rows has, too
+    "run", "label", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
+    "diameter", "mass_kg", "taper", "fine",
+)  # fmt: skip
+
+Curves = dict[str, DataFrame]  # runs by name, the reference first
 
 
-class Measured(AnyRun[AnyCase]):
-    """Energies of an impact, whatever was hit."""
-
-    @property
-    def energy(self) -> float:
-        """Input, J."""
-        return self.value("energy_input_J")
-
-    @property
-    def fraction(self) -> float:
-        """Fraction of the input that was dissipated."""
-        return self.value("dissipated_fraction")
-
-
-class Granular(Measured[Case], FinishedRun):
-    """An impact on a packing of elasto-plastic spheres."""
-
-    what = "granular"
-
-    @cached_property
-    def law(self) -> ContactLaw:
-        """Contact law of two spheres."""
-        return sphere_contact(self.case)
-
-    @property
-    def diameter(self) -> float:
-        """Diameter of the spheres, m."""
-        return self.case.packing.diameter
-
-    @property
-    def energy_normalised(self) -> float:
-        """Input over F_y alpha_y."""
-        return self.energy / (self.law.yield_force * self.law.yield_overlap)
-
-    @property
-    def velocity_normalised(self) -> float:
-        """Impact velocity in units that make materials collapse on one curve."""
-        return self.value("velocity_normalised")
-
-    @property
-    def shape(self) -> Hashable:
-        """Shape of the packing and what holds it; the size of the spheres does not matter."""
-        packing, boundary = self.case.packing, self.case.boundary
-        return packing.kind, packing.size, boundary.bottom, boundary.sides
-
-    @property
-    def substance(self) -> Hashable:
-        """Material, size and law of the spheres."""
-        return constants(self.case.material), self.diameter, self.case.contact
-
-
-class Continuum(Measured[PunchCase], ContinuumRun):
-    """An impact of a rigid punch on a block."""
-
-    what = "continuum"
-
-    @property
-    def diameter(self) -> float:
-        """Diameter of the punch, m."""
-        return self.case.punch.diameter
-
-    @property
-    def energy_normalised(self) -> float:
-        """Input over sigma_y^2 D^3/E."""
-        return self.value("energy_input_normalised")
-
-    @property
-    def volume(self) -> float:
-        """Largest plastic zone at one instant, over pi D^3/6 with the diameter of the punch."""
-        return self.value("plastic_zone_volume_m3") / (math.pi * self.diameter**3 / 6)
-
-    @property
-    def volume_ever(self) -> float:
-        """Volume that ever yielded, in the same unit."""
-        return self.value("plastic_zone_volume_ever_m3") / (math.pi * self.diameter**3 / 6)
-
-    @property
-    def shape(self) -> Hashable:
-        """The punch but for its velocity, the block and the mesh."""
-        return dataclasses.replace(self.case.punch, velocity=0.0), self.case.block, self.case.run
-
-    @property
-    def substance(self) -> Hashable:
-        """Material of the block."""
-        return constants(self.case.material)
-
-
-Impact = TypeVar("Impact", Granular, Continuum)
-Curve = tuple[str, tuple[Impact, ...]]
-
-
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Impacts:
-    """All runs that can be compared."""
+    """All runs that can be compared: of elasto-plastic spheres, and of blocks that a rigid punch hit."""
 
-    granular: tuple[Granular, ...]
-    continuum: tuple[Continuum, ...]
+    granular: DataFrame
+    continuum: DataFrame
 
     @cached_property
-    def reference(self) -> tuple[Granular, ...]:
+    def reference(self) -> DataFrame:
         """The largest group of granular runs that differ in velocity alone, one sphere struck; by velocity."""
-        single = [run for run in self.granular if run.case.load.spheres == 1]
-        return rising(largest(single, lambda run: (run.shape, run.substance)), lambda run: run.velocity_normalised)
+        single = self.granular[self.granular.struck_spheres == 1]
+        return rising(largest(single, "shape", "substance"), "velocity_normalised")
 
     @property
-    def fast(self) -> tuple[Granular, ...]:
+    def fast(self) -> DataFrame:
         """Runs of the reference from a tenth of its largest velocity on.
 
         Below, the peak forces of too many contacts are near F_y, where dissipation is not quadratic in force.
         """
-        velocity = [run.velocity_normalised for run in self.reference]
-        return tuple(run for run in self.reference if run.velocity_normalised >= _FAST * velocity[-1] * (1 - SAME))
-
-    @cached_property
-    def like_reference(self) -> tuple[Granular, ...]:
-        """Granular runs on the packing of the reference, of whatever material, diameter and loading area."""
-        return tuple(run for run in self.granular if self.reference and run.shape == self.reference[0].shape)
+        velocity = self.reference.velocity_normalised
+        return self.reference[velocity >= _FAST * velocity.max() * (1 - SAME)]
 
     @property
-    def other_packings(self) -> tuple[Granular, ...]:
+    def like_reference(self) -> DataFrame:
+        """Granular runs on the packing of the reference, of whatever material, diameter and loading area."""
+        return self.granular[self.granular["shape"].isin(self.reference["shape"])]
+
+    @property
+    def other_packings(self) -> DataFrame:
         """Granular runs on packings that no figure or table of the reference shows."""
-        if not self.reference:
-            return self.granular
-        first = self.reference[0].case
-        alike = (first.packing.kind, first.boundary)
-        others = [run for run in self.granular if run not in self.like_reference]
-        return tuple(run for run in others if (run.case.packing.kind, run.case.boundary) != alike)
+        runs = self.granular
+        return runs[~runs["shape"].isin(self.reference["shape"]) & ~runs.held.isin(self.reference.held)]
 
     @cached_property
-    def continuum_reference(self) -> tuple[Continuum, ...]:
+    def continuum_reference(self) -> DataFrame:
         """The largest group of continuum runs that differ in the energy of the punch alone; by energy."""
-        same = largest(self.continuum, lambda run: (run.shape, run.substance))
-        return rising(same, lambda run: run.energy_normalised)
+        return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
 
 def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
@@ -161,13 +96,9 @@ def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
     What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by the elasto-plastic
     law, and of punches on blocks.
     """
-    granular, continuum = [], []
-    for run in runs:
-        if isinstance(run, ContinuumRun):
-            continuum.append(run.seen_as(Continuum))
-        elif not not_ideal(run):
-            granular.append(run.seen_as(Granular))
-    return Impacts(tuple(granular), tuple(continuum))
+    runs = list(runs)
+    granular = [_granular(run) for run in runs if isinstance(run, FinishedRun) and not not_ideal(run)]
+    return Impacts(_table(granular), _table([_continuum(run) for run in runs if isinstance(run, ContinuumRun)]))
 
 
 def not_ideal(run: FinishedRun) -> str:
@@ -184,57 +115,149 @@ def not_ideal(run: FinishedRun) -> str:
     return ", ".join(reason for reason, applies in reasons.items() if applies)
 
 
-def grouped(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> dict[Hashable, list[Impact]]:
-    """Runs by a key, in their order."""
-    groups: dict[Hashable, list[Impact]] = {}
-    for run in runs:
-        groups.setdefault(key(run), []).append(run)
-    return groups
+def largest(runs: DataFrame, *keys: str) -> DataFrame:
+    """The largest group of runs that are equal in keys."""
+    return max((group for _, group in runs.groupby(list(keys), sort=False)), key=len, default=runs)
 
 
-def largest(runs: Iterable[Impact], key: Callable[[Impact], Hashable]) -> list[Impact]:
-    """The largest group of runs that are equal in a key."""
-    return max(grouped(runs, key).values(), key=len, default=[])
+def rising(runs: DataFrame, column: str) -> DataFrame:
+    """Runs in rising order of a column; of those that are meant to be equal in it the first."""
+    runs = runs.sort_values(column, kind="stable")
+    values = runs[column].to_numpy()
+    return runs[np.append(True, values[1:] > values[:-1] * (1 + SAME))[: len(runs)]]
 
 
-def rising(runs: Iterable[Impact], key: Callable[[Impact], float]) -> tuple[Impact, ...]:
-    """Runs in rising order of a number; of those that are meant to be equal in it the first."""
-    kept: list[Impact] = []
-    for run in sorted(runs, key=key):
-        if not kept or key(run) > key(kept[-1]) * (1 + SAME):
-            kept.append(run)
-    return tuple(kept)
+def equal(runs: DataFrame, others: DataFrame, column: str) -> DataFrame:
+    """Pairs of runs and others that are meant to be equal in a column; those of the others have an underscore."""
+    pairs = runs.merge(others, how="cross", suffixes=("", "_"))
+    return pairs[np.abs(pairs[column] / pairs[f"{column}_"] - 1) < SAME]
 
 
-def substances(runs: Iterable[Impact], reference: tuple[Impact, ...]) -> list[Curve[Impact]]:
+def substances(runs: DataFrame, reference: DataFrame) -> Curves:
     """The reference, and runs of each other substance by energy; with their names."""
-    curves = [("reference", reference)]
-    for group in grouped(runs, lambda run: run.substance).values():
-        if group[0].substance != reference[0].substance:
-            curves.append((differences(reference[0], group[0]), rising(group, lambda run: run.energy)))
-    return curves
+    first = reference.iloc[0]
+    others = runs[runs.substance != first.substance].groupby("substance", sort=False)
+    return {"reference": reference} | {
+        differences(first, group.iloc[0]): rising(group, "energy_J") for _, group in others
+    }
 
 
-def constants(material: Material) -> Hashable:
-    """Constants of a material, whatever it is called."""
-    return material.youngs_modulus, material.poisson_ratio, material.density, material.yield_strength
-
-
-def energy_unit(material: Material, diameter: float) -> float:
-    """sigma_y^2 D^3/E, J."""
-    assert material.yield_strength is not None  # of a case that yields
-    return material.yield_strength**2 * diameter**3 / material.youngs_modulus
-
-
-def differences(first: Impact, other: Impact) -> str:
+def differences(first: pd.Series, other: pd.Series) -> str:
     """Label of another substance by what differs, for a legend: such as "modulus 230 GPa"."""
-    here, there = first.case.material, other.case.material
-    pairs = [
-        ("diameter", first.diameter, other.diameter, 1e-3, "mm"),
-        ("modulus", here.youngs_modulus, there.youngs_modulus, 1e9, "GPa"),
-        ("Poisson's ratio", here.poisson_ratio, there.poisson_ratio, 1.0, ""),
-        ("density", here.density, there.density, 1.0, "kg/m³"),
-        ("yield strength", here.yield_strength or 0.0, there.yield_strength or 0.0, 1e6, "MPa"),
+    texts = [
+        f"{word} {other[key] / size:.4g} {unit}".rstrip()
+        for key, (word, size, unit) in _DIFFERENCES.items()
+        if first[key] != other[key]
     ]
-    texts = [f"{name} {b / unit:.4g} {word}".rstrip() for name, a, b, unit, word in pairs if a != b]
-    return ", ".join(texts) or (there.name or "other")
+    return ", ".join(texts) or (other.material or "other")
+
+
+def energy_unit(run: pd.Series | DataFrame, diameter: float | None = None) -> Any:
+    """sigma_y^2 D^3/E, J, by default with the run's own diameter."""
+    return run.yield_strength**2 * (run.diameter if diameter is None else diameter) ** 3 / run.youngs_modulus
+
+
+def variants(impacts: Impacts) -> Curves:
+    """The reference and the groups that differ from it in material or diameter, one sphere struck; with their names."""
+    same = impacts.like_reference
+    return substances(same[same.struck_spheres == 1], impacts.reference)
+
+
+def materials(impacts: Impacts) -> Curves:
+    """The reference of blocks and the groups that differ from it in material alone, with their names."""
+    runs, reference = impacts.continuum, impacts.continuum_reference
+    return substances(runs[runs["shape"].isin(reference["shape"])], reference)
+
+
+def masses(impacts: Impacts) -> Curves:
+    """Groups that differ from the reference in the mass of the punch alone, by rising mass."""
+    runs = impacts.continuum
+    same = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby("mass_kg")
+    return {f"m = {mass:.4g} kg": rising(group, "energy_J") for mass, group in same}
+
+
+def by_area(impacts: Impacts) -> Curves:
+    """Runs of the reference material by the number of struck spheres, in rising order of energy."""
+    runs = impacts.like_reference
+    same = runs[runs.substance.isin(impacts.reference.substance)].groupby("struck_spheres")
+    return {f"W = {spheres}": rising(group, "energy_J") for spheres, group in same}
+
+
+def area_table(curves: Curves) -> DataFrame:
+    """Dissipated fractions by normalised input energy and number of struck spheres, where several numbers were."""
+    if "W = 1" not in curves:
+        return DataFrame()
+    pairs = equal(curves["W = 1"], pd.concat(curves.values()), "energy_J")
+    table = pairs.pivot_table("dissipated_fraction_", "energy_normalised", "struck_spheres_", "first")
+    table = table[table.notna().sum(axis=1) > 1]
+    return table.loc[:, table.notna().any()]
+
+
+def quadratic_fit(impacts: Impacts) -> QuadraticLaw | None:
+    """Quadratic law of the fast runs of the reference, in units in which the input is ``v0^2/2``; v0 is normalised."""
+    return quadratic_law(*dissipation(impacts.fast)) if len(impacts.fast) >= _FEWEST_FITTED else None
+
+
+def involved(run: Any) -> Involved | None:
+    """The material of a run that dissipated; None where its result cannot be read, or nothing was dissipated."""
+    directory, energy = run.run.directory, run.energy_J
+    try:
+        if run.what == "continuum":
+            found = elements_involved(directory / RESULT_FILE, energy)
+        else:
+            with Result(directory) as result:
+                found = spheres_involved(result, energy)
+    except (GranwaveError, OSError, KeyError):
+        return None
+    return found if len(found.fraction) and found.fraction[-1] > 0 else None
+
+
+def dissipation(runs: DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Normalised velocities, and dissipation in units in which the input is v0^2/2."""
+    velocity = runs.velocity_normalised.to_numpy()
+    return velocity, runs.dissipated_fraction.to_numpy() * (0.5 * velocity**2)
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> DataFrame:
+    table = DataFrame(rows, columns=None if rows else [*_KEYS, *_MEASURED])
+    for key in set(_KEYS) & set(table):
+        table[key] = pd.factorize(table[key])[0]
+    return table
+
+
+def _granular(run: FinishedRun) -> dict[str, Any]:
+    """Row of an impact on a packing."""
+    case, law = run.case, sphere_contact(run.case)
+    packing, boundary, energy = case.packing, case.boundary, run.value("energy_input_J")
+    constants = {name: getattr(case.material, name) for name in _CONSTANTS}
+    return {
+        **constants, "what": "granular", "run": run, "label": run.label, "material": case.material.name,
+        "diameter": packing.diameter, "energy_J": energy,
+        "energy_normalised": energy / (law.yield_force * law.yield_overlap),
+        "velocity_normalised": run.value("velocity_normalised"),
+        "dissipated_fraction": run.value("dissipated_fraction"), "struck_spheres": int(case.load.spheres),
+        "yield_force": law.yield_force, "solid_fraction": kind_of(packing.kind).solid_fraction,
+        "n_spheres": run.assembly.lattice.n_spheres,
+        "substance": (*constants.values(), packing.diameter, case.contact),
+        "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides), "held": (packing.kind, boundary),
+    }  # fmt: skip
+
+
+def _continuum(run: ContinuumRun) -> dict[str, Any]:
+    """Row of an impact of a rigid punch on a block."""
+    material, punch, mesh = (run.case[table] for table in ("material", "punch", "run"))
+    constants = {name: material.get(name) for name in _CONSTANTS}
+    block, volume = (run.case["block"]["diameter"], run.case["block"]["height"]), math.pi * punch["diameter"] ** 3 / 6
+    rest = (block, mesh["elements"], *constants.values())
+    return {
+        **constants, "what": "continuum", "run": run, "label": run.label, "material": material.get("name"),
+        "diameter": punch["diameter"], "energy_J": run.value("energy_input_J"),
+        "energy_normalised": run.value("energy_input_normalised"),
+        "dissipated_fraction": run.value("dissipated_fraction"), "mass_kg": punch["mass"], "taper": punch["taper"],
+        "volume_over_sphere_volume": run.value("plastic_zone_volume_m3") / volume,
+        "volume_ever_over_sphere_volume": run.value("plastic_zone_volume_ever_m3") / volume, "solid_fraction": 1.0,
+        "fine": not isinstance(mesh["edge_size"], str), "substance": tuple(constants.values()),
+        "shape": (punch["diameter"], punch["mass"], punch["taper"], block, mesh["elements"], mesh["edge_size"]),
+        "but_for_mass": (punch["diameter"], punch["taper"], *rest),
+        "but_for_taper": (punch["diameter"], punch["mass"], punch["velocity"], *rest),
+    }  # fmt: skip

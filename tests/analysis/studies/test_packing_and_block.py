@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import dataclasses
 import json
 import math
 import shutil
@@ -11,12 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pandas import DataFrame, concat
 
-from granwave.analysis.document.model import Note
+from granwave.analysis.document.model import Note, Table
 from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.studies.packing_and_block import blocks, forces, packings, sides, zone
+from granwave.analysis.studies.packing_and_block import forces, study, zone
+from granwave.analysis.studies.packing_and_block import impacts as groups
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select
 from granwave.analysis.studies.runs import read_run
@@ -101,82 +102,77 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
     assert comparison._left_out(runs) == {"friction": ["rough"], "another packing than the reference's": ["other"]}
 
 
+def rows(impacts: Impacts, caption: str) -> list[list]:
+    """Rows of a table of the comparison: values, or texts where there are none."""
+    part = next(part for part in study.tables(impacts) if isinstance(part, Table) and part.caption.startswith(caption))
+    return [[cell.text if cell.value is None else cell.value for cell in row] for row in part.rows]
+
+
+def velocities(runs: DataFrame) -> list[float]:
+    return [run.case.load.velocity for run in runs.run]
+
+
 def test_both_kinds_are_collected(impacts: Impacts) -> None:
     assert (len(impacts.granular), len(impacts.continuum)) == (9, 5)
-    assert [run.case.load.velocity for run in impacts.reference] == [1, 2, 4, 8, 16, 32]
-    assert [run.case.punch.velocity for run in impacts.continuum_reference] == [8, 12, 16]
+    assert velocities(impacts.reference) == [1, 2, 4, 8, 16, 32]
+    assert [run.case["punch"]["velocity"] for run in impacts.continuum_reference.run] == [8, 12, 16]
 
 
-def test_granular_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
-    (row,) = packings.collapse(impacts)
-    assert (row.name, row.n) == ("modulus 230 GPa", 2)
-    assert row.largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
-
-
-def test_continuum_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
-    (row,) = blocks.collapse(impacts)
-    assert (row.name, row.energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
-    assert abs(row.fraction) < 0.01
-    assert abs(row.volume) < 0.03  # sampled every 0.2 us, for all materials
+def test_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
+    ((name, n, largest),) = rows(impacts, "Granular scaling")
+    assert (name, n) == ("modulus 230 GPa", 2)
+    assert largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
+    ((name, energy, fraction, volume),) = rows(impacts, "Continuum scaling")
+    assert (name, energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
+    assert abs(fraction) < 0.01
+    assert abs(volume) < 0.03  # sampled every 0.2 us, for all materials
 
 
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
-    light, heavy = (dict(blocks.masses(impacts))[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
-    assert light[0].energy_normalised == pytest.approx(heavy[1].energy_normalised, rel=1e-6)
-    assert light[0].fraction == pytest.approx(heavy[1].fraction, rel=0.5)
+    light, heavy = (groups.masses(impacts)[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
+    assert light.energy_normalised.iloc[0] == pytest.approx(heavy.energy_normalised.iloc[1], rel=1e-6)
+    assert light.dissipated_fraction.iloc[0] == pytest.approx(heavy.dissipated_fraction.iloc[1], rel=0.5)
 
 
 def test_loading_area_is_compared_at_equal_energy(impacts: Impacts) -> None:
-    ((energy, fractions),) = packings.area_table(packings.by_area(impacts))
-    assert set(fractions) == {1, 3}
-    run = next(run for run in impacts.reference if run.case.load.velocity == 8)
-    assert energy == pytest.approx(run.energy_normalised)
-    assert fractions[1] == run.fraction
+    ((energy, one, three, difference),) = rows(impacts, "Loading area")
+    run = next(impacts.reference[[v == 8 for v in velocities(impacts.reference)]].itertuples())
+    assert (energy, one) == (pytest.approx(run.energy_normalised), run.dissipated_fraction)
+    assert difference == pytest.approx(abs(three - one))
 
 
 def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
     constants = (-40.0, 3.0, 0.45)
-    made = []
-    for run in impacts.reference:
-        v = run.velocity_normalised
+
+    def made(v: np.ndarray) -> Impacts:
+        runs = concat([impacts.reference[:1]] * len(v)).assign(velocity_normalised=v)
         lost = np.polynomial.polynomial.polyval(v, constants)
-        made.append(dataclasses.replace(run, summary={**run.summary, "dissipated_fraction": lost / (0.5 * v**2)}))
-    fit = packings.quadratic_fit(Impacts(tuple(made), ()))
-    assert fit is None  # too few from a tenth of the largest velocity on
-    more = [
-        dataclasses.replace(
-            made[-1],
-            summary={
-                **made[-1].summary,
-                "velocity_normalised": v,
-                "energy_input_J": made[-1].energy * (v / made[-1].velocity_normalised) ** 2,
-                "dissipated_fraction": np.polynomial.polynomial.polyval(v, constants) / (0.5 * v**2),
-            },
-        )
-        for v in np.linspace(60, 290, 8)
-    ]
-    fit = packings.quadratic_fit(Impacts((*made, *more), ()))
+        return Impacts(runs.assign(dissipated_fraction=lost / (0.5 * v**2)), impacts.continuum[:0])
+
+    few = impacts.reference.velocity_normalised.to_numpy()
+    assert groups.quadratic_fit(made(few)) is None  # too few from a tenth of the largest velocity on
+    fit = groups.quadratic_fit(made(np.append(few, np.linspace(60, 290, 8))))
     assert fit is not None
     np.testing.assert_allclose(fit.constants, constants, rtol=1e-8)
     assert fit.misfit < 1e-10
 
 
 def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
-    for run in (impacts.reference[-1], impacts.continuum_reference[-1]):
-        found = sides.involved(run)
+    for runs in (impacts.reference, impacts.continuum_reference):
+        run = next(runs[-1:].itertuples())
+        found = groups.involved(run)
         assert found is not None
-        assert found.fraction[-1] == pytest.approx(run.fraction, rel=1e-3)
+        assert found.fraction[-1] == pytest.approx(run.dissipated_fraction, rel=1e-3)
         assert np.all(np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0])
         fraction, volume = found.part(0.9)
-        assert 0.9 <= fraction / run.fraction <= 1.0
+        assert 0.9 <= fraction / run.dissipated_fraction <= 1.0
         assert volume < found.volume[-1]
-    (table,) = sides.tables(impacts)
-    mass, bulk = (cell.value for cell in table.rows[0][4:6])  # kg, cm^3 with voids
+    mass, bulk = rows(impacts, "Dissipation per mass")[0][4:6]  # kg, cm^3 with voids
     assert 1e-6 * bulk / (mass / 8500) == pytest.approx(math.sqrt(18) / math.pi)
 
 
 def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
-    found = forces.linear([run for run in impacts.reference if run.velocity_normalised >= 40])
+    found = forces.linear(impacts.reference[impacts.reference.velocity_normalised >= 40])
     assert found is not None
     assert np.median(found.exponent) == pytest.approx(1, abs=0.15)
     assert found.ray.shape[1] == len(found.velocity)
@@ -186,34 +182,33 @@ def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
 def test_front_loses_its_peak(impacts: Impacts) -> None:
     found = forces.fronts(impacts.reference)
     assert len(found) == 4
-    for _, front in found:
+    for front in found.values():
         assert front.depth[0] == 0
         assert np.all(np.diff(front.largest[1:4]) < 0)
         assert np.all((front.uniformity > 0) & (front.uniformity <= 1))
 
 
 def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
-    of_packings, of_blocks = zone.packing_zones(impacts), zone.continuum_zones(impacts)
-    assert [one.run.case.load.velocity for one in of_packings] == [1, 2, 4, 8, 16, 32]
+    of_packings, of_blocks = zone.zones(impacts).values()
+    assert velocities(of_packings) == [1, 2, 4, 8, 16, 32]
     assert len(of_blocks) == 3
-    for one, diameter in ((of_packings[-1], 0.01), (of_blocks[-1], 0.01)):
-        summary = one.run.summary
-        assert one.zone.depth == tuple(summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99))
-        assert one.zone.volume[1] == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
-        assert one.energy == pytest.approx(one.run.energy / 2.630, rel=1e-3)  # J, of brass and 10 mm
-    assert of_packings[-1].zone.mark == zone.Mark.CUT
-    assert all(one.zone.mark != zone.Mark.CUT for one in of_blocks)
+    for one in (of_packings.iloc[-1], of_blocks.iloc[-1]):
+        summary, diameter = one.run.summary, 0.01
+        assert [one[f"depth_{share}"] for share in (50, 90, 99)] == [
+            summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99)
+        ]
+        assert one.volume_90 == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.energy == pytest.approx(one.energy_J / 2.630, rel=1e-3)  # J, of brass and 10 mm
+    assert of_packings["mark"].iloc[-1] == zone.Mark.CUT
+    assert not (of_blocks["mark"] == zone.Mark.CUT).any()
 
 
 def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
-    run = impacts.reference[2]
-    larger = dataclasses.replace(run.case, packing=dataclasses.replace(run.case.packing, size=(10, 10, 8)))
-    twin = dataclasses.replace(run, label="larger", case=larger)
-    labels = [one.run.label for one in zone.packing_zones(Impacts((*impacts.granular, twin), ()))]
-    assert "larger" in labels
-    assert len(labels) == len(impacts.reference)
-    old = dataclasses.replace(run, summary={key: run.summary[key] for key in run.summary if "zone_" not in key})
-    assert zone.zone_of(old) is None
+    third = impacts.reference[2:3]
+    twin = third.assign(label="larger", n_spheres=800)
+    found = zone.zones(Impacts(concat([impacts.granular, twin]), impacts.continuum[:0]))["packing"]
+    assert "larger" in found.label.tolist()
+    assert len(found) == len(impacts.reference)
 
 
 def test_suite_leaves_one_report_and_its_figures(suite: Path) -> None:
@@ -253,9 +248,9 @@ def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pyte
 
 
 def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
-    run = impacts.reference[0]
+    run = impacts.reference.run.iloc[0]
     assert read_run("x", tmp_path, run.summary) is None
-    assert collect([read_run("y", run.directory, {})]) == Impacts((), ())
+    assert len(collect([read_run("y", run.directory, {})]).granular) == 0
     assert select([]) == []
 
 
