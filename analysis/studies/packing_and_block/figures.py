@@ -100,7 +100,7 @@ def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
     """Draw the volume that dissipates a fraction of the input: granular curves, continuum marks."""
     unit = math.pi * blocks.diameter.iloc[0] ** 3 / 6
     figure, axes = panels(2.8)
-    parts = []
+    parts: list[tuple[str, Any, Any]] = []
     for run, colour in zip(packings.itertuples(), _OF_PACKINGS, strict=False):
         if found := involved(run):
             enough, name = found.enough(_SHOWN_SHARE) + 1, f"granular, {run.energy_J:.3g} J"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,6 +13,7 @@ from pandas import DataFrame
 
 from granwave.analysis.document.cells import percent, show, spread_cell
 from granwave.analysis.document.model import Cell, Column, Note, Table
+from granwave.analysis.figures.style import Drawing
 from granwave.analysis.studies.packing_and_block import figures, forces, zone
 from granwave.analysis.studies.packing_and_block.impacts import (
     Impacts,
@@ -96,8 +97,8 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
     """Packings and blocks side by side, then each of them, as far as something was varied."""
     grains, blocks = impacts.reference, impacts.continuum_reference
 
-    def sketch(name: str, *drawing: Any) -> Sketch:
-        return Sketch(name, _CAPTIONS[name], partial(*drawing))
+    def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Sketch:
+        return Sketch(name, _CAPTIONS[name], partial(draw, *of))
 
     if len(grains) and len(blocks):
         yield sketch("dissipated_fraction", figures.dissipated_fraction, impacts)
