@@ -15,12 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pandas import DataFrame, Series, concat
 
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
-from granwave.analysis.measures.zone_size import Mark, mark_of
+from granwave.analysis.measures.zone_size import mark_of
 from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
-from granwave.analysis.scans.drawing import Series, draw_bars, draw_curves, draw_map
+from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
 from granwave.analysis.scans.table import TIMES, determines, independent_keys, physical
@@ -128,7 +129,6 @@ _FEWEST = 2  # points of a figure
 _MOST_SINGLE = 8  # curves of a single point that are shown
 _NOTHING = 1e-12  # magnitude below which values are due to rounding
 
-Marks = Mapping[int, Mark]
 _OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as below
 
 
@@ -190,33 +190,46 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
     if len(rows) < _FEWEST or not free:
         return {}
     keys = {name: key_of(name, labels[name], units.get(name, "")) for name in labels}
-    done = [points[row] for row in rows]
-    marks = {row: mark_of(points[row].summary) for row in rows}
-    shown = [one for one in ordinates(result.varied, done) if any(abs(one.value(point)) > _NOTHING for point in done)]
-    found: dict[str, Callable[[], Drawing | None]] = {}
+    marks = Series({row: int(mark_of(points[row].summary)) for row in rows})
+
+    def values(value: Value) -> Series:
+        return Series({row: value(points[row]) for row in rows}, dtype=float)
+
+    there = ((one, values(one.value)) for one in ordinates(result.varied, [points[row] for row in rows]))
+    shown = [(one, found) for one, found in there if (found.abs() > _NOTHING).any()]
+    drawn: dict[str, Callable[[], Drawing | None]] = {}
     for name in _abscissae(keys, free):
-        x = keys[name]
-        others = _others(keys, free, name)
-        joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others))
-        for one in shown:
-            draw = partial(_curves, points, rows, x, others, one, marks, joined=joined)
-            found[f"{one.name}_vs_{x.slug}"] = draw
+        x, others = keys[name], _others(keys, free, name)
+        joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others).values())
+        for one, found in shown:
+            draw = partial(_curves, x, others, one, found, marks * one.zone, joined=joined)
+            drawn[f"{one.name}_vs_{x.slug}"] = draw
     if not any(keys[name].numeric for name in free):
         x, others = keys[free[0]], [keys[name] for name in free[1:]]
-        for one in shown:
-            found[f"{one.name}_vs_{x.slug}"] = partial(_bars, points, rows, x, others, one, marks)
+        for one, found in shown:
+            drawn[f"{one.name}_vs_{x.slug}"] = partial(_bars, x, others, one, found, marks * one.zone)
     if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
-        found |= _collapses(points, rows, _others(keys, free, "load.velocity"), marks)
-    fraction = next((quantity for quantity in shown if quantity.name == "dissipated_fraction"), None)
-    if fraction and len(free) == 2 and all(keys[name].numeric for name in free):
-        found["dissipated_fraction_map"] = partial(_map, points, rows, keys[free[0]], keys[free[1]], fraction)
-    return found
-
-
-def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> dict[int, float]:
-    """Return the finite values by row."""
-    found = {row: value(points[row]) for row in rows}
-    return {row: number for row, number in found.items() if math.isfinite(number)}
+        others = _others(keys, free, "load.velocity")
+        fraction, volume = "dissipated_fraction", "plastic_volume_in_spheres"
+        of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
+        for name, key, column, title, value in (
+            (f"collapse_{fraction}", "velocity_normalised", fraction, QUANTITIES[fraction].title, value_of(fraction)),
+            (
+                "collapse_plastic_volume",
+                "energy_input_normalised",
+                volume,
+                of_volume,
+                plastic_spheres,
+            ),
+        ):
+            table = points_of(values(value_of(key)), values(value), others, marks * (value is plastic_spheres))
+            if len(table) >= _FEWEST:
+                titles = QUANTITIES[key].title, title
+                drawn[name] = partial(draw_curves, table, *titles, others, (key, column), joined=False, chosen=False)
+    if len(free) == 2 and all(keys[name].numeric for name in free):
+        maps = {one.name: partial(_map, keys[free[0]], keys[free[1]], one, found) for one, found in shown}
+        drawn |= {"dissipated_fraction_map": maps["dissipated_fraction"]} if "dissipated_fraction" in maps else {}
+    return drawn
 
 
 def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
@@ -244,12 +257,13 @@ def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
     return chosen
 
 
-def _curve_rows(rows: Sequence[int], others: Sequence[Key]) -> list[list[int]]:
-    """Group the points by curve: equal labels of ``others``."""
+def _curve_rows(rows: Iterable[int], others: Sequence[Key]) -> dict[tuple[Any, ...], list[int]]:
+    """Group the points by curve: equal values of ``others``, numbers by size, text in the order of the scan."""
     curves: dict[tuple[Any, ...], list[int]] = {}
     for row in rows:
-        curves.setdefault(tuple(key.labels[row] for key in others), []).append(row)
-    return list(curves.values())
+        place = tuple(key.values[row] if key.numeric else key.values.index(key.values[row]) for key in others)
+        curves.setdefault(place, []).append(row)
+    return {place: curves[place] for place in sorted(curves)}
 
 
 def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
@@ -263,118 +277,57 @@ def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
     return True
 
 
-def _series(
-    rows: Sequence[int], x: dict[int, float], y: dict[int, float], others: Sequence[Key], marks: Marks | None = None
-) -> list[Series]:
-    """Make curves of points with equal labels of ``others``; points at one abscissa are averaged.
+def points_of(x: Series, y: Series, others: Sequence[Key], marks: Series) -> DataFrame:
+    """Return the points of curves, as `granwave.analysis.scans.drawing` takes them; those at one abscissa are averaged.
 
     Parameters
     ----------
-    marks
-        Marks of plastic zones by row; a mean gets the most severe one of its points.
+    x, y, marks
+        Abscissa, value and `Mark` by row of the scan; a mean gets the most severe mark of its points.
+    others
+        Keys that tell curves apart.
     """
-    curves = _curve_rows([row for row in rows if row in y and row in x], others)
-    series = []
-    for members in sorted(curves, key=lambda members: [_order(key, members[0]) for key in others]):
-        places: dict[float, list[int]] = {}
-        for row in members:
-            places.setdefault(float(f"{x[row]:.12g}"), []).append(row)
-        at = sorted(places)
-        found = [estimate([y[row] for row in places[place]]) for place in at]
-        label = ", ".join(key.text(members[0]) for key in others)
-        series.append(
-            Series(
-                label=label,
-                row=members[0],
-                x=np.array(at),
-                mean=np.array([one.mean for one in found]),
-                deviation=np.array([one.deviation for one in found]),
-                half_width=np.array([one.half_width for one in found]),
-                count=np.array([one.n for one in found]),
-                marks=None if marks is None else np.array([max(marks[row] for row in places[place]) for place in at]),
-            )
-        )
-    return series
-
-
-def _order(key: Key, row: int) -> Any:
-    """Return the sort key of a point: numbers by size, text in the order of the scan."""
-    return key.values[row] if key.numeric else key.values.index(key.values[row])
-
-
-def _enough(series: Sequence[Series]) -> bool:
-    return sum(len(curve.x) for curve in series) >= _FEWEST
+    table = DataFrame({"x": x, "y": y, "mark": marks}).dropna()
+    names = ["mean", "deviation", "half_width", "count", "mark"]
+    curves = []
+    for curve, members in enumerate(_curve_rows(table.index, others).values()):
+        places = table.loc[members].groupby(table.x.map(lambda value: float(f"{value:.12g}")))
+        means = [estimate(values.tolist()) for _, values in places.y]
+        found = [(one.mean, one.deviation, one.half_width, one.n) for one in means]
+        rows = [(*one, mark) for one, mark in zip(found, places["mark"].max(), strict=True)]
+        curves.append(DataFrame(rows, columns=names).assign(curve=curve, row=members[0], x=list(places.groups)))
+    return concat(curves, ignore_index=True) if curves else DataFrame(columns=["curve", "row", "x", *names])
 
 
 def _curves(
-    points: Sequence[PointResult],
-    rows: Sequence[int],
-    x: Key,
-    others: Sequence[Key],
-    quantity: Ordinate,
-    marks: Marks,
-    *,
-    joined: bool,
+    x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series, *, joined: bool
 ) -> Drawing | None:
     """None where there are no curves: too few points, or many settings each at one abscissa."""
-    values = _values(points, rows, quantity.value)
-    series = _series(rows, dict(enumerate(x.values)), values, others, marks if quantity.zone else None)
-    if not _enough(series) or len({place for curve in series for place in curve.x.tolist()}) < _FEWEST:
-        return None
-    if len(series) > _MOST_SINGLE and all(len(curve.x) == 1 for curve in series):
+    table = points_of(Series(x.values, dtype=float)[values.index], values, others, marks)
+    sizes = table.groupby("curve").size()
+    if len(table) < _FEWEST or table.x.nunique() < _FEWEST or (len(sizes) > _MOST_SINGLE and (sizes == 1).all()):
         return None
     columns = (x.column, quantity.column)
-    return draw_curves(series, x.title, quantity.title, others, columns, scale=x.naming.scale, joined=joined)
+    return draw_curves(table, x.title, quantity.title, others, columns, scale=x.naming.scale, joined=joined)
 
 
-def _bars(
-    points: Sequence[PointResult],
-    rows: Sequence[int],
-    x: Key,
-    others: Sequence[Key],
-    quantity: Ordinate,
-    marks: Marks,
-) -> Drawing | None:
-    values = _values(points, rows, quantity.value)
+def _bars(x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series) -> Drawing | None:
     categories = list(dict.fromkeys(x.values))
-    places = {row: float(categories.index(x.values[row])) for row in rows}
-    series = _series(rows, places, values, others, marks if quantity.zone else None)
-    if not _enough(series):
+    places = Series([categories.index(value) for value in x.values])
+    table = points_of(places[values.index], values, others, marks)
+    if len(table) < _FEWEST:
         return None
     ticks = [x.tick(x.values.index(category)) for category in categories]
-    return draw_bars(series, ticks, x.title, quantity.title, others, (x.column, quantity.column))
+    return draw_bars(table, ticks, x.title, quantity.title, others, (x.column, quantity.column))
 
 
-def _collapses(
-    points: Sequence[PointResult], rows: Sequence[int], others: Sequence[Key], marks: Marks
-) -> dict[str, Callable[[], Drawing | None]]:
-    """Return functions that draw the collapse of materials on normalised axes."""
-    found: dict[str, Callable[[], Drawing | None]] = {}
-    fraction, volume = "dissipated_fraction", "plastic_volume_in_spheres"
-    of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
-    for name, key, column, title, value in (
-        (f"collapse_{fraction}", "velocity_normalised", fraction, QUANTITIES[fraction].title, value_of(fraction)),
-        ("collapse_plastic_volume", "energy_input_normalised", volume, of_volume, plastic_spheres),
-    ):
-        x, y = _values(points, rows, value_of(key)), _values(points, rows, value)
-        series = _series(rows, x, y, others, marks if value is plastic_spheres else None)
-        if _enough(series):
-            titles, columns = (QUANTITIES[key].title, title), (key, column)
-            found[name] = partial(draw_curves, series, *titles, others, columns, joined=False, chosen=False)
-    return found
-
-
-def _map(points: Sequence[PointResult], rows: Sequence[int], x: Key, y: Key, quantity: Ordinate) -> Drawing | None:
-    values = _values(points, rows, quantity.value)
+def _map(x: Key, y: Key, quantity: Ordinate, values: Series) -> Drawing | None:
     columns, lines = sorted(set(x.values)), sorted(set(y.values))
     if len(set(zip(x.values, y.values, strict=True))) != len(columns) * len(lines):
         return None  # no grid
-    cells: dict[tuple[int, int], list[float]] = {}
-    for row, value in values.items():
-        cells.setdefault((lines.index(y.values[row]), columns.index(x.values[row])), []).append(value)
+    rows = values.dropna().index
+    cells = values[rows].groupby([Series(y.values)[rows], Series(x.values)[rows]]).mean()
     if len(cells) < _FEWEST:
         return None
-    table = np.full((len(lines), len(columns)), np.nan)
-    for place, found in cells.items():
-        table[place] = np.mean(found)
+    table = cells.unstack().reindex(index=lines, columns=columns).to_numpy()
     return draw_map(table, (columns, lines), (x, y), quantity.title, quantity.column)

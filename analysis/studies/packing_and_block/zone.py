@@ -21,7 +21,7 @@ from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import SHARES
-from granwave.analysis.scans.axes import draw_marks, marked_marker, marks_of
+from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.figures import GRANULAR_ENERGY
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, energy_unit, rising
 from granwave.analysis.studies.study import Sketch
@@ -152,7 +152,7 @@ def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
         for marker, percent in zip(_MARKERS, SHARES, strict=True)
     ]
     lines.append({"color": "black", "linestyle": ":", "linewidth": 0.9, "label": "outermost yield"})
-    marks = marks_of([side["mark"].to_numpy() for side in there.values()])
+    marks = marks_of(concat(there.values())["mark"].tolist())
     lines += [{"label": text, **marked_marker(mark, "o", 4, "black")} for mark, text in marks.items()]
     handles = [Line2D([], [], **line) for line in lines]
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=6.5, columnspacing=1.0)
@@ -167,7 +167,7 @@ def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> 
     for share, marker in zip(SHARES, _MARKERS, strict=True):
         y = zones[f"{name}_{share}"].replace(0.0, math.nan)
         axes.plot(zones.energy, y, linestyle=line, color=colour, marker=marker, markersize=4, linewidth=0.8)
-        draw_marks(axes, zones.energy.to_numpy(), y.to_numpy(), zones["mark"].to_numpy(), marker, 4, colour)
+        draw_marks(axes, zones.energy, y, zones["mark"], marker, 4, colour)
     if name != "volume":
         axes.plot(zones.energy, zones[f"outermost_{name}"].replace(0.0, math.nan), ":", color=colour, linewidth=0.9)
 
