@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from granwave.analysis.contact_law.curves import law_drawing, law_table, write_law
     from granwave.analysis.errors import MissingOutputError, OutputFormatError
     from granwave.analysis.figures.run_figures import draw_figures
-    from granwave.analysis.measures.impact import velocity_normalised
     from granwave.analysis.pipeline import analyse
     from granwave.analysis.reports.report import write_report
     from granwave.analysis.result.reader import Result
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from granwave.analysis.result.writer import write_result
     from granwave.analysis.scans.result import ScanResult
     from granwave.analysis.scans.table import read_scan
-    from granwave.analysis.summary import summarise
+    from granwave.analysis.summary import summarise, velocity_normalised
 
 _HOME = {
     "MissingOutputError": "errors",
@@ -31,7 +30,7 @@ _HOME = {
     "read_scan": "scans.table",
     "summarise": "summary",
     "universe": "result.universe",
-    "velocity_normalised": "measures.impact",
+    "velocity_normalised": "summary",
     "write_law": "contact_law.curves",
     "write_report": "reports.report",
     "write_result": "result.writer",

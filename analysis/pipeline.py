@@ -91,7 +91,7 @@ def _check_deck(directory: Path) -> None:
     try:
         check_deck(directory)
     except InputError:
-        read_data(directory)
+        list(read_data(directory))
         raise
 
 

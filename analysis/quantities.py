@@ -23,34 +23,17 @@ UNITS = {
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """A value of ``summary.json``.
+    """A value of ``summary.json``; what is left out follows from its name."""
 
-    Attributes
-    ----------
-    name
-        Its key; of a family of keys with ``*`` for what differs.
-    label
-        Its name in reports; left out, the words of the key.
-    meaning
-        A sentence, where the label does not tell.
-    short
-        Its name at the terminal, which rows that follow each other may share; left out, the label.
-    digits
-        Format of the number at the terminal; left out, as for counts and words, the value as it is.
-    phrase
-        Words around the number at the terminal; left out, the unit follows.
-    axis, symbol
-        Title, without the unit, of an axis of figures of scans, and its symbol (LaTeX).
-    """
-
-    name: str
-    label: str = ""
-    meaning: str = ""
-    short: str = ""
-    digits: str = ""
-    phrase: str = ""
-    axis: str = ""
-    symbol: str = ""
+    name: str  # its key; of a family of keys with * for what differs
+    label: str = ""  # its name in reports; else the words of the key
+    meaning: str = ""  # a sentence for reports, where the label does not tell
+    short: str = ""  # its name at the terminal, which rows that follow each other may share; else the label
+    digits: str = ""  # format of the number at the terminal; of counts and words the value as it is
+    phrase: str = ""  # words around the number at the terminal; else the unit follows
+    axis: str = ""  # title, without the unit, of an axis of figures of scans
+    symbol: str = ""  # and its symbol (LaTeX)
+    note: str = ""  # a sentence for the reference, of a value whose label is enough in a report
 
     def __post_init__(self) -> None:
         """Fill in what was left out."""
@@ -106,6 +89,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             short=f"{share} % {size}",
             digits=".4g",
             meaning=_HOLDS_90[size] if share == 90 else "",
+            note="" if share == 90 else f"As zone_{size}_90_{unit}.",
             axis=f"{size.capitalize()} that holds {share} %",
             symbol=f"{symbol}_{{{share}}}",
         )
@@ -116,45 +100,49 @@ def _zone_sizes() -> tuple[Quantity, ...]:
 
 ENTRIES = (
     # the run
-    Quantity("name"),
-    Quantity("kind"),
-    Quantity("n_spheres", "Spheres"),
-    Quantity("n_cylinders", "Cylinders among the grains", short="cylinders"),
-    Quantity("n_elements", "Elements"),
-    Quantity("n_bodies", "Bodies"),
+    Quantity("name", note="Name of the case."),
+    Quantity("kind", note="Of finite-element runs: continuum or sphere-contact."),
+    Quantity("n_spheres", "Spheres", note="With strikers, and cylinders where there are any."),
+    Quantity("n_cylinders", "Cylinders among the grains", short="cylinders", note="Only of packings that hold any."),
+    Quantity("n_elements", "Elements", note="Of the finite-element mesh."),
+    Quantity("n_bodies", "Bodies",
+             note="Of the contact of two spheres: 1 where both are equal, and one on the plane of symmetry is enough."),
     Quantity("n_contacts", "Contacts at the start",
              "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps."),
     Quantity("n_loaded_contacts", "Contacts that bore a force",
              "Pairs of spheres that bore a force at any time of the run."),
-    Quantity("n_wall_contacts", "Wall contacts"),
-    Quantity("end_time_s", short="simulated", digits=".6g"),
-    Quantity("end_reason", short="ended"),
-    Quantity(
-        "timestep_s",
-        digits=".4g",
-        meaning="Simulated time over steps: the mean of an automatic timestep.",
-    ),
-    Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g"),
-    Quantity("timestep_largest_s", "Largest timestep", digits=".4g"),
-    Quantity("n_steps", "Steps"),
-    Quantity("wall_time_s", digits=".1f"),
-    Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s"),
-    Quantity("element_steps_per_s", short="speed", digits=".3g", phrase="{} element-steps/s"),
-    Quantity("n_ranks", "MPI ranks"),
-    Quantity("versions"),
+    Quantity("n_wall_contacts", "Wall contacts", note="Pairs of a sphere and a wall in result.h5."),
+    Quantity("end_time_s", short="simulated", digits=".6g", note="When the run ended."),
+    Quantity("end_reason", short="ended", note="Why the run ended, such as end_time or settled."),
+    Quantity("timestep_s", digits=".4g", meaning="Simulated time over steps: the mean of an automatic timestep."),
+    Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g", note="Of the steps that were taken."),
+    Quantity("timestep_largest_s", "Largest timestep", digits=".4g", note="Of the steps that were taken."),
+    Quantity("n_steps", "Steps", note="Steps that were taken."),
+    Quantity("wall_time_s", digits=".1f", note="Of the time integration."),
+    Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
+             note="Spheres times steps over wall time."),
+    Quantity("element_steps_per_s", short="speed", digits=".3g", phrase="{} element-steps/s",
+             note="Elements times steps over wall time."),
+    Quantity("n_ranks", "MPI ranks", note="That the run had."),
+    Quantity("versions", note="Of the programs that the result depends on."),
     # energies
-    Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g"),
+    Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g",
+             note="Kinetic energy of what strikes, or work of a force or a moved end up to the end."),
     Quantity("energy_input_normalised", "Energy input, normalised", short="normalised", digits=".4g",
-             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})"),
-    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\bar{v}_0"),
+             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})",
+             note="Of a packing: over F_y alpha_y of two of its spheres. In the continuum: over sigma_y^2 D^3/E with "
+             "the diameter of the punch. Not to be compared with each other."),
+    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\bar{v}_0",
+             note="(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v: units in which materials fall on one "
+             "curve."),
     Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of it", axis="Dissipated fraction",
-             symbol=r"e_\mathrm{dis}/e_\mathrm{in}"),
+             symbol=r"e_\mathrm{dis}/e_\mathrm{in}", note="Dissipated energy over the input."),
     Quantity("plastic_fraction", "Share dissipated by yielding",
-             "Energy dissipated by yielding of contacts in this run, over the input.",
-             short="  by yielding", digits=".5f", phrase="{} of it"),
+             "Energy dissipated by yielding of contacts in this run, over the input.", short="  by yielding",
+             digits=".5f", phrase="{} of it"),
     Quantity("friction_fraction", "Share dissipated by friction",
-             "Energy dissipated by sliding between spheres and at walls, over the input.",
-             short="  by friction", digits=".5f", phrase="{} of it"),
+             "Energy dissipated by sliding between spheres and at walls, over the input.", short="  by friction",
+             digits=".5f", phrase="{} of it"),
     Quantity("viscous_fraction", "Share dissipated by viscous losses",
              "Energy that contacts lost by the rate of their overlap (contact.loss), walls included, over the input.",
              short="  by viscous losses", digits=".5f", phrase="{} of it", axis="Viscous losses over the input"),
@@ -162,71 +150,78 @@ ENTRIES = (
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
     Quantity("absorbed_fraction", "Share taken by absorbing spheres",
-             "Energy that the spheres of [[absorb]] took, over the input.",
-             short="  absorbed", digits=".5f", phrase="{} of it"),
-    Quantity("transmission", "Transmission",
-             "Velocity of the last bead before those that absorb over that of the loaded one, amplitudes at the "
-             "frequency of a harmonic load over the last whole periods; null if the motion is not steady within 2 %.",
-             digits=".4g", axis="Transmission"),
+             "Energy that the spheres of [[absorb]] took, over the input.", short="  absorbed", digits=".5f",
+             phrase="{} of it"),
+    Quantity("transmission", "Transmission", "Velocity of the last bead before those that absorb over that of the "
+             "loaded one, amplitudes at the frequency of a harmonic load over the last whole periods; null if the "
+             "motion is not steady within 2 %.", digits=".4g", axis="Transmission"),
     Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
              digits=".4g"),
     Quantity("load_power_W", "Power of the load", "Mean over the last half of a run under a harmonic load.",
              digits=".4g"),
-    Quantity("absorbed_power_W", "Power absorbed",
-             "Mean power that the spheres of [[absorb]] and the damper below take in the last half of a run under a "
-             "harmonic load; null where there is neither.", digits=".4g"),
-    Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
-             "Largest difference of the last bead's velocity between rising and falling amplitude of a load, over its "
-             "largest; 0 where the row has one state at every amplitude.", digits=".2g"),
-    Quantity("unsteady_part", "Unsteady part",
-             "Part of the motion of the loaded and of the last bead that is neither of the load's frequency nor of "
-             "twice or three times it; the larger of both.",
-             digits=".2g"),
+    Quantity("absorbed_power_W", "Power absorbed", "Mean power that the spheres of [[absorb]] and the damper below "
+             "take in the last half of a run under a harmonic load; null where there is neither.", digits=".4g"),
+    Quantity("amplitude_hysteresis", "Hysteresis of amplitude", "Largest difference of the last bead's velocity "
+             "between rising and falling amplitude of a load, over its largest; 0 where the row has one state at every "
+             "amplitude.", digits=".2g"),
+    Quantity("unsteady_part", "Unsteady part", "Part of the motion of the loaded and of the last bead that is neither "
+             "of the load's frequency nor of twice or three times it; the larger of both.", digits=".2g"),
     Quantity("deck_changed", "Files of the deck changed by hand",
              "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
-    Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it"),
-    Quantity("energy_kinetic_J", "Kinetic energy"),
+    Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it",
+             note="Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest input up to "
+             "the end; of a prescribed displacement without the kinetic energy of the moved grains."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, with rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
-    Quantity("energy_elastic_J", "Elastic energy"),
-    Quantity("energy_dissipated_J", "Dissipated energy"),
-    Quantity("energy_dissipated_wall_J", "Dissipated at walls"),
-    Quantity("energy_dissipated_plastic_J", "Dissipated by yielding"),
-    Quantity("energy_dissipated_friction_J", "Dissipated by friction"),
-    Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses"),
-    Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder"),
-    Quantity("energy_absorbed_J", "Taken by absorbing spheres"),
-    Quantity("energy_bar_J", "Energy of the bar"),
-    Quantity("energy_incident_bar_J", "Energy of the incident bar"),
-    Quantity("energy_punch_J", "Energy of the punch"),
-    Quantity("energy_viscous_J", "Viscous energy"),
-    Quantity("energy_hourglass_J", "Hourglass energy"),
-    Quantity("energy_contact_J", "Energy of the contact"),
-    Quantity("energy_damping_J", "Energy taken by damping"),
-    Quantity("hourglass_share"),
-    Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="{} of the internal, at most"),
+    Quantity("energy_elastic_J", "Elastic energy", note="At the end: what contacts, springs and bars would give back."),
+    Quantity("energy_dissipated_J", "Dissipated energy",
+             note="Up to the end, by yielding, friction, viscous losses and dampers."),
+    Quantity("energy_dissipated_wall_J", "Dissipated at walls", note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_plastic_J", "Dissipated by yielding", note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_friction_J", "Dissipated by friction", note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses",
+             note="Part of the dissipated energy; null without contact.loss."),
+    Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder",
+             note="Part of the dissipated energy."),
+    Quantity("energy_absorbed_J", "Taken by absorbing spheres", note="Part of the dissipated energy."),
+    Quantity("energy_bar_J", "Energy of the bar", note="At the end, kinetic and elastic."),
+    Quantity("energy_incident_bar_J", "Energy of the incident bar", note="At the end, kinetic and elastic."),
+    Quantity("energy_punch_J", "Energy of the punch", note="At the end: what is left of the punch's kinetic energy."),
+    Quantity("energy_viscous_J", "Viscous energy", note="That the artificial viscosity of the elements took."),
+    Quantity("energy_hourglass_J", "Hourglass energy", note="In the hourglass control of the elements."),
+    Quantity("energy_contact_J", "Energy of the contact",
+             note="That the contact of the punch took; of two spheres: in the penalty springs of their contact."),
+    Quantity("energy_damping_J", "Energy taken by damping",
+             note="That damping took, which keeps the pressing of two spheres static."),
+    Quantity("hourglass_share", note="Energy of the hourglass control over the work done."),
+    Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="{} of the internal, at most",
+             note="Largest kinetic over internal energy from first yield on: small if the contact is static."),
     # contacts
-    Quantity("peak_force_N", "Peak contact force", digits=".6g", axis="Peak force", symbol=r"F_\mathrm{max}"),
-    Quantity("peak_overlap_m"),
-    Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*"),
-    Quantity("contacts_beyond_half_law", "Contacts beyond half the law"),
+    Quantity("peak_force_N", "Peak contact force", digits=".6g", axis="Peak force", symbol=r"F_\mathrm{max}",
+             note="Of any contact at any time; in the continuum of the punch."),
+    Quantity("peak_overlap_m", note="Of any contact at any time."),
+    Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
+             note="Contacts that were pressed beyond 0.2 R*, where the fit of the law ends."),
+    Quantity("contacts_beyond_half_law", "Contacts beyond half the law",
+             note="Contacts that were pressed beyond 0.1 R*."),
     # plastic zone
     Quantity("n_plastic_contacts", "Yielded contacts",
              "Contacts that yielded in this run; a dent from before it counts only if it grew."),
     Quantity("n_plastic_spheres", "Yielded spheres", short="plastic spheres", axis="Plastic spheres",
-             symbol=r"N_\mathrm{p}"),
-    Quantity("plastic_zone_volume_m3", "Plastic zone volume",
-             "Of all spheres that yielded; in the continuum the largest volume at yield at one instant. Not to be "
-             "compared with each other.",
-             short="plastic zone", digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone",
-             symbol=r"V_\mathrm{p}"),
-    Quantity("plastic_zone_time_s", "Time of the largest plastic zone"),
+             symbol=r"N_\mathrm{p}", note="Spheres with a contact that yielded."),
+    Quantity("plastic_zone_volume_m3", "Plastic zone volume", "Of all spheres that yielded; in the continuum the "
+             "largest volume at yield at one instant. Not to be compared with each other.", short="plastic zone",
+             digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
+    Quantity("plastic_zone_time_s", "Time of the largest plastic zone",
+             note="When the volume at yield was largest, in the continuum."),
     Quantity("plastic_zone_volume_ever_m3", "Volume that ever yielded", short="plastic zone", digits=".4g",
-             phrase="{} m3 that ever yielded"),
+             phrase="{} m3 that ever yielded", note="Of the elements that yielded at any time, in the continuum."),
     Quantity("plastic_zone_depth_m", "Outermost yield, depth", _OUTERMOST, digits=".4g",
              axis="Depth of the outermost yield", symbol=r"z_\mathrm{p}"),
     Quantity("plastic_zone_radius_m", "Outermost yield, radius", _OUTERMOST, digits=".4g"),
-    Quantity("plastic_zone_strain", "Strain of the plastic zone"),
-    Quantity("largest_strain"),
+    Quantity("plastic_zone_strain", "Strain of the plastic zone",
+             note="Equivalent strain that 1 % of the volume that ever yielded exceeds, in the continuum."),
+    Quantity("largest_strain", note="Of any element; it depends on the size of the elements at the punch's edge."),
     *_zone_sizes(),
     Quantity("zone_cut", "Bounds that the zone reaches",
              "A sphere (element) that yielded touches them: the outermost yield is cut there.", short="zone reaches"),
@@ -244,8 +239,10 @@ ENTRIES = (
     Quantity("precompression_residual", "Residual of the static stage",
              "Largest net force on a sphere after the static stage, over the largest contact force."),
     # bottom and target
-    Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom", digits=".6g"),
-    Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom", digits=".6g"),
+    Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom", digits=".6g",
+             note="Largest force of the packing on the bottom."),
+    Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom", digits=".6g",
+             note="Of the force on the bottom up to the end."),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall", "Of each by its name: xlo, xhi, ylo, yhi or tube."),
     Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of its force over the run."),
     Quantity("plate_peak_force_N", "Peak force on the plate", "Of all grains on a rigid plate.", digits=".6g"),
@@ -256,7 +253,8 @@ ENTRIES = (
     Quantity("base_arrival_s", "Arrival at the bottom",
              "When the force on the bottom has first risen by 1 % of its largest rise."),
     Quantity("target_peak_force_N", "Peak force on the target", "That on the bottom, which the packing protects."),
-    Quantity("target_peak_displacement_m", "Largest displacement of the target"),
+    Quantity("target_peak_displacement_m", "Largest displacement of the target",
+             note="Outward, from its place before the impact."),
     Quantity("energy_target_J", "Work on the target",
              "Work that the packing did on the bottom up to the end; none on a bottom that does not move."),
     Quantity("support_energy_J", "Energy in the support",
@@ -267,25 +265,30 @@ ENTRIES = (
              "Out of the bottom's last spring or damper; the force on the bottom where that is at rest."),
     Quantity("unprotected_peak_force_N", "Peak force without the packing",
              "The same impact directly on the bottom, without the packing."),
-    Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing"),
-    Quantity("peak_reduction", "Peak reduction",
-             "Peak force on the bottom without the packing, over that with it (without a precompression's); null for "
-             "loads that oscillate.",
-             short="peak without packing", digits=".3g", phrase="{} times as high",
-             axis="Peak force without packing / with it"),
+    Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing",
+             note="The same impact directly on the bottom."),
+    Quantity("peak_reduction", "Peak reduction", "Peak force on the bottom without the packing, over that with it "
+             "(without a precompression's); null for loads that oscillate.", short="peak without packing", digits=".3g",
+             phrase="{} times as high", axis="Peak force without packing / with it"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground", "The same of the force on the ground."),
-    Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing"),
-    Quantity("peak_reduction_per_m", "Peak reduction per height of packing"),
+    Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing",
+             note="Peak reduction over the mass of the packing."),
+    Quantity("peak_reduction_per_m", "Peak reduction per height of packing",
+             note="Peak reduction over the height of the packing."),
     Quantity("packing_mass_kg", "Mass of the packing"),
     Quantity("packing_height_m", "Height of the packing"),
     # motion
-    Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c"),
-    Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g"),
-    Quantity("punch_peak_displacement_m", "Largest displacement of the punch"),
-    Quantity("restitution", axis="Coefficient of restitution", symbol="e"),
-    Quantity("sensor_*_peak_force_N"),
-    Quantity("sensor_*_peak_acceleration_m_s2"),
-    Quantity("sensor_*_peak_velocity_m_s"),
+    Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c",
+             note="Of the first arrival in the deeper half of the packing; it takes nine layers. Null of cylinders "
+             "beside each other."),
+    Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
+             note="Along the impact; negative: it moves back."),
+    Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),
+    Quantity("restitution", axis="Coefficient of restitution", symbol="e",
+             note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),
+    Quantity("sensor_*_peak_force_N", note="Of a chain: largest mean of the two contact forces of the bead."),
+    Quantity("sensor_*_peak_acceleration_m_s2", note="Of other packings."),
+    Quantity("sensor_*_peak_velocity_m_s", note="Of other packings."),
     # lines of grains
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
              "Slope of distance against arrival, when a grain first moves at 5 % of the speed of the load."),
@@ -303,31 +306,41 @@ ENTRIES = (
     Quantity("line_*_largest_speed_normal_p", "Largest speeds of a line, p of normality",
              "Of the test of Shapiro and Wilk: small where they are not normally distributed."),
     # static contact of two spheres
-    Quantity("effective_radius_m"),
-    Quantity("effective_modulus_Pa"),
+    Quantity("effective_radius_m", note="R*, 1/R* = 1/R1 + 1/R2."),
+    Quantity("effective_modulus_Pa", note="E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."),
     Quantity("yield_overlap_m", "Overlap at first yield"),
     Quantity("yield_force_N", "Force at first yield"),
     Quantity("max_overlap_m", "Largest overlap", digits=".4g"),
-    Quantity("max_force_N", "Largest force", short="force there", digits=".5g", axis="Force at the largest overlap"),
-    Quantity("contact_radius_m", digits=".4g"),
-    Quantity("mean_pressure_Pa"),
-    Quantity("force_deviation_max_percent", short="force less the law", digits="+.1f", phrase="{} % at most"),
+    Quantity("max_force_N", "Largest force", short="force there", digits=".5g", axis="Force at the largest overlap",
+             note="Of the run."),
+    Quantity("contact_radius_m", digits=".4g", note="Largest of the run."),
+    Quantity("mean_pressure_Pa", note="At the end of the first loading: force over the area of contact."),
+    Quantity("force_deviation_max_percent", short="force less the law", digits="+.1f", phrase="{} % at most",
+             note="Largest deviation of the force of first loading from the law's."),
     Quantity("force_deviation_rms_percent", short="force less the law", digits=".1f", phrase="{} % rms",
-             axis="Force less the law (%, rms)"),
-    Quantity("*_deviation_*max_percent"),
-    Quantity("*_deviation_*rms_percent"),
-    Quantity("n_unloadings", "Unloadings"),
-    Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}"),
-    Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}"),
-    Quantity("unloading_misfit_percent"),
-    Quantity("unloading_law_difference_percent"),
-    Quantity("unloading_plastic_share"),
-    Quantity("residual_overlap_deviation_percent_of_peak"),
-    Quantity("reloading_difference_percent"),
-    Quantity("face_force_difference_max_percent"),
-    Quantity("face_force_difference_rms_percent"),
-    Quantity("face_force_difference_mean_percent"),
-    Quantity("penetration_share_max"),
+             axis="Force less the law (%, rms)", note="The same, root mean square."),
+    Quantity("*_deviation_*max_percent", note="The same of force, contact_radius or mean_pressure, perhaps within a "
+             "range of overlaps over that at first yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178."),
+    Quantity("*_deviation_*rms_percent", note="The same, root mean square."),
+    Quantity("n_unloadings", "Unloadings", note="Cycles of unloading and reloading."),
+    Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}",
+             note="n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading."),
+    Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}",
+             note="The same, the largest."),
+    Quantity("unloading_misfit_percent",
+             note="Largest deviation of an unloading from its fit, over its largest force."),
+    Quantity("unloading_law_difference_percent",
+             note="Largest deviation of an unloading from the law's, over the law's peak."),
+    Quantity("unloading_plastic_share", note="Plastic work of a cycle over the elastic energy released, at most."),
+    Quantity("residual_overlap_deviation_percent_of_peak",
+             note="Residual overlap less the law's, over the cycle's largest overlap."),
+    Quantity("reloading_difference_percent",
+             note="Largest difference between reloading and unloading, over the largest force."),
+    Quantity("face_force_difference_max_percent",
+             note="Force at the pressed face against that in the contact: small if static."),
+    Quantity("face_force_difference_rms_percent", note="The same, root mean square."),
+    Quantity("face_force_difference_mean_percent", note="The same, mean."),
+    Quantity("penetration_share_max", note="Largest penetration of the contact's penalty springs over the overlap."),
 )  # fmt: skip
 
 QUANTITIES = {entry.name: entry for entry in ENTRIES}

@@ -9,6 +9,7 @@ normal values in 74 % of cases at n = 3, 83 % at n = 5 and 89 % at n = 10.
 
 from __future__ import annotations
 
+import bisect
 import dataclasses
 import math
 from collections.abc import Sequence
@@ -102,13 +103,8 @@ def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE
         raise ValueError(f"found a half-width of {wanted}, expected a positive one")
     if not half_width(deviation, _MOST_SEEDS, confidence) <= wanted:
         raise ValueError(f"a half-width of {wanted} takes more than {_MOST_SEEDS} values, expected a wider one")
-    few, enough = 1, 2
-    while half_width(deviation, enough, confidence) > wanted:
-        few, enough = enough, 2 * enough
-    while enough - few > 1:  # the half-width decreases with n
-        middle = (few + enough) // 2
-        few, enough = (few, middle) if half_width(deviation, middle, confidence) <= wanted else (middle, enough)
-    return enough
+    wide = range(2, _MOST_SEEDS + 1)  # the half-width decreases with their number
+    return wide[bisect.bisect_left(wide, True, key=lambda n: half_width(deviation, n, confidence) <= wanted)]
 
 
 def differ_significantly(first: Estimate, second: Estimate, confidence: float = CONFIDENCE) -> bool | None:

@@ -6,17 +6,18 @@ What they are called, and where they are shown: `granwave.analysis.quantities`.
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from granwave.analysis.measures.driven import SteadyMotion, amplitude_sweep_of, mean_power_of, transmission_of
-from granwave.analysis.measures.impact import velocity_normalised
 from granwave.analysis.measures.lines import line_summary, sensor_accelerations, sensor_forces, sensor_velocities
-from granwave.analysis.measures.target import protection, reached
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.measures.waves import wave_speed_of
-from granwave.analysis.measures.zone import HALF_LAW_LIMIT, LAW_LIMIT, PlasticZone, plastic_zone, zone_summary
+from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone_summary
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
@@ -31,6 +32,8 @@ from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input
+_ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
+_DISSIPATED = ("plastic", "friction", "viscous", "holder")
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
@@ -67,34 +70,33 @@ def summarise(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | Non
 
 def summary_of(result: Result) -> Summary:
     """The summary of a result that is open."""
-    record = result.record
-    n_steps, smallest, largest = _timesteps(result)
-    end_time = float(result["energy/time"][-1])
-    wall_time = record.get("wall_time_s")
+    record, n_cylinders = result.record, result.assembly.n_cylinders
+    end_time, wall_time = float(result["energy/time"][-1]), record.get("wall_time_s")
+    n_steps = int(result["energy/timesteps" if "energy/timesteps" in result else "energy/step"][-1])
+    timestep = end_time / n_steps if n_steps else None
     return {
         "name": result.case.name,
         "n_spheres": result.n_spheres,
         "n_contacts": _count(result, "contacts/touching"),
         "n_loaded_contacts": _loaded(result),
-        "timestep_s": end_time / n_steps if n_steps else None,
-        "timestep_smallest_s": smallest,
-        "timestep_largest_s": largest,
+        "timestep_s": timestep,
+        "timestep_smallest_s": _last(result, "energy/smallest_timestep", timestep),
+        "timestep_largest_s": _last(result, "energy/largest_timestep", timestep),
         "n_steps": n_steps,
         "end_time_s": end_time,
         **_energies(result),
-        **_precompression(result),
+        "energy_stored_J": _last(result, "prestage/stored"),
+        "precompression_residual": _last(result, "prestage/residual"),
         **_transmission(result),
         **_contacts(result),
         **_plasticity(result),
         **zone_summary(result),
         **_normalised(result),
-        **_bottom(result),
-        **_other_walls(result),
-        **protection(result),
-        **_bars(result),
+        **_walls(result),
+        **{f"energy_{bar.name}_J": float(result[f"energy/{bar.name}"][-1]) for bar in result.assembly.bars},
         **_sensors(result),
         **line_summary(result),
-        **_cylinders(result),
+        **({"n_cylinders": n_cylinders} if n_cylinders else {}),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": restitution(result),
@@ -107,10 +109,9 @@ def summary_of(result: Result) -> Summary:
     }
 
 
-def _cylinders(result: Result) -> Summary:
-    """Count the cylinders; nothing of a packing of spheres alone."""
-    count = result.assembly.n_cylinders
-    return {"n_cylinders": count} if count else {}
+def _last(result: Result, name: str, default: float | None = None) -> float | None:
+    """Return the last value of a column, or the default if the run does not have it."""
+    return float(result[name][-1]) if name in result else default
 
 
 def restitution(result: Result) -> float | None:
@@ -136,87 +137,38 @@ def restitution(result: Result) -> float | None:
     return None
 
 
-def energy_balance_error(result: Result) -> float | None:
-    """Largest error of the ledger over the largest input, see `granwave.analysis.result.reader`."""
-    return float(np.max(misfit(result.ledger)) / result.largest_input) if result.largest_input else None
-
-
-def zone_of(result: Result) -> PlasticZone:
-    """The plastic zone at the end of the run."""
-    found = []
-    for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded"):
-        plastic = yielded > 0
-        found.append((positions[plastic], radii[plastic]))
-    positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
-    return plastic_zone(positions, radii, np.ones(len(radii), dtype=bool), result.origin)
-
-
-def _timesteps(result: Result) -> tuple[int, float | None, float | None]:
-    """Number of timesteps, and the smallest and the largest of them, s."""
-    if "energy/timesteps" not in result:
-        n_steps = int(result["energy/step"][-1])
-        only = float(result["energy/time"][-1]) / n_steps if n_steps else None
-        return n_steps, only, only
-    smallest, largest = (float(result[f"energy/{which}_timestep"][-1]) for which in ("smallest", "largest"))
-    return int(result["energy/timesteps"][-1]), smallest, largest
-
-
 def _energies(result: Result) -> Summary:
-    given = result.energy_input
+    """Energies at the end, shares of the input, and the largest error of the ledger over the largest input."""
+    given, plastic, largest = result.energy_input, float(result.yield_ledger[-1]), result.largest_input
+    final = {name: _last(result, f"energy/{name}") for name in (*_ENERGIES, *_DISSIPATED, "absorbed")}
+    final["plastic"] = 0.0 if abs(plastic) < _ROUNDING * given else plastic  # what is left of a difference
 
-    def final(name: str) -> float:
-        return float(result[f"energy/{name}"][-1])
+    def share(name: str) -> float | None:
+        energy = final[name]
+        return None if energy is None or not given else energy / given
 
-    def share(energy: float) -> float | None:
-        return energy / given if given else None
-
-    rubbed, plastic = final("friction"), float(result.yield_ledger[-1])
-    if abs(plastic) < _ROUNDING * given:
-        plastic = 0.0  # what is left of a difference
-    holder, viscous, absorbed = (
-        final(name) if f"energy/{name}" in result else None for name in ("holder", "viscous", "absorbed")
-    )
     return {
         "energy_input_J": given,
-        **{f"energy_{name}_J": final(name) for name in ("kinetic", "elastic", "dissipated", "rotational")},
-        "energy_dissipated_wall_J": final("dissipated_wall"),
-        "energy_dissipated_plastic_J": plastic,
-        "energy_dissipated_friction_J": rubbed,
-        "energy_dissipated_viscous_J": viscous,
-        "energy_dissipated_holder_J": holder,
-        "energy_absorbed_J": absorbed,
-        "dissipated_fraction": share(final("dissipated")),
-        "plastic_fraction": share(plastic),
-        "friction_fraction": share(rubbed),
-        "viscous_fraction": None if viscous is None else share(viscous),
-        "holder_fraction": None if holder is None else share(holder),
-        "absorbed_fraction": None if absorbed is None else share(absorbed),
-        "energy_balance_error": energy_balance_error(result),
+        **{f"energy_{name}_J": final[name] for name in _ENERGIES},
+        **{f"energy_dissipated_{name}_J": final[name] for name in _DISSIPATED},
+        "energy_absorbed_J": final["absorbed"],
+        **{f"{name}_fraction": share(name) for name in ("dissipated", *_DISSIPATED, "absorbed")},
+        "energy_balance_error": float(np.max(misfit(result.ledger)) / largest) if largest else None,
     }
 
 
 def _transmission(result: Result) -> Summary:
     """Return what a row passes on of a load that oscillates."""
-    found = transmission_of(result)
-    swept = amplitude_sweep_of(result)
-    power = mean_power_of(result)
+    found, swept = transmission_of(result), amplitude_sweep_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
+    given, absorbed = mean_power_of(result) or (None, None)
     return {
         "transmission": steady.ratio if steady else None,
         "driven_velocity_m_s": steady.driven if steady else None,
-        "load_power_W": power.given if power else None,
-        "absorbed_power_W": power.absorbed if power else None,
+        "load_power_W": given,
+        "absorbed_power_W": absorbed,
         "amplitude_hysteresis": None if swept is None else swept.apart,
         "unsteady_part": steady.unsteady if steady else None,
-    }
-
-
-def _precompression(result: Result) -> Summary:
-    """Return the values of the static stage before the run."""
-    found = {"energy_stored_J": "stored", "precompression_residual": "residual"}
-    return {
-        key: float(result[f"prestage/{name}"][-1]) if f"prestage/{name}" in result else None
-        for key, name in found.items()
     }
 
 
@@ -261,14 +213,18 @@ def _contacts(result: Result) -> Summary:
 
 
 def _plasticity(result: Result) -> Summary:
-    zone = zone_of(result)
-    yields = result.yields
+    """Number of contacts and spheres that yielded, and volume and extent of these spheres."""
+    found = []
+    for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded"):
+        found.append((positions[yielded > 0], radii[yielded > 0]))
+    positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
+    offset, yields = positions - result.origin, result.yields
     return {
         "n_plastic_contacts": _count(result, "contacts/yielded"),
-        "n_plastic_spheres": zone.n_spheres,
-        "plastic_zone_volume_m3": zone.volume if yields else None,
-        "plastic_zone_depth_m": zone.depth if yields else None,
-        "plastic_zone_radius_m": zone.radius if yields else None,
+        "n_plastic_spheres": len(radii),
+        "plastic_zone_volume_m3": float(np.sum(4 / 3 * np.pi * radii**3)) if yields else None,
+        "plastic_zone_depth_m": float(np.max(offset[:, 2], initial=0.0)) if yields else None,
+        "plastic_zone_radius_m": float(np.max(np.hypot(*offset[:, :2].T), initial=0.0)) if yields else None,
     }
 
 
@@ -285,13 +241,80 @@ def _normalised(result: Result) -> Summary:
     }
 
 
-def _bottom(result: Result) -> Summary:
+def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
+    """Impact velocity in units that make materials collapse on one curve.
+
+    ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
+
+    Parameters
+    ----------
+    velocity
+        m/s.
+    modulus
+        E* of two spheres, Pa.
+    density
+        kg/m^3.
+    yield_strength
+        Pa.
+    """
+    scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
+    return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity
+
+
+def _walls(result: Result) -> Summary:
+    """Return what reached the target, the bottom, and other walls, and how much less that is than without the packing.
+
+    Peak reduction: the largest force on the target without the packing over the largest with it. Of a precompressed
+    packing what it presses with from the start is no part of what the impact brings.
+    """
     found = reached(result)
+    bare = unprotected(result.case, float(result["energy/time"][-1])) if found else None
+    ground, moved = (found.ground_force, found.displacement) if found else (None, None)
+    peak, ground_peak = (bare.peak_force, bare.ground_peak_force) if bare else (None, None)
+    over = found is not None and found.force.argmax() < len(found.force) - 1  # else it still rises: no peak is known
+    reduction = _ratio(peak, found.force) if found and over else None
+    mass, height = _mass(result), _height(result)
     return {
         "wall_peak_force_N": found.peak_force if found else None,
         "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
         "base_arrival_s": found.arrival if found else None,
+        **_other_walls(result),
+        "target_peak_force_N": found.peak_force if found else None,
+        "ground_peak_force_N": found.ground_peak_force if found else None,
+        "target_peak_displacement_m": None if moved is None else float(np.abs(moved).max()),
+        "energy_target_J": _last(result, "energy/target", 0.0 if "walls/bottom" in result else None),  # 0: it is fixed
+        "support_energy_J": _last(result, "energy/support"),
+        "support_lost_J": _last(result, "energy/support_lost"),
+        "unprotected_peak_force_N": peak,
+        "unprotected_ground_peak_force_N": None if ground is None else ground_peak,
+        "peak_reduction": reduction,
+        "ground_peak_reduction": None if ground is None else _ratio(ground_peak, ground),
+        "packing_mass_kg": mass,
+        "packing_height_m": height,
+        "peak_reduction_per_kg": None if reduction is None else reduction / mass,
+        "peak_reduction_per_m": None if reduction is None else reduction / height,
     }
+
+
+def _ratio(without: float | None, force: Array) -> float | None:
+    """Return a force without the packing over the largest rise of one with it."""
+    largest = float((force - force[0]).max())
+    return without / largest if largest > 0 and without else None
+
+
+def _mass(result: Result) -> float:
+    """Mass of the packing, strikers left out, kg; the same to the last digit however it is parted."""
+    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing])
+
+
+def _height(result: Result) -> float:
+    """Height of the packing, strikers left out, m."""
+    top, bottom = np.inf, -np.inf
+    for part in result.parts():
+        inside = part.in_packing
+        depth, radii = part["spheres/position"][inside, 2], part["spheres/radius"][inside]
+        top, bottom = (depth - radii).min(initial=top), (depth + radii).max(initial=bottom)
+    return float(bottom - top)
 
 
 def _other_walls(result: Result) -> Summary:
@@ -305,12 +328,6 @@ def _other_walls(result: Result) -> Summary:
         found["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
         found["energy_plate_J"] = float(result["energy/plate"][-1])
     return found
-
-
-def _bars(result: Result) -> Summary:
-    """Energy in each bar at the end, kinetic and elastic."""
-    names = [bar.name for bar in result.assembly.bars]
-    return {f"energy_{name}_J": float(result[f"energy/{name}"][-1]) for name in names}
 
 
 def _sensors(result: Result) -> Summary:

@@ -11,7 +11,7 @@ import math
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.measures.impact import velocity_normalised
+from granwave.analysis.summary import velocity_normalised
 from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import KINDS

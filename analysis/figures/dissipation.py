@@ -36,8 +36,7 @@ from granwave.analysis.measures.waves import (
     spread,
     travelling_frame,
 )
-from granwave.analysis.measures.zone import packing_zone
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding, packing_zone
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS

@@ -21,9 +21,8 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
-from granwave.analysis.measures.bare_target import unprotected
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
 _NANO, _MICRO, _MILLI = 1e9, 1e6, 1e3  # of a second, of a metre

@@ -25,7 +25,6 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
-from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 
 _MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
@@ -104,7 +103,7 @@ def along_chain(result: Result) -> Drawing | None:
     """Draw peak force and dissipated energy of every contact along the chain."""
     if "chain" not in result:
         return None
-    peak, lost = (along(result, name) for name in ("peak_force", "dissipated_energy"))
+    peak, lost = (result.along_chain(name) for name in ("peak_force", "dissipated_energy"))
     if not np.any(peak):
         return None
     number, (scale, unit) = np.arange(1, len(peak) + 1), _unit(peak)

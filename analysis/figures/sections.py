@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.geometry import Section, own_plane, planes, section
-from granwave.analysis.measures.zone import LAW_LIMIT
+from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input

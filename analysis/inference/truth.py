@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -107,8 +108,8 @@ class Snapshots:
         self.poisson_ratio = np.array([material.poisson_ratio for material in materials])
 
     def _read_snapshots(self, result: Result, about: Array) -> None:
-        by_step = {frame.step: frame for frame in read_frame_forces(self.directory)}
-        frames = [frame for frame in read_frames(self.directory) if frame.step in by_step]
+        by_step = {frame.step: frame for frame in read_frame_forces(Path(self.directory))}
+        frames = [frame for frame in read_frames(Path(self.directory)) if frame.step in by_step]
         number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
         rows = [number[frame.step] for frame in frames]
         self.frames = [frame.up_to(int(self.ids[-1])) for frame in frames]

@@ -6,12 +6,11 @@ and the box, the names of the columns, and a block of float64 from each rank.
 
 from __future__ import annotations
 
-import contextlib
-import dataclasses
 import itertools
 import struct
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
 _MAGIC = b"DUMPCUSTOM"
 _ENDIAN, _REVISION = 1, 2
 _LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
+_AHEAD = 4096  # bytes that are read at once of a header
 
 
 class Lines:
@@ -49,6 +49,14 @@ class Lines:
         """Return the file and the number of the last line read, or of one ``back`` lines before it."""
         return f"{self.path}: line {self.n_read - back}"
 
+    def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
+        """Return the frame of rows of a snapshot that were just taken; box and columns are those of another."""
+        if rows and not rows[-1].endswith("\n"):
+            raise CutShortError(self.place(), number)
+        last = len(rows) - 1
+        values = read_rows(rows, like.columns, lambda row: f"{self.place(last - row)} (snapshot {number})")
+        return like.with_rows(values, more=more)
+
 
 def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a text dump, of ``dump custom`` or ``dump local``, in the order of the file.
@@ -69,53 +77,26 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
         for number in itertools.count():
             if (header := _header(lines, number)) is None:
                 return
-            yield from _text_frames(lines, header, number, at_once)
+            bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
+            box = read_rows(bounds, ("low", "high"), lambda _, number=number: f"{path}: box of snapshot {number}")  # type: ignore[misc]
+            columns, left = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
+            frame = Frame(int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True)
+            while frame.more:
+                n_rows = left if at_once is None else min(left, at_once)
+                rows, left = lines.take(n_rows), left - n_rows
+                if len(rows) < n_rows:
+                    raise CutShortError(lines.place(), number)
+                yield (frame := lines.frame(rows, frame, number, more=left > 0))
 
 
 def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the first.
 
-    Parameters
-    ----------
-    like
-        Frame of the file that has a header.
-    at_once
-        Largest number of rows in a frame.
-
-    Raises
-    ------
-    CutShortError
-        The file ends within a row.
-    OutputFormatError
-        It is damaged.
+    Box and columns are those of ``like``, a frame of the file that has a header; else as `text_frames`.
     """
     with Lines(path) as lines:
         while rows := lines.take(at_once):
-            yield _text_frame(lines, rows, dataclasses.replace(like, more=True), 0)
-
-
-def _text_frames(lines: Lines, header: dict[str, list[str]], number: int, at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the rows of the snapshot of a header."""
-    bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
-    box = read_rows(bounds, ("low", "high"), lambda _: f"{lines.path}: box of snapshot {number}")
-    columns, left = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
-    frame = Frame(int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True)
-    while frame.more:
-        n_rows = left if at_once is None else min(left, at_once)
-        rows, left = lines.take(n_rows), left - n_rows
-        if len(rows) < n_rows:
-            raise CutShortError(lines.place(), number)
-        frame = _text_frame(lines, rows, dataclasses.replace(frame, more=left > 0), number)
-        yield frame
-
-
-def _text_frame(lines: Lines, rows: list[str], like: Frame, number: int) -> Frame:
-    """Return the frame of rows of text that were just read; all but the values is that of another."""
-    if rows and not rows[-1].endswith("\n"):
-        raise CutShortError(lines.place(), number)
-    last = len(rows) - 1
-    values = read_rows(rows, like.columns, lambda row: f"{lines.place(last - row)} (snapshot {number})")
-    return dataclasses.replace(like, values=values)
+            yield lines.frame(rows, like, 0, more=True)
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
@@ -147,155 +128,132 @@ def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     return header
 
 
-def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a binary dump, in the order of the file.
+class _Bytes:
+    """Bytes of a binary dump, from ``place`` on in snapshot ``number``.
 
-    The file is open only while a frame is read, so that the dumps of thousands of ranks can be read side by side.
-
-    Parameters
-    ----------
-    at_once
-        Largest number of rows in a frame; None: a frame holds a whole snapshot.
-
-    Raises
-    ------
-    CutShortError
-        The file ends within a snapshot.
-    OutputFormatError
-        It is damaged, or was written on a machine with another order of bytes, or by a LAMMPS before 2021.
+    The file is open only while some are read, so that the dumps of thousands of ranks can be read side by side.
     """
-    size, place, number = path.stat().st_size, 0, 0
-    while place < size:
-        snapshot = _Snapshot(path, size, number)
-        with snapshot.open_at(place):
-            snapshot.read_header()
-        while (frame := snapshot.next_frame(at_once)).more:
-            yield frame
-        place = snapshot.place
-        number += 1
-        yield frame
 
+    def __init__(self, path: Path) -> None:
+        self.path, self.size, self.place, self.number = path, path.stat().st_size, 0, 0
+        self._ahead, self._from = b"", 0
 
-class _Snapshot:
-    """One snapshot of a file; ``place`` is where the next frame begins."""
-
-    def __init__(self, path: Path, size: int, number: int) -> None:
-        self.path, self.size, self.number = path, size, number
-
-    @contextlib.contextmanager
-    def open_at(self, place: int) -> Iterator[None]:
-        """Open the file at a place, and note at which place it is left."""
-        with open(self.path, "rb") as self.file:
-            self.file.seek(place)
-            yield
-            self.place = self.file.tell()
-
-    def read_header(self) -> None:
-        """Read all that comes before the rows."""
-        (length,) = self._values("q")
-        if length != -len(_MAGIC) or self._bytes(len(_MAGIC)) != _MAGIC:
-            raise self._damaged("expected the header of a binary dump of LAMMPS")
-        endian, revision = self._values("ii")
-        if (endian, revision) != (_ENDIAN, _REVISION):
-            raise OutputFormatError(
-                f"{self._place()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
-                f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
-            )
-        step, n_rows = self._values("qq")
-        triclinic, *_ = self._values("7i")
-        box = np.array(self._values("6d")).reshape(3, 2)
-        if triclinic:
-            self._values("3d")
-        (n_columns,) = self._values("i")
-        self._text()  # units
-        if self._values("b")[0]:
-            self._values("d")  # time
-        columns = tuple(self._text().split())
-        (n_blocks,) = self._values("i")
-        if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
-            raise self._damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
-        if not np.all(np.isfinite(box)):
-            raise self._damaged("the box is not finite")
-        self.step, self.box, self.columns, self.n_rows = step, box, columns, n_rows
-        self.rows_read, self.blocks_left, self.left_in_block = 0, n_blocks, 0
-        self._check_room(8 * n_rows * len(columns))
-
-    def next_frame(self, at_once: int | None) -> Frame:
-        """Read the next rows, at most so many."""
-        n_rows = self.n_rows - self.rows_read
-        n_rows = n_rows if at_once is None else min(n_rows, at_once)
-        with self.open_at(self.place):
-            values = self._read_values(n_rows * len(self.columns))
-            last = self.rows_read + n_rows == self.n_rows
-            if last:
-                self._end_blocks()
-        table = values.reshape(n_rows, len(self.columns))
-        self._check_values(table, self.columns)
-        self.rows_read += n_rows
-        return Frame(self.step, self.box, self.columns, table, more=not last)
-
-    def _read_values(self, n_values: int) -> NDArray[np.float64]:
-        """Read values from as many blocks as they take."""
-        values, done = np.empty(n_values), 0
-        while done < n_values:
-            if not self.left_in_block and not self._next_block():
-                found = self.rows_read + done // max(1, len(self.columns))
-                raise self._damaged(f"found {found} of {self.n_rows} rows")
-            n = min(self.left_in_block, n_values - done)
-            self._check_room(8 * n)
-            self.file.readinto(values[done : done + n])  # type: ignore[arg-type]
-            done += n
-            self.left_in_block -= n
-        return values
-
-    def _next_block(self) -> bool:
-        """Go on to the next block that is not empty; return False if there is none."""
-        while self.blocks_left and not self.left_in_block:
-            (self.left_in_block,) = self._values("i")
-            if self.left_in_block < 0:
-                raise self._damaged(f"found a block of {self.left_in_block} values")
-            self.blocks_left -= 1
-        return self.left_in_block > 0
-
-    def _end_blocks(self) -> None:
-        """Check that the blocks end with the rows."""
-        if self.left_in_block or self._next_block():
-            raise self._damaged(f"found more than {self.n_rows} rows")
-
-    def _check_values(self, table: NDArray[np.float64], columns: tuple[str, ...]) -> None:
-        finite = np.isfinite(table)
-        if not finite.all():
-            row, column = np.argwhere(~finite)[0]
-            found = f"found {table[row, column]} for {columns[column]}"
-            raise self._damaged(f"row {self.rows_read + row}: {found}, expected a finite number")
-        for n, name in enumerate(columns):
-            if name in WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
-                row = int(np.argmax(strange))
-                raise self._damaged(
-                    f"row {self.rows_read + row}: found {table[row, n]} for {name}, expected a whole number"
-                )
-
-    def _text(self) -> str:
-        (length,) = self._values("i")
-        if not 0 <= length <= _LONGEST_TEXT:
-            raise self._damaged(f"found a text of {length} bytes in the header")
-        return self._bytes(length).decode("ascii", errors="replace")
-
-    def _values(self, form: str) -> tuple[int, ...]:
-        return struct.unpack(f"={form}", self._bytes(struct.calcsize(f"={form}")))
-
-    def _bytes(self, n: int) -> bytes:
+    def take(self, form: str) -> tuple[Any, ...]:
+        """Read values of a header, as `struct` names them."""
+        n = struct.calcsize(f"={form}")
         self._check_room(n)
-        return self.file.read(n)
+        start = self.place - self._from
+        if not 0 <= start <= len(self._ahead) - n:
+            with open(self.path, "rb") as file:
+                file.seek(self.place)
+                self._ahead, self._from, start = file.read(max(n, _AHEAD)), self.place, 0
+        self.place += n
+        return struct.unpack_from(f"={form}", self._ahead, start)
+
+    def text(self) -> str:
+        """Read a text and its length before it."""
+        (length,) = self.take("i")
+        if not 0 <= length <= _LONGEST_TEXT:
+            raise self.damaged(f"found a text of {length} bytes in the header")
+        return self.take(f"{length}s")[0].decode("ascii", errors="replace")
+
+    def values(self, n: int) -> NDArray[np.float64]:
+        """Read so many values of a block: (n,)."""
+        self._check_room(8 * n)
+        found = np.fromfile(self.path, dtype=np.float64, count=n, offset=self.place)
+        self.place += 8 * n
+        return found
 
     def _check_room(self, n: int) -> None:
-        """Raise CutShortError if the file ends within the next n bytes."""
-        if self.file.tell() + n > self.size:
-            raise CutShortError(self._place(), self.number)
+        if self.place + n > self.size:
+            raise CutShortError(self._where(), self.number)
 
-    def _damaged(self, fault: str) -> OutputFormatError:
-        return OutputFormatError(f"{self._place()}: {fault}; {DAMAGED}")
+    def damaged(self, fault: str) -> OutputFormatError:
+        """Return the error of a damaged file."""
+        return OutputFormatError(f"{self._where()}: {fault}; {DAMAGED}")
 
-    def _place(self) -> str:
-        place = self.place if self.file.closed else self.file.tell()
-        return f"{self.path}: byte {place} (snapshot {self.number})"
+    def _where(self) -> str:
+        return f"{self.path}: byte {self.place} (snapshot {self.number})"
+
+    def header(self) -> tuple[Frame, int, int]:
+        """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
+        (length,) = self.take("q")
+        if length != -len(_MAGIC) or self.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
+            raise self.damaged("expected the header of a binary dump of LAMMPS")
+        endian, revision = self.take("ii")
+        if (endian, revision) != (_ENDIAN, _REVISION):
+            raise OutputFormatError(
+                f"{self._where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
+                f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
+            )
+        step, n_rows, triclinic, *_ = self.take("qq7i")
+        box = np.array(self.take("6d")).reshape(3, 2)
+        if triclinic:
+            self.take("3d")
+        (n_columns,) = self.take("i")
+        self.text()  # units
+        if self.take("b")[0]:
+            self.take("d")  # time
+        columns = tuple(self.text().split())
+        (n_blocks,) = self.take("i")
+        if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
+            raise self.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
+        if not np.all(np.isfinite(box)):
+            raise self.damaged("the box is not finite")
+        self._check_room(8 * n_rows * len(columns))
+        return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks
+
+    def pieces(self, n_blocks: int, n_values: int) -> Iterator[NDArray[np.float64]]:
+        """Iterate over the blocks of a snapshot, each in pieces of at most so many values."""
+        for _ in range(n_blocks):
+            (left,) = self.take("i")
+            if left < 0:
+                raise self.damaged(f"found a block of {left} values")
+            while left:
+                piece = self.values(min(left, n_values))
+                left -= len(piece)
+                yield piece
+
+
+def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the snapshots of a binary dump, in the order of the file; parameters and errors as of `text_frames`.
+
+    Dumps of a machine with another order of bytes, or of a LAMMPS before 2021, are errors too.
+    """
+    data = _Bytes(path)
+    while data.place < data.size:
+        like, n_rows, n_blocks = data.header()
+        width = max(1, len(like.columns))
+        pieces = data.pieces(n_blocks, width * (n_rows if at_once is None else at_once) or 1)
+        frame, first, rest = like, 0, np.empty(0)
+        while first < n_rows or frame is like:
+            wanted = n_rows - first if at_once is None else min(n_rows - first, at_once)
+            parts = [rest]
+            while (n := sum(map(len, parts))) < wanted * width:
+                if (piece := next(pieces, None)) is None:
+                    raise data.damaged(f"found {first + n // width} of {n_rows} rows")
+                parts.append(piece)
+            values = parts[1] if len(parts) == 2 and not len(rest) else np.concatenate(parts)
+            values, rest = values[: wanted * width], values[wanted * width :]
+            if first + wanted == n_rows and (len(rest) or next(pieces, None) is not None):
+                raise data.damaged(f"found more than {n_rows} rows")
+            table = values.reshape(wanted, len(like.columns))
+            _check_values(data, table, like.columns, first)
+            first += wanted
+            frame = like.with_rows(table, more=first < n_rows)
+            if not frame.more:
+                data.number += 1
+            yield frame
+
+
+def _check_values(data: _Bytes, table: NDArray[np.float64], columns: tuple[str, ...], first: int) -> None:
+    """Check the rows from ``first`` on: finite numbers, and whole ones for ids."""
+    finite = np.isfinite(table)
+    if not finite.all():
+        row, column = np.argwhere(~finite)[0]
+        found = f"found {table[row, column]} for {columns[column]}"
+        raise data.damaged(f"row {first + row}: {found}, expected a finite number")
+    for n, name in enumerate(columns):
+        if name in WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
+            row = int(np.argmax(strange))
+            raise data.damaged(f"row {first + row}: found {table[row, n]} for {name}, expected a whole number")

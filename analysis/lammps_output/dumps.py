@@ -1,31 +1,34 @@
 """Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data file.
 
-All values are float64: overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are read one
-at a time.
+A dump is one file of all ranks or one of each, and those of resumed runs. All values are float64: overlaps of
+micrometres in a packing of a metre exceed single precision. Snapshots are read one at a time; with ``at_once`` in
+frames of at most so many rows. All readers raise
+
+MissingOutputError
+    There is no such file, or that of a rank is missing.
+OutputFormatError
+    The file lacks a column, a snapshot is damaged or cut, or none is complete.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import logging
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dump_files import (
-    contacts_files,
-    contacts_path,
-    frames_dumps,
-    frames_of_all,
-    initial_forces_path,
-    missing_dump,
-    rank_files,
+from granwave.analysis.lammps_output.dump_formats import (
+    BINARY,
+    Lines,
+    binary_frames,
+    rows_without_header,
+    text_frames,
 )
-from granwave.analysis.lammps_output.dump_formats import Lines, rows_without_header
 from granwave.analysis.lammps_output.frame import (
     AGAIN,
     CUT,
@@ -36,133 +39,118 @@ from granwave.analysis.lammps_output.frame import (
     read_rows,
     whole_number,
 )
+from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
-from granwave.lammps_inputs.run_directory import (
-    COUNT_FILE,
-    DATA_FILE,
-    DUMPS,
-    FORCES_FILE,
-    FRAME_FORCES_FILE,
-    HISTORY_FILE,
-    INITIAL_COUNT_FILE,
-    INITIAL_WALL_FORCES_FILE,
-    RANK,
-    WALL_CONTACTS_FILE,
-    files_of,
-)
+from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
 
-# Columns that the readers require; others are optional, see `Frame.get`.
-SPHERE_COLUMNS = tuple(
-    name for name in columns.names(columns.SNAPSHOT) if name != "elastic"
-)  # which early versions did not write
+# Columns that the readers require; others are optional, see `Frame.get`. Early versions did not write "elastic".
+SPHERE_COLUMNS = tuple(name for name in columns.names(columns.SNAPSHOT) if name != "elastic")
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
-HISTORY_COLUMNS = columns.names(columns.HISTORY)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
+_PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # of the rank, in the name of a file
 
 log = logging.getLogger(__name__)
 
 
-def read_frames(directory: str | Path, *, partial: bool = True) -> Iterator[Frame]:
+def read_frames(directory: Path, at_once: int | None = None, *, partial: bool = True) -> Iterator[Frame]:
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
     Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs follow in files of
-    their own. If a step was written twice (resumed run), the first is used.
+    their own. If a step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a frame
+    are sorted; those of a snapshot are, as LAMMPS writes them.
 
     Parameters
     ----------
     partial
         True to skip a truncated last snapshot, of a killed run for instance, with a warning; else it is an error.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no such file.
-    OutputFormatError
-        The file lacks a column, a snapshot is damaged, or none is complete.
     """
-    dumps = frames_dumps(Path(directory))
-    yield from _rising(
-        itertools.chain.from_iterable(_frames(one, SPHERE_COLUMNS, "id", partial=partial) for one in dumps)
-    )
+    dumps = _dumps_of_frames(directory)
+    contacts = directory / DUMPS / of_each_rank(files.CONTACTS_FILE)  # written by the same ranks as the last snapshot
+    paths = [_rank_files(path, like=contacts if path is dumps[-1] else None) for path in dumps]
+    pieces = itertools.chain.from_iterable(_pieces(one, SPHERE_COLUMNS, at_once, partial=partial) for one in paths)
+    return (frame.sorted_by("id") for frame in _rising(joined(pieces) if at_once is None else pieces))
 
 
-def read_frames_in_parts(directory: str | Path, at_once: int) -> Iterator[Frame]:
-    """Iterate over the same snapshots, each in frames of at most so many rows; raise as `read_frames`.
-
-    Only the rows of a frame are sorted; those of a snapshot are, as LAMMPS writes them.
-    """
-    dumps = frames_dumps(Path(directory))
-    pieces = itertools.chain.from_iterable(_pieces(one, SPHERE_COLUMNS, at_once) for one in dumps)
-    yield from (frame.sorted_by("id") for frame in _rising(pieces))
+def frames_path(directory: Path) -> Path:
+    """Return the path of the dump of snapshots, binary or text, with "%" if each rank wrote its own."""
+    return _present(directory, [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))])
 
 
-def read_history(directory: str | Path) -> Iterator[Frame]:
-    """Iterate over the instants of ``dumps/history.dump``, `HISTORY_COLUMNS`, sorted by id; raise as `read_frames`."""
-    return instants(directory, HISTORY_FILE, HISTORY_COLUMNS)
+def read_instants(directory: Path, name: str, required: tuple[str, ...], sort_by: str = "") -> Iterator[Frame]:
+    """Iterate over the snapshots of another dump by its name, with these columns, sorted by one of them."""
+    path = directory / DUMPS / name
+    if not path.exists():
+        raise _missing_dump(directory, path)
+    for frame in _rising(joined(_pieces([path], required))):
+        yield frame.sorted_by(sort_by) if sort_by else frame
 
 
-def instants(directory: str | Path, name: str, columns: tuple[str, ...]) -> Iterator[Frame]:
-    """Iterate over the instants of the dump of this name, sorted by id; raise as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, name), columns, sort_by="id"))
+def read_frame_forces(directory: Path) -> Iterator[Frame]:
+    """Iterate over the contacts at every snapshot: i, j, force, tx, ty, tz (N, on sphere i)."""
+    return read_instants(directory, files.FRAME_FORCES_FILE, columns.names(columns.FORCES_AT_FRAMES))
 
 
-def read_forces(directory: str | Path) -> Iterator[Frame]:
-    """Iterate over the contacts at these instants (``dumps/forces.dump``: i, j, force); raise as `read_frames`."""
-    yield from _rising(_frames(_dump(directory, FORCES_FILE), ("i", "j", "force")))
-
-
-def read_frame_forces(directory: str | Path) -> Iterator[Frame]:
-    """Iterate over the contacts at every snapshot: i, j, force, tx, ty, tz (N, on sphere i); raise as `read_frames`."""
-    names = tuple(column.name for column in columns.FORCES_AT_FRAMES)
-    yield from _rising(_frames(_dump(directory, FRAME_FORCES_FILE), names))
-
-
-def read_contacts(directory: str | Path) -> Frame:
-    """Read the contacts at the end of the run (``dumps/contacts.dump``), with forgotten dents as separate rows.
+def read_contacts(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a row of its own.
 
     Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential, friction (dissipation) and
-    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never). Raise as
-    `read_frames`.
+    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never). Without ``at_once`` it is
+    one frame. The files of all ranks must hold as many rows as LAMMPS noted.
     """
-    *_, frame = joined(read_contacts_in_parts(directory))
-    return frame
+    paths = _rank_files(contacts_path(directory), like=_dumps_of_frames(directory)[-1])
+    return _contacts(contacts_path(directory), paths, CONTACT_COLUMNS, files.COUNT_FILE, at_once)
 
 
-def read_contacts_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the rows of `read_contacts`, at most so many at once; raise as `read_frames`.
-
-    Raises
-    ------
-    OutputFormatError
-        The files of all ranks together hold fewer or more rows than were written.
-    """
-    path = contacts_path(directory)
-    yield from _contacts(path, contacts_files(Path(directory)), CONTACT_COLUMNS, COUNT_FILE, at_once)
+def contacts_path(directory: Path) -> Path:
+    """Return the path of the dump of contacts as `frames_path` does."""
+    return _present(directory, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
 
 
-def read_initial_forces_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the contact forces after the static stage: i, j, force (N), at most so many rows at once.
-
-    There are none if `initial_forces_path` finds no dump; else raise as `read_contacts_in_parts`.
-    """
+def read_initial_forces(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the contact forces after the static stage: i, j, force (N); none without `initial_forces_path`."""
     if (path := initial_forces_path(directory)) is None:
-        return
+        return iter(())
     if not all((path.parent / name).exists() for name in files_of(path.parent, path.name) or [path.name]):
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
-    yield from _contacts(path, rank_files(path), columns.names(columns.FORCES), INITIAL_COUNT_FILE, at_once)
+    return _contacts(path, _rank_files(path), columns.names(columns.FORCES), files.INITIAL_COUNT_FILE, at_once)
+
+
+def initial_forces_path(directory: Path) -> Path | None:
+    """Return the path of the dump of contact forces after the static stage, with "%" if each rank wrote its own.
+
+    None if there was no such stage, or an early version ran it, which did not write it. A file that is listed among
+    those of the run counts, even if it is missing.
+    """
+    folder, own = directory / DUMPS, output_names(directory)
+    for name in (files.INITIAL_FORCES_FILE, of_each_rank(files.INITIAL_FORCES_FILE)):
+        there = files_of(folder, name)
+        if any(f"{DUMPS}/{file}" in own for file in there or [name]):
+            return folder / name
+        if not own and any((folder / file).exists() for file in there):
+            return folder / name
+    return None
 
 
 def _contacts(
-    path: Path, files: list[Path], required: tuple[str, ...], count: str, at_once: int | None
+    path: Path, paths: list[Path], required: tuple[str, ...], count: str, at_once: int | None
 ) -> Iterator[Frame]:
     """Iterate over the rows of a dump of contacts, the files of all ranks; ``count``: file with their number."""
-    first, *others = files
+    rows = _contacts_of_ranks(path, paths, required, count, at_once)
+    return joined(rows) if at_once is None else rows
+
+
+def _contacts_of_ranks(
+    path: Path, paths: list[Path], required: tuple[str, ...], count: str, at_once: int | None
+) -> Iterator[Frame]:
+    first, *others = paths
     n_rows, frame, in_parts = 0, None, RANK in path.name
     for frame in _pieces([first], required, at_once):
         n_rows += len(frame)
-        yield frame.followed() if in_parts else frame
+        yield frame.with_rows(frame.values, more=True) if in_parts else frame
+    if not in_parts:
+        return
     assert frame is not None  # else there was no complete snapshot
     for other in others:
         try:
@@ -171,13 +159,7 @@ def _contacts(
                 yield rows
         except CutShortError as error:
             raise OutputFormatError(f"{error}; {CUT}") from None
-    if in_parts:
-        _check_count(path, path.with_name(count), n_rows)
-        yield dataclasses.replace(frame, values=frame.values[:0], more=False)
-
-
-def _check_count(path: Path, noted: Path, n_rows: int) -> None:
-    """Compare the number of contacts in the files of all ranks with that which LAMMPS noted."""
+    noted = path.with_name(count)
     if not noted.exists():
         raise MissingOutputError(f"{noted} is missing; {AGAIN}")
     expected = whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
@@ -186,31 +168,24 @@ def _check_count(path: Path, noted: Path, n_rows: int) -> None:
             f"{path} (all ranks): found {n_rows} contacts, {noted.name} says {expected}: a file was cut or "
             f"belongs to another run; {AGAIN}"
         )
+    yield frame.with_rows(frame.values[:0])
 
 
-def read_wall_contacts(directory: str | Path) -> dict[str, Frame]:
-    """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name.
+def read_wall_contacts(directory: Path) -> dict[str, Frame]:
+    """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name; none: empty.
 
     Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial.
-
-    The result is empty if there is no plane.
     """
-    return _by_wall(_wall_dumps(Path(directory)), WALL_COLUMNS)
+    return _by_wall(_wall_dumps(directory), WALL_COLUMNS)
 
 
-def read_initial_wall_forces(directory: str | Path) -> dict[str, Frame]:
-    """Read the forces on each plane after the static stage, id and force (N), by its name.
-
-    Raises
-    ------
-    MissingOutputError
-        The file of a plane is missing.
-    """
-    paths = {}
-    for fix, path in _wall_dumps(Path(directory)).items():
-        paths[fix] = path.with_name(INITIAL_WALL_FORCES_FILE.format(fix))
-        if not paths[fix].exists():
-            raise MissingOutputError(f"{paths[fix]} is missing; {AGAIN}")
+def read_initial_wall_forces(directory: Path) -> dict[str, Frame]:
+    """Read the forces on each plane after the static stage, id and force (N), by its name."""
+    paths = {
+        fix: path.with_name(files.INITIAL_WALL_FORCES_FILE.format(fix)) for fix, path in _wall_dumps(directory).items()
+    }
+    if missing := [path for path in paths.values() if not path.exists()]:
+        raise MissingOutputError(f"{missing[0]} is missing; {AGAIN}")
     return _by_wall(paths, columns.names(columns.WALL_FORCES))
 
 
@@ -218,18 +193,18 @@ def _by_wall(paths: dict[str, Path], required: tuple[str, ...]) -> dict[str, Fra
     """Read dumps of the fixes of planes; a plane has NAME, and NAME_2 for a further material."""
     found: dict[str, list[Frame]] = {}
     for fix, path in paths.items():
-        *_, frame = _frames([path], ("id", *required), sort_by="id")
+        *_, frame = joined(_pieces([path], ("id", *required)))
         found.setdefault(fix.split("_")[0], []).append(frame)
     return {
-        name: dataclasses.replace(parts[0], values=np.concatenate([part.values for part in parts])).sorted_by("id")
+        name: parts[0].with_rows(np.concatenate([part.values for part in parts])).sorted_by("id")
         for name, parts in found.items()
     }
 
 
 def _wall_dumps(directory: Path) -> dict[str, Path]:
     """Return the paths of the dumps of walls by fix; only those of the deck, if it lists them."""
-    before, after = WALL_CONTACTS_FILE.split("{}")
-    paths, own = sorted((directory / DUMPS).glob(WALL_CONTACTS_FILE.format("*"))), output_names(directory)
+    before, after = files.WALL_CONTACTS_FILE.split("{}")
+    paths, own = sorted((directory / DUMPS).glob(files.WALL_CONTACTS_FILE.format("*"))), output_names(directory)
     return {
         path.name.removeprefix(before).removesuffix(after): path
         for path in paths
@@ -246,29 +221,17 @@ def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
         )
 
 
-def read_data(directory: str | Path) -> Frame:
-    """Read the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, rows sorted by id.
+def read_data(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, as in the file.
 
-    The nodes of bars come last; they have diameter 0 and their mass in kg as density.
-
-    Raises
-    ------
-    MissingOutputError
-        There is no such file.
-    OutputFormatError
-        The file holds fewer spheres than its header says, or is damaged.
+    The nodes of bars come last; they have diameter 0 and their mass in kg as density. Without ``at_once`` it is one
+    frame.
     """
-    (frame,) = joined(read_data_in_parts(directory))
-    return frame.sorted_by("id")
-
-
-def read_data_in_parts(directory: str | Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the rows of `read_data` as they are in the file, at most so many at once; raise as it does."""
-    path = Path(directory) / DATA_FILE
+    path = directory / files.DATA_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
-    n_spheres = 0
-    columns: tuple[str, ...] = DATA_COLUMNS
+    n_spheres = n_read = 0
+    names: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
     with Lines(path) as lines:
         lines.take(1)  # the title
@@ -280,31 +243,27 @@ def read_data_in_parts(directory: str | Path, at_once: int | None = None) -> Ite
                 edges = read_rows([" ".join(words[:2])], (words[2], words[3]), lambda _: lines.place())
                 box["xyz".index(words[3][0])] = edges[0]
             elif words and words[0] == "Atoms":
-                columns = tuple(found[0].partition(":")[2].split()) or DATA_COLUMNS
+                names = tuple(found[0].partition(":")[2].split()) or DATA_COLUMNS
                 break
         if not n_spheres:
             raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
-        if missing := [name for name in DATA_COLUMNS if name not in columns]:
-            raise OutputFormatError(
-                f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(columns)}; {AGAIN}"
-            )
+        if missing := [name for name in DATA_COLUMNS if name not in names]:
+            raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}")
         lines.take(1)
-        n_read = 0
         while n_read < n_spheres:
             n_rows = min(at_once or n_spheres, n_spheres - n_read)
             rows = lines.take(n_rows)
             n_read += len(rows)
             if len(rows) < n_rows:
                 raise OutputFormatError(
-                    f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(columns)}); {CUT}"
+                    f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(names)}); {CUT}"
                 )
-            read = read_rows(rows, columns, lambda row, last=n_rows - 1: lines.place(last - row))  # type: ignore[misc]
-            frame = Frame(0, box, columns, read)
-            values = np.ascontiguousarray(frame.vector(*DATA_COLUMNS))
+            read = read_rows(rows, names, lambda row, last=n_rows - 1: lines.place(last - row))  # type: ignore[misc]
+            values = np.ascontiguousarray(Frame(0, box, names, read).vector(*DATA_COLUMNS))
             yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
 
 
-def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
+def _rising(frames: Iterable[Frame]) -> Iterator[Frame]:
     """Skip repeated steps of resumed runs; the first is used."""
     last_step = -1
     for frame in frames:
@@ -313,28 +272,16 @@ def _rising(frames: Iterator[Frame]) -> Iterator[Frame]:
             last_step = last_step if frame.more else frame.step
 
 
-def _dump(directory: str | Path, name: str) -> list[Path]:
-    path = Path(directory) / DUMPS / name
-    if not path.exists():
-        raise missing_dump(directory, path)
-    return [path]
-
-
-def _frames(
-    paths: list[Path], required: tuple[str, ...], sort_by: str | None = None, *, partial: bool = False
-) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump; with ``partial`` a truncated last one is skipped with a warning."""
-    for frame in joined(_pieces(paths, required, partial=partial)):
-        yield frame.sorted_by(sort_by) if sort_by else frame
-
-
 def _pieces(
     paths: list[Path], required: tuple[str, ...], at_once: int | None = None, *, partial: bool = False
 ) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump as `frames_of_all` does; check their columns, and that there is one."""
+    """Iterate over the snapshots of a dump of one or more files; check their columns, and that there is one.
+
+    With ``partial`` a truncated last one is skipped with a warning.
+    """
     number, path = 0, paths[0]
     try:
-        for frame in frames_of_all(paths, at_once):
+        for frame in _of_all_ranks(paths, at_once):
             if missing := [name for name in required if name not in frame.columns]:
                 raise OutputFormatError(
                     f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
@@ -348,3 +295,76 @@ def _pieces(
         log.warning("%s: snapshot %d is cut short and left out", path, number)
     if not number:
         raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
+
+
+def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
+    """Iterate over the snapshots of a dump whose rows lie in several files, one range of ids in each, rising."""
+    readers = [(binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths]
+    for number in itertools.count():
+        step = None
+        for path, reader in zip(paths, readers, strict=True):
+            if (frame := next(reader, None)) is None:
+                if path is not paths[0] or any(next(other, None) is not None for other in readers):
+                    raise CutShortError(str(path), number)
+                return
+            if step not in (None, frame.step):
+                raise OutputFormatError(
+                    f"{path}: found step {frame.step} in snapshot {number}, {paths[0].name} has step {step}: the files "
+                    f"belong to different runs; {AGAIN}"
+                )
+            step = frame.step
+            while frame.more:
+                yield frame
+                frame = next(reader)
+            yield frame.with_rows(frame.values, more=path is not paths[-1])
+
+
+def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
+    """Return the files of a dump: itself, or those of all ranks where its name has "%", as has ``like``, another."""
+    if RANK not in path.name:
+        return [path]
+
+    def numbers(dump: Path) -> set[int]:
+        before, after = dump.name.split(RANK)
+        return {int(name.removeprefix(before).removesuffix(after)) for name in files_of(dump.parent, dump.name)}
+
+    found = numbers(path)
+    expected = max(found | (numbers(like) if like is not None and RANK in like.name else set())) + 1
+    of_ranks = [path.with_name(path.name.replace(RANK, str(number))) for number in range(expected)]
+    if missing := sorted(set(range(expected)) - found):
+        more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
+        raise MissingOutputError(
+            f"{of_ranks[missing[0]]} is missing{more}: each of {expected} ranks wrote a part of {path.name}; copy it "
+            f"back, or {AGAIN}"
+        )
+    return of_ranks
+
+
+def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
+    return MissingOutputError(
+        f"{path} is missing: the run did not get as far as writing it; finish the run "
+        f"(granwave run {directory / files.CASE_FILE} -o {directory} --resume)"
+    )
+
+
+def _present(directory: Path, names: list[str]) -> Path:
+    """Return which of these dumps there is."""
+    folder = directory / DUMPS
+    there = [name for name in names if any((folder / file).exists() for file in files_of(folder, name))]
+    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(directory)]
+    if not there:
+        raise _missing_dump(directory, folder / (listed or names)[0])
+    return folder / there[0]
+
+
+def _dumps_of_frames(directory: Path) -> list[Path]:
+    """Return the dump of snapshots of a run, and those of its resumptions, in order of time."""
+    found, own = {}, output_names(directory)
+    for name in files.FRAMES_RESUMED.values():
+        before, after = name.split("{}")
+        for path in (directory / DUMPS).glob(f"{before}*{after}"):
+            dump = _PART_NUMBER.sub(f".{RANK}", path.name)
+            step = dump.removeprefix(before).removesuffix(after).removesuffix(f".{RANK}")
+            if step.isdecimal() and path.stat().st_size and (not own or f"{DUMPS}/{path.name}" in own):
+                found[int(step)] = path.with_name(dump)
+    return [frames_path(directory), *(found[step] for step in sorted(found))]

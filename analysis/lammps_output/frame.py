@@ -8,7 +8,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,7 +22,7 @@ WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
 
 
 def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
-    """Read finite numbers from rows of text.
+    """Read finite numbers from rows of text: (n_rows, n_columns).
 
     Parameters
     ----------
@@ -33,11 +32,6 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
         Names of the columns.
     place
         Function that returns file and line of a row, counted from 0, for messages.
-
-    Returns
-    -------
-    ndarray
-        Values, (n_rows, n_columns).
 
     Raises
     ------
@@ -84,7 +78,7 @@ def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
     return ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
     """One snapshot of a dump.
 
@@ -119,18 +113,22 @@ class Frame:
         """Return one column, or zeros if it was not recorded: (n_rows,)."""
         return self[name] if name in self.columns else np.zeros(len(self))
 
-    def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows of the spheres with these ids in a frame sorted by id; raise as `rows_of`."""
-        return rows_of(self["id"].astype(np.int64), ids)
-
-    def up_to(self, number: int) -> Frame:
-        """Return the rows with ids up to ``number`` of a frame sorted by id."""
-        n = int(np.searchsorted(self["id"], number, side="right"))
-        return self if n == len(self) else Frame(self.step, self.box, self.columns, self.values[:n], self.more)
-
     def vector(self, *names: str) -> NDArray[np.float64]:
         """Return several columns: (n_rows, len(names))."""
         return self.values[:, [self.columns.index(name) for name in names]]
+
+    @property
+    def pairs(self) -> NDArray[np.int64]:
+        """Ids of the two particles of each contact, the lower one first: (n_rows, 2)."""
+        return np.sort(self.vector("i", "j").astype(np.int64), axis=1)
+
+    def with_rows(self, values: NDArray[np.float64], *, more: bool = False) -> Frame:
+        """Return the frame with other rows."""
+        return dataclasses.replace(self, values=values, more=more)
+
+    def up_to(self, number: int) -> Frame:
+        """Return the rows with ids up to ``number`` of a frame sorted by id."""
+        return self.with_rows(self.values[: np.searchsorted(self["id"], number, side="right")], more=self.more)
 
     def sorted_by(self, name: str) -> Frame:
         """Return the frame with its rows sorted by a column; they are moved in place."""
@@ -139,29 +137,14 @@ class Frame:
             self.values[:] = self.values[np.argsort(key, kind="stable")]
         return self
 
-    def followed(self) -> Frame:
-        """Return the frame as one that is followed by further rows of its snapshot."""
-        return dataclasses.replace(self, more=True)
-
-    @property
-    def displacement(self) -> NDArray[np.float64]:
-        """Displacements of spheres from the start: (n_rows, 3), m."""
-        return self.vector("ux", "uy", "uz")
-
-    @property
-    def velocity(self) -> NDArray[np.float64]:
-        """Velocities of spheres: (n_rows, 3), m/s."""
-        return self.vector("vx", "vy", "vz")
-
 
 def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
     """Join the rows of each snapshot that come in several frames."""
-    parts: list[Frame] = []
+    parts: list[NDArray[np.float64]] = []
     for frame in frames:
-        parts.append(frame)
+        parts.append(frame.values)
         if not frame.more:
-            values = frame.values if len(parts) == 1 else np.concatenate([part.values for part in parts])
-            yield Frame(frame.step, frame.box, frame.columns, values)
+            yield frame.with_rows(parts[0] if len(parts) == 1 else np.concatenate(parts))
             parts = []
 
 
@@ -200,15 +183,7 @@ def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spher
 
 
 class CutShortError(Exception):
-    """Error of a dump that ends within a snapshot.
-
-    Parameters
-    ----------
-    place
-        File and place in it, for messages.
-    number
-        Number of the snapshot, from 0.
-    """
+    """Error of a dump that ends within snapshot ``number``, counted from 0; ``place`` is the file and place in it."""
 
     def __init__(self, place: str, number: int) -> None:
         super().__init__(f"{place}: snapshot {number} is cut short")

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.hertz_lattices import ChainScales
 from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
-from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
@@ -56,11 +55,11 @@ class Chain:
 
     def __init__(self, run: HasResults) -> None:
         self.run, self.directory, self.case = run, run.directory, run.case
+        self._arrays: dict[str, NDArray] = {}
 
     def value(self, name: str) -> float:
         """Return a number of the summary; NaN where it does not apply."""
-        found = self.run[name]
-        return float(found) if found is not None else math.nan
+        return math.nan if self.run[name] is None else float(self.run[name])
 
     @cached_property
     def assembly(self) -> Assembly:
@@ -96,10 +95,6 @@ class Chain:
     def scales(self) -> ChainScales:
         """Units of a chain of like beads."""
         return ChainScales(self.case)
-
-    @cached_property
-    def _arrays(self) -> dict[str, NDArray]:
-        return {}
 
     def array(self, name: str) -> NDArray:
         """An array of the result, such as ``energy/time`` and ``walls/bar/force``; read once.
@@ -159,7 +154,7 @@ class Chain:
     def of_contacts(self, name: str) -> Array:
         """A column of ``/contacts``, such as ``peak_force``, along the chain, contacts with bars too: (n_contacts,)."""
         with Result(self.directory) as result:
-            return along(result, name)
+            return result.along_chain(name)
 
     @cached_property
     def sensors(self) -> dict[str, Array]:
@@ -190,25 +185,17 @@ class GrainRow(Chain):
         on_axis = np.hypot(*place[:, :2].T) < _ON_AXIS * self.case.packing.diameter
         self.ids = ids[on_axis][np.argsort(place[on_axis, 2])]
         self.beside = ids[~on_axis]
-        self._number = {int(one): k for k, one in enumerate(self.ids, start=1)}
+        self._number = {one: k for k, one in enumerate(self.ids.tolist(), start=1)}
 
     @property
     def struck(self) -> int:
         """Number of the first grain that is struck."""
         return self._number[(self.load.index or (int(self.ids[0]),))[0]]
 
-    def _contact(self, first: int, second: int) -> int:
-        """Number of the contact of two grains by their ids; 0 if they are no neighbours in the row."""
-        low, high = sorted((self._number.get(first, -1), self._number.get(second, -1)))
-        return low if low > 0 and high == low + 1 else 0
-
     def of_contacts(self, name: str) -> Array:
         """A column of ``/contacts``, such as ``peak_force``, along the row; 0 of contacts that never bore a force."""
-        found = np.zeros(len(self.ids) - 1)
-        for one, other, value in zip(*map(self.array, ("contacts/i", "contacts/j", f"contacts/{name}")), strict=True):
-            if contact := self._contact(int(one), int(other)):
-                found[contact - 1] = value
-        return found
+        with Result(self.directory) as result:
+            return result.of_pairs(name, self.ids[:-1], self.ids[1:])
 
     @cached_property
     def passed(self) -> int:
@@ -221,12 +208,14 @@ class GrainRow(Chain):
     @cached_property
     def contact_forces(self) -> dict[int, Array]:
         """Forces of the contacts of the row that ``output.probes`` names, at the instants ``probes/time``, N."""
-        found = {}
         with Result(self.directory) as result:
-            for name in result.names("probes"):
-                match = _PROBE.fullmatch(name)
-                if match and (contact := self._contact(int(match[1]), int(match[2]))):
-                    found[contact] = result[f"probes/{name}"]
+            probes = [match for name in result.names("probes") if (match := _PROBE.fullmatch(name))]
+            numbers = [sorted(self._number.get(int(one), -1) for one in match.groups()) for match in probes]
+            found = {
+                low: result[f"probes/{match[0]}"]
+                for match, (low, high) in zip(probes, numbers, strict=True)
+                if low > 0 and high == low + 1
+            }
         return dict(sorted(found.items()))
 
     @cached_property

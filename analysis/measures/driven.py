@@ -29,7 +29,6 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array, arrival
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.checks.loads import LEAST_PER_PERIOD, LEAST_PERIODS, LEAST_WINDOWS, WINDOW_PERIODS
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
 
@@ -50,24 +49,12 @@ _SHARE = 0.75  # of the time between the pushes, after its arrival: what comes l
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class SteadyMotion:
-    """Amplitudes along a row under a harmonic load.
+    """Amplitudes along a row under a harmonic load."""
 
-    Attributes
-    ----------
-    frequency
-        Hz.
-    velocity
-        Complex amplitudes of the spheres, in their order: (n_spheres,), m/s.
-    left
-        Root mean square of what the fit leaves over that of the whole: (n_spheres,).
-    row
-        The spheres.
-    """
-
-    frequency: float
-    velocity: NDArray[np.complex128]
-    left: Array
-    row: MeasuredRow
+    frequency: float  # Hz
+    velocity: NDArray[np.complex128]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
+    left: Array  # root mean square of what the fit leaves over that of the whole: (n_spheres,)
+    row: MeasuredRow  # the spheres
 
     @property
     def first(self) -> int:
@@ -99,33 +86,24 @@ class SteadyMotion:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Transmission from the loaded sphere to the last one against frequency.
+    """Transmission from the loaded sphere to the last one against frequency."""
 
-    Attributes
-    ----------
-    frequency
-        Those that the load holds: (n,), Hz.
-    ratio
-        Complex ratio of the velocities: (n,).
-    first, last
-        Ids of both spheres.
-    """
-
-    frequency: Array
-    ratio: NDArray[np.complex128]
-    first: int
+    frequency: Array  # those that the load holds: (n,), Hz
+    ratio: NDArray[np.complex128]  # of the velocities: (n,)
+    first: int  # ids of both spheres
     last: int
 
 
 def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[NDArray[np.complex128], Array] | None:
     """Fit sines of one frequency over the last whole periods, at most half of the time.
 
+    The second and third harmonic, which a nonlinear row has in its steady motion, are fitted too where the records are
+    dense enough.
+
     Parameters
     ----------
-    time
-        (n_times,), s.
-    signals
-        (n_times, n_signals).
+    time, signals
+        (n_times,), s, and (n_times, n_signals).
     frequency
         Hz.
 
@@ -133,8 +111,7 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
     -------
     tuple
         Complex amplitudes a of Re(a exp(i omega t)), and what the fit leaves over the whole, both (n_signals,); None
-        if there are fewer than three periods. The second and third harmonic, which a nonlinear row has in its steady
-        motion, are fitted too where the records are dense enough.
+        if there are fewer than three periods.
     """
     periods = math.floor((time[-1] - time[0]) / 2 * frequency * (1 + 1e-12))
     if periods < LEAST_PERIODS:
@@ -142,14 +119,18 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
     inside = time >= time[-1] - periods / frequency * (1 + 1e-9)
     angle = 2 * np.pi * frequency * time[inside]
     dense = np.count_nonzero(inside) >= periods * _DENSE
-    parts = [part(n * angle) for n in ((1, 2, 3) if dense else (1,)) for part in (np.cos, np.sin)]
-    terms = np.stack([np.ones_like(angle), *parts], axis=1)
+    terms = np.stack([np.ones_like(angle), *_sines(angle, (1, 2, 3) if dense else (1,))], axis=1)
     values = signals[inside]
     fit, *_ = np.linalg.lstsq(terms, values, rcond=None)
     moving = values - values.mean(axis=0)
     whole = np.sqrt((moving**2).mean(axis=0))
     left = np.sqrt(((values - terms @ fit) ** 2).mean(axis=0))
     return fit[1] - 1j * fit[2], np.divide(left, whole, out=np.ones_like(left), where=whole > 0)
+
+
+def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:
+    """Cosine and sine of multiples of an angle."""
+    return [part(factor * angle) for factor in multiples for part in (np.cos, np.sin)]
 
 
 def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> tuple[Array, NDArray[np.complex128]]:
@@ -191,7 +172,10 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     if row is None or f"{row.group}/velocity" not in result:
         return None
     time, velocity = result[f"{row.group}/time"], result[f"{row.group}/velocity"]
-    if len(time) < 2 or not sampled(load, float(time[-1] - time[0]) / (len(time) - 1)):
+    if len(time) < 2:
+        return None
+    interval = float(time[-1] - time[0]) / (len(time) - 1)
+    if load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9:  # the record does not resolve the load
         return None
     return row, time, velocity[..., 2] if velocity.ndim > 2 else velocity
 
@@ -210,11 +194,6 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
     averaged = _AVERAGED if load.shape == "noise" else 1
     ratios = transfer(time, velocity[:, row.first], velocity[:, row.last], averaged=averaged)
     return Spectrum(*ratios, *row.ends) if len(ratios[0]) else None
-
-
-def sampled(load: Load, interval: float) -> bool:
-    """Return True if records at an interval, s, resolve the load."""
-    return load.frequencies[1] * interval * LEAST_PER_PERIOD <= 1 + 1e-9
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -255,8 +234,7 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
 
     Their amplitudes may change linearly in time; those in the middle are returned.
     """
-    angles = [2 * np.pi * factor * frequency * time for factor in MULTIPLES]
-    sines = [part(angle) for angle in angles for part in (np.cos, np.sin)]
+    sines = _sines(2 * np.pi * frequency * time, MULTIPLES)
     since = (time - time.mean()) / (time[-1] - time[0])
     fit, *_ = np.linalg.lstsq(
         np.stack([*sines, *(since * one for one in sines), since**0], axis=1), signals, rcond=None
@@ -291,24 +269,12 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])
 
 
-@dataclasses.dataclass(frozen=True)
-class MeanPower:
-    """Mean power in the last half of a run.
+def mean_power_of(result: Result) -> tuple[float, float | None] | None:
+    """Return mean powers in the last half of a run under a harmonic load, W; None for others, or too few periods.
 
-    Attributes
-    ----------
-    given
-        Work of the load over time, W.
-    absorbed
-        Taken by the spheres of ``[[absorb]]`` and by the damper below, W; None where there is neither.
+    The first is that of the load, the second what the spheres of ``[[absorb]]`` and the damper below take; None where
+    there is neither.
     """
-
-    given: float
-    absorbed: float | None
-
-
-def mean_power_of(result: Result) -> MeanPower | None:
-    """Return the mean power of a harmonic load; None for other loads, and for runs of fewer than some periods."""
     load, time = result.case.load, result["energy/time"]
     if not load.driven or load.shape != "harmonic":
         return None
@@ -322,7 +288,7 @@ def mean_power_of(result: Result) -> MeanPower | None:
         return float(since @ (energy - energy.mean()) / (since @ since))
 
     ends = [slope(name) for name in _ENDS if name in result]
-    return MeanPower(slope("energy/input"), sum(ends) if ends else None)
+    return slope("energy/input"), sum(ends) if ends else None
 
 
 def push_starts(table: Sequence[Sequence[float]] | None) -> list[float]:

@@ -30,6 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.signals import Array
 from granwave.lammps_inputs.lattices import kind_of, section_planes
 
 _LEVEL = 1 - 1e-9  # cosine from which two directions are the same
@@ -43,61 +44,31 @@ _BLOCK = 200_000  # distances that are computed at a time, whose numbers fit int
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """A plane through the struck sphere.
+    """A plane through the struck sphere; vectors are (3,)."""
 
-    Attributes
-    ----------
-    name
-        principal, orthogonal or section.
-    across
-        Unit vector to the right: (3,).
-    down
-        Unit vector downwards, or along y for a packing of one layer: (3,).
-    tolerance
-        Largest distance of a centre from the plane, diameters.
-    down_label
-        What the coordinate along ``down`` is called.
-    across_label
-        What the coordinate along ``across`` is called.
-    through
-        A point of the plane, m; None: the centre of the struck sphere.
-    """
-
-    name: str
-    across: NDArray[np.float64]
-    down: NDArray[np.float64]
-    tolerance: float
-    down_label: str
-    across_label: str = "Distance from the impact axis"
-    through: NDArray[np.float64] | None = None
+    name: str  # principal, orthogonal or section
+    across: Array  # unit vector to the right
+    down: Array  # unit vector downwards, or along y for a packing of one layer
+    tolerance: float  # largest distance of a centre from the plane, diameters
+    down_label: str  # name of the coordinate along `down`
+    across_label: str = "Distance from the impact axis"  # name of the coordinate along `across`
+    through: Array | None = None  # a point of the plane, m; None: the centre of the struck sphere
 
     @property
-    def normal(self) -> NDArray[np.float64]:
+    def normal(self) -> Array:
         """Unit normal: (3,)."""
         return np.cross(self.across, self.down)
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The spheres of a packing that lie on a plane.
-
-    Attributes
-    ----------
-    plane
-        The plane.
-    index
-        Rows of the spheres: (n,).
-    across, down
-        Coordinates in the plane, 0 at the struck sphere: (n,), m.
-    height
-        Distances of the centres from the plane: (n,), m.
-    """
+    """The spheres of a packing that lie on a plane; every array (n,)."""
 
     plane: Plane
-    index: NDArray[np.int64]
-    across: NDArray[np.float64]
-    down: NDArray[np.float64]
-    height: NDArray[np.float64]
+    index: NDArray[np.int64]  # rows of the spheres
+    across: Array  # coordinates in the plane, 0 at the struck sphere, m
+    down: Array
+    height: Array  # distances of the centres from the plane, m
 
 
 def planes(kind: str) -> tuple[Plane, ...]:
@@ -108,18 +79,8 @@ def planes(kind: str) -> tuple[Plane, ...]:
     )
 
 
-def section(plane: Plane, positions: NDArray[np.float64], origin: NDArray[np.float64], diameter: float) -> Section:
-    """The spheres that lie on a plane.
-
-    Parameters
-    ----------
-    positions
-        (n_spheres, 3), m.
-    origin
-        Centre of the struck sphere: (3,), m.
-    diameter
-        m.
-    """
+def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> Section:
+    """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of the struck one."""
     offset = positions - origin
     middle = np.zeros(3) if plane.through is None else plane.through - origin
     height = (offset - middle) @ plane.normal
@@ -153,40 +114,31 @@ def own_plane(normal: Sequence[float], through: Sequence[float] | None, toleranc
     return Plane("section", across, down, tolerance, down_label, across_label, point)
 
 
-def preferred_directions(kind: str) -> NDArray[np.float64]:
+def preferred_directions(kind: str) -> Array:
     """Unit vectors from the struck sphere to those it rests on; in a square packing to its neighbours.
 
-    Returns
-    -------
-    ndarray
-        (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain. They
-        are equal by symmetry. In hcp only the first contact lies on a straight line.
+    (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain. They are equal by
+    symmetry. In hcp only the first contact lies on a straight line.
     """
     return kind_of(kind).preferred_directions
 
 
-def layers(
-    depth: NDArray[np.float64], radii: NDArray[np.float64], diameter: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[np.int64]]:
     """The layers in which spheres lie, found by the gaps between their depths.
 
     Where there are no gaps, as in a packing that has settled a lot, slices half a diameter thick stand for layers.
 
     Parameters
     ----------
-    depth
-        Of the centres: (n_spheres,), m.
-    radii
-        (n_spheres,), m.
+    depth, radii
+        Of the centres, and of the spheres: (n_spheres,), m.
     diameter
         Nominal, m.
 
     Returns
     -------
-    depth
-        Mean of each layer, rising: (n_layers,), m.
-    layer
-        Row of each sphere's layer: (n_spheres,).
+    tuple
+        Mean depth of each layer, rising, (n_layers,), m, and the row of each sphere's layer, (n_spheres,).
     """
     order = np.argsort(depth, kind="stable")
     apart = np.diff(depth[order]) > _LAYER_GAP * 2 * radii.min(initial=np.inf)
@@ -201,13 +153,10 @@ def layers(
     return np.bincount(layer, depth) / np.bincount(layer), layer
 
 
-def nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return the distance from each point to its nearest place, m, and that place's row: (n_points,) each.
 
-    Parameters
-    ----------
-    points, places
-        (n_points, 3) and (n_places, 3), m; at least one place.
+    Points and places are (n_points, 3) and (n_places, 3), m; there is one place at least.
     """
     if len(points) * len(places) > _BY_TREE and len(places) > 1:
         from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,16 +21,14 @@ if TYPE_CHECKING:
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
 
-def ranked(dissipated: NDArray[np.float64]) -> NDArray[np.int64]:
+def ranked(dissipated: Array) -> NDArray[np.int64]:
     """Rows of the spheres that dissipated anything, the one that dissipated most first."""
     order = np.argsort(-dissipated, kind="stable")
     return order[: np.count_nonzero(dissipated > 0)]
 
 
-def cumulated(
-    dissipated: NDArray[np.float64], energy_input: float, volume: NDArray[np.float64] | None = None
-) -> tuple[NDArray[np.float64], NDArray]:
-    """Dissipated share of the input against the volume of the spheres that did it.
+def cumulated(dissipated: Array, energy_input: float, volume: Array | None = None) -> tuple[Array, NDArray]:
+    """Dissipated share of the input against the volume of the spheres that did it, those that did most first.
 
     Parameters
     ----------
@@ -40,14 +37,12 @@ def cumulated(
     energy_input
         J.
     volume
-        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given.
+        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given, so that of like spheres it is their number.
 
     Returns
     -------
-    fraction
-        Of the input: (n,).
-    volume
-        Of the spheres that dissipated most, in units of pi D^3/6; of like spheres their number: (n,).
+    tuple
+        Share of the input, and volume, so far: (n,) each.
     """
     rows = ranked(dissipated)
     share = np.cumsum(dissipated[rows]) / energy_input
@@ -56,25 +51,13 @@ def cumulated(
 
 @dataclass(frozen=True, eq=False)
 class ZoneGrowth:
-    """The plastic zone in time; every array (n_times,).
+    """The plastic zone in time; every array (n_times,)."""
 
-    Attributes
-    ----------
-    time
-        When the zone grew, s.
-    contacts, spheres
-        Yielded so far.
-    depth
-        Of the deepest plastic centre below the struck one, m.
-    radius
-        Largest lateral distance of a plastic centre, m.
-    """
-
-    time: NDArray[np.float64]
-    contacts: NDArray[np.int64]
+    time: Array  # when the zone grew, s
+    contacts: NDArray[np.int64]  # yielded so far
     spheres: NDArray[np.int64]
-    depth: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    depth: Array  # of the deepest plastic centre below the struck one, m
+    radius: Array  # largest lateral distance of a plastic centre, m
 
 
 def zone_growth(result: Result) -> ZoneGrowth:
@@ -109,11 +92,11 @@ class Rays:
         sphere is missing.
     """
 
-    directions: NDArray[np.float64]
-    peak_force: NDArray[np.float64]
+    directions: Array
+    peak_force: Array
 
     @property
-    def difference(self) -> NDArray[np.float64]:
+    def difference(self) -> Array:
         """Largest less smallest peak force over the largest, contact by contact where all exist: (n,)."""
         complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
         largest = complete.max(axis=1, initial=0.0)
@@ -137,28 +120,19 @@ def rays(result: Result) -> Rays:
     diameter = result.case.packing.diameter
     positions, ids = result["spheres/position"], result["spheres/id"]
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
-    force = _force_of_pairs(result)
     columns = []
     for direction in directions:
         points = result.origin + np.arange(reach)[:, None] * diameter * direction
         distance, row = nearest(points, positions)
         found = np.where(distance <= _ON_RAY * diameter, ids[row], 0)
-        columns.append(force(found[:-1], found[1:]))
+        columns.append(result.of_pairs("peak_force", found[:-1], found[1:], np.nan))
     table = np.stack(columns, axis=1)
     there = np.flatnonzero(np.isfinite(table).any(axis=1))
     return Rays(directions, table[: there[-1] + 1 if there.size else 0])
 
 
-def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Largest peak force of a contact in each layer.
-
-    Returns
-    -------
-    depth
-        Of the layer below the struck one: (n_layers,), m.
-    force
-        (n_layers,), N.
-    """
+def peak_force_by_depth(result: Result) -> tuple[Array, Array]:
+    """Depth below the struck one, m, and largest peak force of a contact, N, of each layer: (n_layers,) each."""
     depth = result["spheres/position"][:, 2] - result.origin[2]
     mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
     force = np.zeros(len(mean))
@@ -166,23 +140,7 @@ def peak_force_by_depth(result: Result) -> tuple[NDArray[np.float64], NDArray[np
     return mean, force
 
 
-def _force_of_pairs(result: Result):
-    """A function from pairs of ids to their peak forces, NaN for a pair that is no contact; the id 0 is no sphere."""
-    stride = int(result["spheres/id"][-1]) + 1
-    keys = result["contacts/i"] * stride + result["contacts/j"]
-    forces = result["contacts/peak_force"]
-
-    def force(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.float64]:
-        wanted = np.minimum(first, second) * stride + np.maximum(first, second)
-        if not len(keys):
-            return np.full(len(wanted), np.nan)
-        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        return np.where(keys[place] == wanted, forces[place], np.nan)
-
-    return force
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Involved:
     """Material in descending order of its dissipation, cumulated; arrays (n,).
 
@@ -194,8 +152,8 @@ class Involved:
         Of the solid, m^3.
     """
 
-    fraction: NDArray[np.float64]
-    volume: NDArray[np.float64]
+    fraction: Array
+    volume: Array
 
     def part(self, share: float) -> tuple[float, float]:
         """Fraction of the input and volume of the least material that did a share of the dissipation."""
@@ -214,19 +172,9 @@ def spheres_involved(result: Result, energy_input: float) -> Involved:
 
 
 def elements_involved(path: Path, energy_input: float) -> Involved:
-    """Return the elements of a block that dissipated.
+    """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run; the input is in J.
 
-    Parameters
-    ----------
-    path
-        The ``result.h5`` of a continuum run.
-    energy_input
-        J.
-
-    Raises
-    ------
-    OSError, KeyError
-        It cannot be read, or is another file.
+    Raise OSError or KeyError if the file cannot be read, or is another one.
     """
     import h5py  # takes longer to load than most commands need
 
@@ -264,7 +212,7 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     return found
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class QuadraticLaw:
     """Dissipation as ``D0 + D1 v + D2 v^2``.
 
@@ -296,23 +244,3 @@ def quadratic_law(velocity: Array, dissipation: Array) -> QuadraticLaw:
     scatter = residual @ residual / (len(velocity) - len(constants))
     deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
     return QuadraticLaw(constants, deviations, float(np.abs(residual).max()), float(velocity.min()))
-
-
-def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
-    """Impact velocity in units that make materials collapse on one curve.
-
-    ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
-
-    Parameters
-    ----------
-    velocity
-        m/s.
-    modulus
-        E* of two spheres, Pa.
-    density
-        kg/m^3.
-    yield_strength
-        Pa.
-    """
-    scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
-    return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity

@@ -34,9 +34,6 @@ from granwave.analysis.measures.hertz_lattices import SPACING, Line, crest_times
 from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.analysis.result.reader import Result
 
-Ints = NDArray[np.int64]
-
-
 LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
 MEASURES = ("fit of acceleration", "fit of velocity", "half maximum of acceleration", "half maximum of velocity")
 _FINE = 4  # points between two snapshots
@@ -51,50 +48,38 @@ _FINE_CRESTS = 10  # points put between two snapshots
 _EVEN_STEPS = 1e-6  # of the step, by which places and times may miss an even grid
 
 
-def velocities_of_chain(result: Result) -> tuple[Array, Array, Array]:
-    """Return times (n_times,), s, places before the load (n_beads,), m, and velocities (n_times, n_beads), m/s.
+def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
+    """Return even times (n_times,), s, places at the start (n,), m, and velocities (n_times, n), m/s, along an axis.
+
+    Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x (axis 0): the means of
+    their spheres.
 
     Raises
     ------
     MissingDataError
-        The run has no history of a chain.
+        The run of a chain has no history.
     """
-    if "chain" not in result:
+    if "chain" in result:
+        time, place, velocity = (result[f"chain/{name}"] for name in ("time", "position", "velocity"))
+    elif result.case.packing.kind == "chain":
         raise MissingDataError(f"{result.path}: has no history of a chain; run one with output.history")
-    return _evenly(result["chain/time"], result["chain/position"], result["chain/velocity"])
-
-
-def velocities_of_layers(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
-    """Return times, depths of the layers and their mean velocities along an axis, as `velocities_of_chain`."""
-    nx, ny, _ = result.assembly.lattice.shape
-    return _of_groups(result, (result["spheres/id"] - 1) // (nx * ny), 2, axis)
-
-
-def velocities_of_columns(result: Result, axis: int = 0) -> tuple[Array, Array, Array]:
-    """Return times, places along x of the columns across it and their mean velocities, as `velocities_of_chain`."""
-    nx, _, _ = result.assembly.lattice.shape
-    return _of_groups(result, (result["spheres/id"] - 1) % nx, 0, axis)
-
-
-def _of_groups(result: Result, group: Ints, along: int, axis: int) -> tuple[Array, Array, Array]:
-    """Means over groups of the spheres of the lattice (n_spheres,) at even times; strikers are left out."""
-    own = result["spheres/id"] <= result.assembly.lattice.n_spheres
-    place = np.bincount(group[own], result["spheres/position"][own, along]) / np.bincount(group[own])
-    return _evenly(result.frame_times, place, _mean_velocities(result, group, axis))
-
-
-def _mean_velocities(result: Result, group: Ints, axis: int) -> Array:
-    """Mean velocities along an axis of groups of spheres, strikers left out: (n_frames, n_groups), m/s."""
-    own = result["spheres/id"] <= result.assembly.lattice.n_spheres
-    count = np.bincount(group[own])
-    frames = (result.frame(frame, "velocity")[own, axis] for frame in range(result.n_frames))
-    return np.stack([np.bincount(group[own], frame) / count for frame in frames])
-
-
-def _evenly(time: Array, place: Array, velocity: Array) -> tuple[Array, Array, Array]:
-    """Interpolate velocities at as many even times."""
+    else:
+        time, (place, velocity) = result.frame_times, _means(result, axis)
     even = np.linspace(time[0], time[-1], len(time))
     return even, place, np.asarray(CubicSpline(time, velocity)(even))
+
+
+def _means(result: Result, axis: int) -> tuple[Array, Array]:
+    """Mean places and velocities along z of layers, or along x of columns: (n,), m, and (n_frames, n), m/s.
+
+    Strikers are left out.
+    """
+    (nx, ny, _), ids = result.assembly.lattice.shape, result["spheres/id"]
+    own = ids <= result.assembly.lattice.n_spheres
+    group = (ids[own] - 1) // (nx * ny) if axis == 2 else (ids[own] - 1) % nx
+    frames = (result.frame(frame, "velocity")[own, axis] for frame in range(result.n_frames))
+    place, *velocity = (np.bincount(group, one) for one in (result["spheres/position"][own, axis], *frames))
+    return place / np.bincount(group), np.stack(velocity) / np.bincount(group)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -266,10 +251,8 @@ def speed_along_layers(result: Result, line: Line) -> float:
     line
         The line that the layers are.
     """
-    case, time = result.case, result.frame_times
+    case, time, (_, mean) = result.case, result.frame_times, _means(result, 2)
     nx, ny, nz = case.packing.size
-    layer = (result["spheres/id"] - 1) // (nx * ny)
-    mean = _mean_velocities(result, layer, 2)
     deepest = nz - _BEFORE_END
     if case.boundary.sides != "periodic":
         half = min(nx, ny * np.sqrt(3) / 2) / 2

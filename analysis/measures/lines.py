@@ -13,15 +13,16 @@ the chain, where there is one contact, half of its force.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.motion import left_out
+
+Arrays = dict[str, Array]
 
 _BESIDE = 0.5  # diameters, of a straight line
 _FEWEST_VALUES = 3  # that a test of normality takes
@@ -75,13 +76,13 @@ class LineRecord:
     """
 
     name: str
-    distance: NDArray[np.float64]
-    arrival: NDArray[np.float64]
-    peak_time: NDArray[np.float64]
-    width: NDArray[np.float64]
-    peak_speed: NDArray[np.float64]
-    largest_speed: NDArray[np.float64]
-    lateral_force: NDArray[np.float64]
+    distance: Array
+    arrival: Array
+    peak_time: Array
+    width: Array
+    peak_speed: Array
+    largest_speed: Array
+    lateral_force: Array
     left_out: int
     straight: bool = True
 
@@ -132,17 +133,13 @@ def lines_of(result: Result) -> list[LineRecord]:
     found = []
     for line in result.case.line:
         group = f"lines/{line.name}"
-        columns = {
-            field.name: result[f"{group}/{field.name}"]
-            for field in dataclasses.fields(LineRecord)
-            if field.name not in ("name", "left_out", "straight")
-        }
+        columns = {field.name: result[f"{group}/{field.name}"] for field in dataclasses.fields(LineRecord)[1:-2]}
         straight = _straight(result[f"{group}/position"], result.case.packing.diameter)
         found.append(LineRecord(name=line.name, left_out=left_out(result.assembly, line), straight=straight, **columns))
     return found
 
 
-def _straight(position: NDArray[np.float64], diameter: float) -> bool:
+def _straight(position: Array, diameter: float) -> bool:
     """Return True if the grains follow each other within half a diameter of a straight line."""
     way = position[-1] - position[0]
     length = float(np.linalg.norm(way))
@@ -199,7 +196,7 @@ class Decay:
     points: int
 
 
-def fit_decay(distance: NDArray[np.float64], peak: NDArray[np.float64]) -> Decay | None:
+def fit_decay(distance: Array, peak: Array) -> Decay | None:
     """Fit the broken line to peaks at distances (m); None for fewer than four.
 
     Parameters
@@ -212,7 +209,7 @@ def fit_decay(distance: NDArray[np.float64], peak: NDArray[np.float64]) -> Decay
     if len(x) < 2 * _LEAST:
         return None
 
-    def misfit(border: float) -> tuple[float, NDArray[np.float64]]:
+    def misfit(border: float) -> tuple[float, Array]:
         columns = np.stack([np.ones_like(x), x, np.maximum(x - border, 0.0)], axis=1)
         found, *_ = np.linalg.lstsq(columns, y, rcond=None)
         return float(np.sum((columns @ found - y) ** 2)), found
@@ -237,9 +234,9 @@ def fit_decay(distance: NDArray[np.float64], peak: NDArray[np.float64]) -> Decay
 
 
 def parted_at(
-    distance: NDArray[np.float64],
-    peak: NDArray[np.float64],
-    wide: NDArray[np.float64],
+    distance: Array,
+    peak: Array,
+    wide: Array,
     share: float = PARTED,
 ) -> float | None:
     """Return the distance of the first grain whose peak differs by a share from that in a wider crystal, m; None: none.
@@ -252,9 +249,6 @@ def parted_at(
     known = np.isfinite(peak) & np.isfinite(wide) & (wide > 0)
     apart = np.flatnonzero(known & (np.abs(peak / np.where(known, wide, 1.0) - 1) > share))
     return float(distance[apart[0]]) if len(apart) else None
-
-
-Arrays = dict[str, NDArray[np.float64]]
 
 
 def sensor_forces(result: Result) -> Arrays:
@@ -275,10 +269,10 @@ def sensor_accelerations(result: Result) -> Arrays:
     result
         Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
     """
-    found = {}
-    for name, sphere, force in _probed(result, "f"):
-        row = int(result.rows(sphere))
-        found[name] = force / result.rows_read("spheres/mass", slice(row, row + 1))[0]
+    found = _probed(result, "f")
+    for sensor in [sensor for sensor in result.case.sensor if sensor.name in found]:
+        row = int(result.rows(sensor.id))
+        found[sensor.name] = found[sensor.name] / result.rows_read("spheres/mass", slice(row, row + 1))[0]
     return found
 
 
@@ -290,11 +284,12 @@ def sensor_velocities(result: Result) -> Arrays:
     result
         Of a run, ``run.result``, whose ``["probes/time"]`` are the instants.
     """
-    return {name: velocity for name, _, velocity in _probed(result, "v")}
+    return _probed(result, "v")
 
 
-def _probed(result: Result, quantity: str) -> Iterator[tuple[str, int, NDArray[np.float64]]]:
-    for sensor in result.case.sensor:
-        if f"probes/sphere_{sensor.id}_{quantity}x" in result:
-            parts = [result[f"probes/sphere_{sensor.id}_{quantity}{axis}"] for axis in "xyz"]
-            yield sensor.name, sensor.id, np.stack(parts, axis=1)
+def _probed(result: Result, quantity: str) -> Arrays:
+    return {
+        sensor.name: np.stack([result[f"probes/sphere_{sensor.id}_{quantity}{axis}"] for axis in "xyz"], axis=1)
+        for sensor in result.case.sensor
+        if f"probes/sphere_{sensor.id}_{quantity}x" in result
+    }

@@ -1,52 +1,65 @@
-"""Force, impulse and energy at the target, the bottom of the packing, and how much less they are than without it.
+"""What reaches the target, the bottom of a packing, and the same impact directly on it, without the packing.
 
-Peak reduction: the largest force on the target without the packing (`granwave.analysis.measures.bare_target`)
-over the largest with it. The ground is what the target itself rests on: the force on it is that out of the last spring
-or damper, and the force on the target where that does not move. Of a precompressed packing what it presses with from
-the start is no part of what the impact brings.
+The ground is what the target itself rests on: the force on it is that out of the last spring or damper, and the force
+on the target where that does not move.
+
+Without the packing the struck spheres, side by side, hit what is below: a rigid plane, a plane of a material, or one
+that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each is a point mass whose force on the plane
+is that of the contact law, hysteresis included; their dents are local, so that they feel each other by the plane's
+motion only:
+
+    m x'' = -F(x - u)        sphere, x from where it touches
+    m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
+
+On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2, and the course of equal
+spheres follows from the energies: m x'^2/2 is what the work of loading, or the elastic energy, still lacks. A force as
+load acts on the target itself.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granwave.analysis.measures.bare_target import bare_target_peak
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.result.hdf5_file import pairwise_sum
+from granwave.lammps_inputs.case.boundary import NodeConstants
+from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import BAR
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
+from granwave.lammps_inputs.packing.walls import footprint_radius
 
 if TYPE_CHECKING:
+    from granwave._contact_laws import ContactLaw
     from granwave.analysis.result.reader import Result
     from granwave.lammps_inputs.case.boundary import Plate
+    from granwave.lammps_inputs.case.case import Case
+    from granwave.lammps_inputs.case.load import Load
+    from granwave.lammps_inputs.case.material import Material
 
 ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
 _NOISE = 1e-6  # of the force from before the impact: how exact a static stage is
+_TOLERANCE = 1e-8  # of the integration, relative
+_IN_CONTACT = 200  # steps at least, while a collision with a plane at rest would last
+_AFTER = 1000  # at least, of what comes after
+_MOST_PHASES = 200  # of loading and unloading
+
+Event = Callable[[float, Array], float]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Reached:
-    """Record of the target; every array (n_times,).
+    """Record of the target; every array (n_times,)."""
 
-    Attributes
-    ----------
-    time
-        s.
-    force
-        Of the packing on the target, N.
-    ground_force
-        Of the target on the ground, N; None for a bar at a chain's end, whose far end is not recorded.
-    displacement
-        Of the target, outward from its place before the impact, m; None where it does not move.
-    """
-
-    time: Array
-    force: Array
-    ground_force: Array | None
-    displacement: Array | None
+    time: Array  # s
+    force: Array  # of the packing, or of what hits it without one, on the target, N
+    ground_force: Array | None  # of the target on the ground, N; None for a bar at a chain's end: it is not recorded
+    displacement: Array | None = None  # outward from its place before the impact, m; None where it does not move
 
     @property
     def impulse(self) -> Array:
@@ -66,14 +79,9 @@ class Reached:
     @property
     def arrival(self) -> float | None:
         """Time at which the force has first risen by 1 % of its largest rise, s; None if it never does."""
-        rise = risen(self.force)
+        rise = self.force - self.force[0]
         felt = np.flatnonzero(rise > max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0]))))
         return float(self.time[felt[0]]) if len(felt) else None
-
-
-def risen(force: Array) -> Array:
-    """A force less what it is at the start: what the impact brings."""
-    return force - force[0]
 
 
 def reached(result: Result) -> Reached | None:
@@ -94,60 +102,274 @@ def period_of(plate: Plate) -> float:
     return 2 * math.pi * math.sqrt(plate.mass / plate.stiffness)
 
 
-def protection(result: Result) -> dict[str, Any]:
-    """The part of the summary that is about the target; null where it does not apply."""
-    found = reached(result)
-    mass, height = _mass(result), _height(result)
-    without = bare_target_peak(result.case, float(result["energy/time"][-1])) if found else None
-    reduction = ground_reduction = None
-    if found is not None and without is not None:
-        if found.force.argmax() < len(found.force) - 1:  # else it still rises: the peak is not known
-            reduction = _ratio(without[0], found.force)
-        ground_reduction = None if found.ground_force is None else _ratio(without[1], found.ground_force)
+@dataclasses.dataclass(frozen=True, eq=False)
+class Target:
+    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied to the ground."""
 
-    def final(name: str) -> float | None:
-        values = result.get(f"energy/{name}")
-        return None if values is None else float(values[-1])
+    material: Material | None  # of the surface; None: rigid
+    mass: Array  # of the nodes, (n,), kg; none of a plane that does not move; a single 0 of a surface without mass
+    stiffness: float = 0.0  # of the springs between them, N/m
+    ground_stiffness: float = 0.0  # of what ties the last one to the ground, N/m
+    ground_damping: float = 0.0  # N s/m
 
-    at_rest = 0.0 if "walls/bottom" in result else None  # what does not move takes no energy
-    return {
-        "target_peak_force_N": found.peak_force if found else None,
-        "ground_peak_force_N": found.ground_peak_force if found else None,
-        "target_peak_displacement_m": float(np.abs(found.displacement).max())
-        if found is not None and found.displacement is not None
-        else None,
-        "energy_target_J": at_rest if final("target") is None else final("target"),
-        "support_energy_J": final("support"),
-        "support_lost_J": final("support_lost"),
-        "unprotected_peak_force_N": without[0] if without else None,
-        "unprotected_ground_peak_force_N": without[1] if without and found and found.ground_force is not None else None,
-        "peak_reduction": reduction,
-        "ground_peak_reduction": ground_reduction,
-        "packing_mass_kg": mass,
-        "packing_height_m": height,
-        "peak_reduction_per_kg": None if reduction is None else reduction / mass,
-        "peak_reduction_per_m": None if reduction is None else reduction / height,
-    }
+    @property
+    def settles(self) -> float:
+        """Time after a push during which the force on the ground may still rise, s."""
+        if not self.moves or not self.mass[0]:
+            return 0.0
+        if len(self.mass) > 1:
+            return 2 * len(self.mass) * math.sqrt(self.mass[0] * 2 / self.stiffness)
+        return 2 * math.pi * math.sqrt(self.mass[0] / self.ground_stiffness)
 
+    @property
+    def moves(self) -> bool:
+        """The plane can move."""
+        return bool(len(self.mass))
 
-def _mass(result: Result) -> float:
-    """Mass of the packing, strikers left out, which come last, kg."""
-    n_sites = result.assembly.lattice.n_spheres
-    inside = sum(int(np.count_nonzero(ids <= n_sites)) for (ids,) in result.blocks("spheres/id"))
-    return pairwise_sum(lambda rows: result.rows_read("spheres/mass", rows), inside, result.at_once)
+    def rates(self, place: Array, speed: Array, force: float) -> tuple[Array, Array]:
+        """Velocities and accelerations of the nodes under a force (N) on the plane; (n,) each.
+
+        A surface without mass has the velocity that its damper allows, whatever ``speed`` is.
+        """
+        if not self.moves:
+            return place, place
+        if not self.mass[0]:
+            return (force - self.ground_stiffness * place) / self.ground_damping, np.zeros(1)
+        pull = self.stiffness * np.diff(place)
+        on = -np.append(-pull, self.ground_stiffness * place[-1] + self.ground_damping * speed[-1])
+        on[0] += force
+        on[1:] -= pull
+        return speed, on / self.mass
 
 
-def _height(result: Result) -> float:
-    """Height of the packing, strikers left out, m."""
-    top, bottom = np.inf, -np.inf
-    for part in result.parts():
-        inside = part.in_packing
-        if inside.any():
-            depth, radii = part["spheres/position"][inside, 2], part["spheres/radius"][inside]
-            top, bottom = min(top, (depth - radii).min()), max(bottom, (depth + radii).max())
-    return float(bottom - top)
+@dataclasses.dataclass(frozen=True, eq=False)
+class Impactors:
+    """Equal spheres that hit the target side by side."""
+
+    count: int
+    mass: float  # of one, kg
+    velocity: float  # normal to the target, m/s
+    law: ContactLaw  # of one with the target's surface
+
+    @cached_property
+    def largest_overlap(self) -> float:
+        """On a plane that does not move, m: all of the energy has become work of the contact."""
+        energy = 0.5 * self.mass * self.velocity**2
+
+        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
+
+        def missing(overlap: float) -> float:
+            return float(self.law.loading_work(np.array([overlap]))[0]) - energy
+
+        upper = self.law.effective_radius * 1e-6
+        while missing(upper) < 0:
+            upper *= 2
+        return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
+
+    @property
+    def duration(self) -> float:
+        """About how long a collision with a plane that does not move takes, s."""
+        return 3 * self.largest_overlap / self.velocity
 
 
-def _ratio(without: float, force: Array) -> float | None:
-    largest = float(risen(force).max())
-    return without / largest if largest > 0 and without > 0 else None
+def no_bare_target(case: Case) -> str:
+    """Return why a case has no bare target to compare with; empty if it has one."""
+    load = case.load
+    if load.kind == "plate":
+        return 'load.kind = "plate" strikes all grains of the top: there is no like load on the bare target'
+    if load.kind == "displacement":
+        return "a prescribed displacement has no like load on the bare target"
+    if load.kind == "force" and load.oscillates:
+        return "the load oscillates: what a packing passes on of it is its transmission"
+    target = target_of(case)
+    if target is None:
+        return "there is nothing below the packing"
+    if load.kind != "force" and not impactors_of(case, target.material):
+        return "nothing moves towards the target"
+    return ""
+
+
+def unprotected(case: Case, end_time: float) -> Reached | None:
+    """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
+
+    None for loads that oscillate too: what a row passes on of them is its transmission, not what it protects from.
+
+    Parameters
+    ----------
+    end_time
+        When it ends at the latest, s; not before the first collision is over.
+    """
+    target = target_of(case)
+    if target is None or no_bare_target(case):
+        return None
+    if case.load.kind == "force":
+        return _pushed(case.load, target, end_time)
+    groups = impactors_of(case, target.material)
+    if len(groups) == 1 and not target.moves:
+        return _rebound(groups[0])
+    return _hit(groups, target, end_time)
+
+
+def target_of(case: Case) -> Target | None:
+    """Target of a case: the plane below it, the bar at a chain's end, or a rigid base.
+
+    A last layer that is held in place stands for a rigid base. None if there is nothing below.
+    """
+    support, material = case.boundary.bottom_support, case.boundary.bottom_material
+    if support is not None:
+        behind = support.constants(material, footprint_radius(assemble(case)))
+        if isinstance(behind, NodeConstants):
+            return Target(material, np.array([behind.mass]), 0.0, behind.stiffness, behind.damping)
+        masses = np.full(behind.elements + 1, behind.mass / behind.elements)
+        masses[[0, -1]] /= 2
+        if behind.end == "fixed":
+            return Target(material, masses[:-1], behind.stiffness, behind.stiffness)
+        return Target(material, masses, behind.stiffness, 0.0, 0.0 if behind.end == "free" else behind.end)
+    if case.boundary.bottom != "free":
+        return Target(material, np.empty(0))
+    bar = next((bar for bar in assemble(case).bars if bar.name == BAR), None)
+    return None if bar is None else Target(bar.material, bar.mass, bar.stiffness)
+
+
+def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
+    """The spheres that the load sets in motion, as far as they go towards the target, like ones together."""
+    assembly, velocities = assemble(case), velocities_of(assemble(case))
+    kinds: dict[tuple[Material, float, float], list[int]] = {}
+    for sphere in struck_of(assemble(case)):
+        velocity = velocities[sphere][2]
+        if velocity > 0:
+            kind = assembly.material_of(sphere), assembly.diameter_of(sphere), velocity
+            kinds.setdefault(kind, []).append(sphere)
+    return [
+        Impactors(len(spheres), assembly.mass_of(spheres[0]), velocity, flat_contact(case, spheres[0], material))
+        for (_, _, velocity), spheres in kinds.items()
+    ]
+
+
+def _pushed(load: Load, target: Target, end_time: float) -> Reached:
+    """A force on the target itself."""
+    end = min(end_time, load.lasts + target.settles)
+    time = np.linspace(0.0, end, _AFTER + 1)
+    turns = [one for one, _ in load.table or ()] + [load.lasts / 2]
+    time = np.union1d(time, [one for one in turns if one < end])
+    force = load.at(time)
+    if not target.moves:
+        return Reached(time, force, force)
+    n = len(target.mass)
+
+    def rates(now: float, state: Array) -> Array:
+        return np.concatenate(target.rates(state[:n], state[n:], float(load.at(np.array(now)))))
+
+    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+
+    found = solve_ivp(
+        rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
+    )
+    return Reached(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
+
+
+def _rebound(group: Impactors) -> Reached:
+    """Equal spheres that hit a plane that does not move, until they leave it.
+
+    Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the spheres turn round.
+    """
+    law, deepest = group.law, np.array([group.largest_overlap])
+    step = 1 / _IN_CONTACT
+    edges, middles = np.arange(_IN_CONTACT + 1) * step, (np.arange(_IN_CONTACT) + 0.5) * step
+
+    def durations(way: Array, kinetic: Callable[[Array], Array]) -> Array:
+        speed = np.sqrt(2 * kinetic(deepest - way * middles**2) / group.mass)
+        return 2 * way * middles * step / speed
+
+    back = deepest - law.residual_overlap(deepest)
+    closing = durations(deepest, lambda at: law.loading_work(deepest) - law.loading_work(at))
+    parting = durations(back, lambda at: law.elastic_energy(deepest, deepest) - law.elastic_energy(at, deepest))
+    time = np.concatenate([[0.0], np.cumsum([*closing[::-1], *parting])])
+    loading = law.loading_force(deepest * (1 - edges[::-1] ** 2))
+    force = group.count * np.concatenate([loading, law.force(deepest - back * edges[1:] ** 2, deepest)])
+    return Reached(time, force, force)
+
+
+def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
+    """Spheres that hit the target, in phases between which one of them turns round."""
+    n, k = len(target.mass), len(groups)
+    mass, count = np.array([one.mass for one in groups]), np.array([one.count for one in groups])
+    peak = np.zeros(k)
+
+    def overlaps(state: Array) -> Array:
+        return state[:k] - (state[2 * k] if n else 0.0)
+
+    def forces(state: Array) -> Array:
+        found = np.zeros(k)
+        for place, (group, overlap) in enumerate(zip(groups, overlaps(state), strict=True)):
+            if overlap > 0:
+                deepest = max(peak[place], overlap)
+                found[place] = group.law.force(np.array([overlap]), np.array([deepest]))[0]
+        return found
+
+    def rates(_: float, state: Array) -> Array:
+        force = forces(state)
+        place, speed = state[2 * k : 2 * k + n], state[2 * k + n :]
+        return np.concatenate([state[k : 2 * k], -force / mass, *target.rates(place, speed, float(count @ force))])
+
+    def turn(place: int, direction: int) -> Event:
+        """The sphere and the plane stop to come closer (-1), or to part (+1)."""
+
+        def rate(_: float, state: Array) -> float:
+            moved = target.rates(state[2 * k : 2 * k + n], state[2 * k + n :], float(count @ forces(state)))[0]
+            return float(state[k + place] - (moved[0] if n else 0.0))
+
+        return _event(rate, direction)
+
+    def contact(direction: int) -> Event:
+        """The last sphere leaves the plane (-1), or a first one meets it (+1)."""
+        return _event(lambda _, state: float(overlaps(state).max()), direction)
+
+    scale = max(group.largest_overlap for group in groups)
+    fastest = max(group.velocity for group in groups)
+    duration = min(group.duration for group in groups)
+    lengths = np.concatenate([np.full(k, scale), np.full(k, fastest), np.full(n, scale), np.full(n, fastest)])
+    state = np.concatenate([np.zeros(k), [group.velocity for group in groups], np.zeros(2 * n)])
+    times, states, peaks = [np.zeros(1)], [state[:, None]], [peak.copy()]
+    now, end = 0.0, max(end_time, 2 * duration)
+    parted = False  # once
+    directions = [-1] * (k + 1)  # of the next event: of the turn of each sphere, and of the contact
+    for _ in range(_MOST_PHASES):
+        step = duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+
+        found = solve_ivp(
+            rates, (now, end), state, "DOP853", rtol=_TOLERANCE, atol=_TOLERANCE * lengths, max_step=step,
+            events=[*(turn(place, directions[place]) for place in range(k)), contact(directions[k])],
+        )  # fmt: skip
+        times.append(found.t[1:])
+        states.append(found.y[:, 1:])
+        peaks += [peak.copy()] * len(found.t[1:])
+        now, state = float(found.t[-1]), found.y[:, -1]
+        if found.status != 1:
+            break
+        peak[:] = np.maximum(peak, overlaps(state))
+        directions = [-way if len(at) else way for way, at in zip(directions, found.t_events, strict=True)]
+        if directions[k] > 0:  # no sphere is in contact any more
+            if not target.settles or target.ground_stiffness == target.ground_damping == 0:
+                break
+            end = min(end, now + target.settles) if not parted else end
+            parted = True
+    time, course = np.concatenate(times), np.concatenate(states, axis=1)
+    force = np.empty(len(time))
+    for place, deepest in enumerate(peaks):
+        peak[:] = deepest
+        force[place] = count @ forces(course[:, place])
+    return Reached(time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :]))
+
+
+def _event(function: Callable[[float, Array], float], direction: int) -> Event:
+    """An event that ends a phase when the function passes zero in this direction."""
+    function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
+    return function
+
+
+def _on_ground(target: Target, force: Array, place: Array, speed: Array) -> Array:
+    if not target.moves or not target.mass[0]:
+        return force
+    return target.ground_stiffness * place[-1] + target.ground_damping * speed[-1]

@@ -138,15 +138,6 @@ def after_impulse(impulse: float, mass: float, stiffness: float) -> float:
     return impulse / math.sqrt(mass * stiffness)
 
 
-def largest_displacement(plate: Plate, time: Array, force: Array, end: float) -> float:
-    """Largest displacement (m) of a plate under a force (N) in time (s), both (n_times,), and after it up to an end."""
-    if end > time[-1]:
-        step = time[1] - time[0]
-        time = np.append(time, np.arange(time[-1] + step, end, step))
-        force = np.append(force, np.zeros(len(time) - len(force)))
-    return float(response(time, force, plate.mass, plate.stiffness, plate.damping).max())
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class Curves:
     """Largest displacement of plates of one mass: by the oscillator and in its limits, m; all (n_periods,)."""
@@ -158,19 +149,19 @@ class Curves:
 
 
 def oscillator(held: Reached, plate: Plate, end: float) -> float:
-    """Largest displacement of a plate under the force on a wall, up to a time (s): m."""
-    return largest_displacement(plate, held.time, held.force, end)
+    """Largest displacement of a plate under the force on a wall, and after it up to a time (s): m."""
+    time, force = held.time, held.force
+    if end > time[-1]:
+        step = time[1] - time[0]
+        time = np.append(time, np.arange(time[-1] + step, end, step))
+        force = np.append(force, np.zeros(len(time) - len(force)))
+    return float(response(time, force, plate.mass, plate.stiffness, plate.damping).max())
 
 
 def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[float, str]:
     """Largest displacement of a plate that does not give way, m, and the theory that it is from.
 
-    Parameters
-    ----------
-    held
-        Record of the same packing on a wall.
-    end
-        Of the record of the plate, s.
+    ``held`` is the record of the same packing on a wall, ``end`` that of the record of the plate, s.
     """
     period = period_of(plate)
     if period < _FAST * width(held.time, held.force):

@@ -110,18 +110,14 @@ def spread(result: Result, values: Array) -> Spread | None:
     axes = preferred_directions(result.case.packing.kind)
     cosine = (vectors @ axes.T).max(axis=1)
     along = float(weights[cosine >= np.cos(np.deg2rad(AXIS_ANGLE)) - 1e-9].sum()) / total
-    if is_layer(result):
-        angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
-        width = 360 / LAYER_BINS  # a bin lies around each multiple of it
-        place = np.floor((angle + 180) / width + 0.5 + 1e-9).astype(int) % LAYER_BINS
-        cells = np.bincount(place, weights, minlength=LAYER_BINS)
-        return Spread(cells / total, along, len(axes) * 2 * AXIS_ANGLE / 360)
-    depth = np.clip(vectors[:, 2], 0, 1)
-    ring = np.minimum(((1 - depth) * RINGS).astype(int), RINGS - 1)
-    around = np.floor((np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0])) + 180) / 360 * PER_RING + 0.5 + 1e-9)
-    cells = np.bincount(ring * PER_RING + around.astype(int) % PER_RING, weights, minlength=RINGS * PER_RING)
-    even = len(axes) * (1 - np.cos(np.deg2rad(AXIS_ANGLE)))  # caps apart from each other, of a half sphere
-    return Spread(cells.reshape(RINGS, PER_RING) / total, along, float(even))
+    flat, cap = is_layer(result), np.deg2rad(AXIS_ANGLE)
+    rings, per_ring = (1, LAYER_BINS) if flat else (RINGS, PER_RING)
+    ring = np.minimum(((1 - np.clip(vectors[:, 2], 0, 1)) * rings).astype(int), rings - 1)
+    angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
+    around = np.floor((angle + 180) / 360 * per_ring + 0.5 + 1e-9).astype(int)  # a bin lies around each multiple of it
+    cells = np.bincount(ring * per_ring + around % per_ring, weights, minlength=rings * per_ring) / total
+    even = cap / np.pi if flat else 1 - np.cos(cap)  # of one direction: caps apart from each other, of a half sphere
+    return Spread(cells if flat else cells.reshape(rings, per_ring), along, float(len(axes) * even))
 
 
 def is_layer(result: Result) -> bool:
@@ -183,9 +179,7 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
     return found
 
 
-def wave_speed(
-    depth: NDArray[np.float64], arrival: NDArray[np.float64], diameter: float, radii: NDArray[np.float64] | None = None
-) -> float | None:
+def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
 
     The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit to the deeper half
@@ -198,14 +192,12 @@ def wave_speed(
 
     Parameters
     ----------
-    depth
-        Below the struck sphere, of each sphere's centre at the start: (n_spheres,), m.
-    arrival
-        When any contact of the sphere was first loaded: (n_spheres,), s; NaN: never.
+    mean
+        Depth of the layers below the struck sphere: (n_layers,), m.
+    first
+        When a contact of each was first loaded: (n_layers,), s; inf: never.
     diameter
         Of the spheres, nominal, m.
-    radii
-        Of each sphere: (n_spheres,), m; half the diameter if not given.
 
     Returns
     -------
@@ -213,15 +205,6 @@ def wave_speed(
         m/s; None when fewer than four layers below the five uppermost were reached, or when contacts are loaded from
         the start, as under precompression.
     """
-    radii = np.full(len(depth), diameter / 2) if radii is None else radii
-    mean, layer = layers(depth, radii, diameter)
-    first = np.full(len(mean), np.inf)
-    np.fmin.at(first, layer, arrival)
-    return _slope(mean, first, diameter)
-
-
-def _slope(mean: NDArray[np.float64], first: NDArray[np.float64], diameter: float) -> float | None:
-    """Return the `wave_speed` of layers, from the depth of each and when it was reached first (inf: never)."""
     reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
     z, time = mean[reached], first[reached]
     used = slice(max(_LEAD, len(z) // 2), None)
@@ -234,11 +217,12 @@ def _slope(mean: NDArray[np.float64], first: NDArray[np.float64], diameter: floa
 
 
 def wave_speed_of(result: Result) -> float | None:
-    """The `wave_speed` of a run; of one that was precompressed only in a chain whose forces were recorded.
+    """Speed of the wave into the depth of a run, m/s; None where there is none, see `wave_speed`.
 
-    There the wave is at a contact once its force has risen by a tenth of its largest rise, if that was over before the
-    end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with
-    the contact stiffness k under the static force.
+    Of runs that were precompressed it is known only in a chain whose forces were recorded: there the wave is at a
+    contact once its force has risen by a tenth of its largest rise, if that was over before the end of the run. Of weak
+    waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with the contact stiffness k
+    under the static force.
 
     None of loads that go on oscillating: a bead's largest force may come at any time, and later where beads absorb; a
     burst passes once.
@@ -248,10 +232,12 @@ def wave_speed_of(result: Result) -> float | None:
     """
     diameter = result.case.packing.diameter
     load = result.case.load
-    if _beside_each_other(result) or (load.driven and load.oscillates and load.shape != "burst"):
+    axes = [one.axis if one else None for one in result.assembly.shapes]
+    beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
+    if beside_each_other or (load.driven and load.oscillates and load.shape != "burst"):
         return None
     if result.case.precompression is None:
-        return _slope(*_arrivals(result, diameter), diameter)
+        return wave_speed(*_arrivals(result, diameter), diameter)
     if "chain" not in result:
         return None
     rise = result["chain/contact_force"] - result["chain/contact_force"][0]
@@ -260,15 +246,15 @@ def wave_speed_of(result: Result) -> float | None:
     largest = rise.max(axis=0)
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
     arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)
-    return wave_speed(result["chain/contact_position"] - result.origin[2], arrival, diameter)
+    return wave_speed(*first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter), diameter)
 
 
-def _beside_each_other(result: Result) -> bool:
-    """Return True if all grains are cylinders with parallel axes."""
-    if not result.assembly.has_cylinders:
-        return False
-    axes = [one.axis if one else None for one in result.assembly.shapes]
-    return None not in axes and len(set(axes)) == 1
+def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
+    """Return the depth of the layers of spheres (n_spheres,), m, and the earliest arrival at each, s; inf: never."""
+    mean, layer = layers(depth, np.array([diameter / 2]), diameter)
+    first = np.full(len(mean), np.inf)
+    np.fmin.at(first, layer, arrival)
+    return mean, first
 
 
 def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

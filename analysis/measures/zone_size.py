@@ -1,4 +1,4 @@
-"""Size of the plastic zone: what holds 50, 90 and 99 % of the energy that was dissipated by yielding, and marks.
+"""Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding; its bounds, waves from them, marks.
 
 One definition for packings and the continuum. A part is a sphere of the packing, weighed by the energy that it
 dissipated by yielding, or an element, weighed by its plastic work:
@@ -12,43 +12,56 @@ dissipated by yielding, or an element, weighed by its plastic work:
 Nothing is interpolated: a size is that of a part, or a sum of parts, and in a lattice the depth is that of a layer. The
 outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out.
 A zone that reaches a bound, or to which a wave came back from one, is marked: an endless packing's is another.
+
+The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it where the partner is
+harder, and what it left at walls, which stays with the sphere that touches the wall. Friction and dampers do not count,
+nor do strikers: they are no part of the packing.
+
+A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
+at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was
+fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
 from granwave.analysis.quantities import SHARES
+from granwave.lammps_inputs.packing.places import Places
 
+if TYPE_CHECKING:
+    from granwave.analysis.result.reader import Result
+
+LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
+HALF_LAW_LIMIT = 0.1  # of R*
 BOTTOM, SIDES = "bottom", "sides"  # bounds that a zone, or a wave, may reach
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
 _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
-
-
 NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: from here on it is marked
+_SAME = 1e-9  # relative, of lengths that are equal but for rounding
+_LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
+_BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
+_NOTHING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
+_NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
 
 
 def extent_holding(distance: Array, energy: Array, share: float) -> float:
-    """Return the smallest distance within which a share of the energy lies.
+    """Return the smallest distance within which a share of the energy lies, that of a part, m; 0 without any energy.
 
     Parameters
     ----------
-    distance
-        Of the parts: (n,), m.
-    energy
-        Of the parts, none negative: (n,), J.
+    distance, energy
+        Of the parts: (n,), m and J, no energy negative.
     share
         Of the whole energy, above 0.
-
-    Returns
-    -------
-    float
-        Distance of one of the parts, m; 0 where there is no energy.
     """
     order = np.lexsort((energy, distance))  # equal parts are alike, so that their order in the file does not matter
     n = _parts_holding(energy[order], share)
@@ -56,22 +69,7 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
 
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
-    """Return the volume of the parts of highest energy density that together hold a share of the energy.
-
-    Parameters
-    ----------
-    volume
-        Of the parts: (n,), m^3.
-    energy
-        Of the parts, none negative: (n,), J.
-    share
-        Of the whole energy, above 0.
-
-    Returns
-    -------
-    float
-        m^3; 0 where there is no energy.
-    """
+    """Return the volume (m^3) of the parts of highest energy density that hold a share; else as `extent_holding`."""
     order = np.lexsort((volume, -energy / volume))
     return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
 
@@ -103,17 +101,15 @@ def zone_sizes(
     dict
         ``zone_depth_50_m``, ``zone_radius_50_m``, ``zone_volume_50_m3``, ... 90, 99; None where a size does not apply.
     """
-    sizes: dict[str, float | None] = {}
-    for name, distance in (("depth", depth), ("radius", radius)):
-        for percent in SHARES:
-            sizes[f"zone_{name}_{percent}_m"] = (
-                None if energy is None or distance is None else extent_holding(distance, energy, percent / 100)
-            )
-    for percent in SHARES:
-        sizes[f"zone_volume_{percent}_m3"] = (
-            None if energy is None or volume is None else volume_holding(volume, energy, percent / 100)
+    return {
+        f"zone_{name}_{percent}_{unit}": None if energy is None or parts is None else size(parts, energy, percent / 100)
+        for name, unit, parts, size in (
+            ("depth", "m", depth, extent_holding),
+            ("radius", "m", radius, extent_holding),
+            ("volume", "m3", volume, volume_holding),
         )
-    return sizes
+        for percent in SHARES
+    }
 
 
 def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> dict[str, Any]:
@@ -144,6 +140,191 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     return dict(zip(WAVE_KEYS, (within, first, max(share, 0.0)), strict=True))
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class PackingZone:
+    """Spheres of the packing, strikers left out, as the plastic zone needs them; every array (n_spheres,).
+
+    The last layer is at the ``bottom``, the first and last sphere of a row and the first and last row at the ``sides``.
+    With periodic sides those half a period from the axis are, where a zone meets its image. A packing of one layer has
+    no bottom, a chain no sides.
+    """
+
+    energy: Array  # dissipated by yielding, J
+    volume: Array  # m^3
+    depth: Array | None  # of the centres below that of the struck sphere, m; None in a packing of one layer
+    radius: Array | None  # distance of the centres from the impact axis, m; None in a chain
+    yielded: NDArray[np.bool_]  # with a contact that yielded, or that dissipated energy at a wall
+    bounds: dict[str, NDArray[np.bool_]]  # True where they touch a bound, by its name
+    yield_time: Array  # when a contact of the sphere first yielded, s; NaN: never
+
+    @property
+    def cut(self) -> list[str]:
+        """Bounds that a yielded sphere touches."""
+        return [name for name, touching in self.bounds.items() if np.any(self.yielded & touching)]
+
+    def distance(self, bound: str) -> Array:
+        """Distance of the spheres from the impact towards a bound that there is: (n_spheres,), m."""
+        found = self.depth if bound == BOTTOM else self.radius
+        assert found is not None
+        return found
+
+    def growing(self, end_time: float) -> list[str]:
+        """Outermost yields, ``depth`` or ``radius``, that moved out in the last tenth of a run of so many seconds."""
+        spheres = np.isfinite(self.yield_time)
+        found = []
+        for name, distance in (("depth", self.depth), ("radius", self.radius)):
+            if distance is None or not spheres.any():
+                continue
+            outermost = distance[spheres] >= (1 - _SAME) * distance[spheres].max()
+            if self.yield_time[spheres][outermost].min() > (1 - _LATE) * end_time:
+                found.append(name)
+        return found
+
+
+def packing_zone(result: Result) -> PackingZone:
+    """Return what the plastic zone of a run is made of."""
+    own = result.in_packing
+    lattice = result.assembly.lattice
+    nx, ny, nz = lattice.shape
+    free = isinstance(lattice, Places)
+    offset = (result["spheres/position"] - result.origin)[own]
+    periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
+    if periods is not None:
+        offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
+    energy = np.maximum(result.yield_energy[own], 0.0)
+    return PackingZone(
+        energy=energy,
+        volume=4 / 3 * np.pi * result["spheres/radius"][own] ** 3,
+        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 or free else None,
+        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 or free else None,
+        yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
+        bounds=_bounds(result, own, offset, periods),
+        yield_time=result["spheres/time_yield"][own],
+    )
+
+
+def zone_summary(result: Result) -> dict[str, Any]:
+    """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
+    if not result.yields:
+        return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
+    single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
+
+    def zones() -> Iterable[PackingZone]:
+        """Return the zones of all parts of the packing, made anew each time if there are several."""
+        return single or map(packing_zone, result.parts())
+
+    zone = _active(zones())
+    sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
+    times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
+    lost = result.yield_ledger
+    if lost[-1] <= _NOTHING * result.energy_input:
+        lost = np.zeros_like(lost)
+    waves = wave_returns(times, result["energy/time"], lost)
+    reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
+    return sizes | reached | waves
+
+
+def _active(zones: Iterable[PackingZone]) -> PackingZone:
+    """Join the spheres of some zones that yielded or dissipated; sizes and bounds of a zone follow from these alone."""
+    found = [(zone, zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)) for zone in zones]
+    first = found[0][0]
+
+    def column(name: str) -> NDArray | None:
+        if getattr(first, name) is None:
+            return None
+        return np.concatenate([getattr(zone, name)[kept] for zone, kept in found])
+
+    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
+    bounds = {name: np.concatenate([zone.bounds[name][kept] for zone, kept in found]) for name in first.bounds}
+    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
+
+
+def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
+    """Spheres that touch each bound, by its name; see `PackingZone`."""
+    lattice = result.assembly.lattice
+    if isinstance(lattice, Places):
+        return {}  # such grains may leave off anywhere
+    nx, ny, nz = lattice.shape
+    ids = result["spheres/id"][own]
+    found = {}
+    if nz > 1:
+        found[BOTTOM] = ids >= lattice.last_layer[0]
+    if periods is not None:
+        pitch = np.array(lattice.rule.pitch) * lattice.diameter
+        found[SIDES] = np.any(np.abs(offset[:, :2]) >= periods / 2 - pitch, axis=1)
+    elif nx * ny > 1:
+        found[SIDES] = lattice.at_sides(ids)
+    return found
+
+
+def _return_times(
+    result: Result, zones: Callable[[], Iterable[PackingZone]], border: dict[str, float | None]
+) -> dict[str, float] | None:
+    """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
+
+    The peak of the first wave is at the bound at t_b and was at the border of the zone, at ``border`` (m), at t_z on
+    its way: it takes as long back, and returns at 2 t_b - t_z. Waves get weaker and slower on their way, so this is
+    about the earliest time. A bound that no wave reached within the run sends none back. Where contacts are loaded
+    from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom.
+    None where that is not known either.
+    """
+    first = next(iter(zones()))
+    inner = {name: border[name] or 0.0 for name in first.bounds}
+    if result.case.precompression is None:
+        sets = [
+            [part for name in inner for part in (zone.bounds[name], zone.distance(name) >= (1 - _SAME) * inner[name])]
+            for zone in zones()
+        ]
+        arrivals = wave_arrivals(result, sets)
+        found = zip(inner, arrivals[::2], arrivals[1::2], strict=True)
+        return {name: far + max(far - near, 0.0) for name, far, near in found if np.isfinite(far)}
+    target = reached(result)
+    if target is None or first.depth is None:
+        return None
+    if not target.arrival:
+        return {}
+    speed = max(float(zone.distance(BOTTOM).max(initial=0.0)) for zone in zones()) / target.arrival
+    times = {}
+    for name, within in inner.items():
+        nearest = min(float(zone.distance(name)[zone.bounds[name]].min(initial=np.inf)) for zone in zones())
+        times[name] = (nearest + max(nearest - within, 0.0)) / speed
+    return {name: time for name, time in times.items() if np.isfinite(time)}
+
+
+def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
+    """Return when the first force at contacts of each set of spheres was at its peak, s; inf: never.
+
+    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step. Contacts of a set that
+    bear less than a hundredth of the largest force among them do not count.
+
+    Parameters
+    ----------
+    sets
+        Members of each set, by part of the packing, without strikers: lists of (n_spheres,).
+    """
+    members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
+    last = result.assembly.lattice.n_spheres
+    largest, of_all = np.zeros(len(members)), 0.0
+    arrival = np.full(len(members), np.inf)
+
+    def contacts() -> Iterator[tuple[Array, Array, list[NDArray[np.bool_]]]]:
+        """Iterate over forces, times and membership of contacts, in blocks."""
+        for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
+            ends = np.stack([i, j])
+            own = ends <= last
+            at_rows = np.where(own, result.rows(ends), 0)
+            yield force, time, [np.asarray((own & of_set[at_rows]).any(axis=0)) for of_set in members]
+
+    for force, _, touching in contacts():
+        of_all = max(of_all, float(force.max(initial=0.0)))
+        largest = np.maximum(largest, [float(force[here].max(initial=0.0)) for here in touching])
+    for force, time, touching in contacts():
+        for n, here in enumerate(touching):
+            bears = here & (force >= _BEARS * largest[n])
+            arrival[n] = min(arrival[n], float(np.nanmin(time[bears], initial=np.inf)))
+    return np.where(largest > _NO_WAVE * of_all, arrival, np.inf).tolist()
+
+
 class Mark(IntEnum):
     """Influence of the finite packing or block on its plastic zone."""
 
@@ -166,12 +347,6 @@ def mark_of(summary: Mapping[str, Any]) -> Mark:
     return Mark.WAVE if isinstance(share, int | float) and share > NOTED_SHARE else Mark.NONE
 
 
-def _is_chain(summary: Mapping[str, Any]) -> bool:
-    """Return True if the plastic zone has a depth and no radius."""
-    radius = summary.get("zone_radius_99_m", 0.0)
-    return radius is None and summary.get("zone_depth_99_m") is not None
-
-
 def bounds_in_words(bounds: object) -> str:
     """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it is empty."""
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
@@ -180,7 +355,8 @@ def bounds_in_words(bounds: object) -> str:
 def zone_warning(summary: Mapping[str, Any]) -> str:
     """Return what a reader of the sizes of a plastic zone must know, in a line; empty if nothing."""
     what = "block" if summary.get("kind") == "continuum" else "packing"
-    if summary.get("n_spheres") in (1, 2) or _is_chain(summary):  # a collision, or a pulse that goes from end to end
+    is_chain = summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None
+    if summary.get("n_spheres") in (1, 2) or is_chain:  # a collision, or a pulse that goes from end to end
         return ""
     found = []
     if summary.get("zone_cut"):

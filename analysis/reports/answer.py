@@ -21,7 +21,6 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.other_kinds import by_kind, share
 from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.analysis.reports.setting import target_of
-from granwave.analysis.result.histories import along
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
@@ -298,7 +297,7 @@ def _peaks(run: Run) -> NDArray[np.float64]:
             if "chain" not in result:
                 return np.empty(0)
             static = result["chain/contact_force"][0] if result.case.precompression is not None else 0.0
-            return np.maximum(along(result, "peak_force") - static, 0.0)
+            return np.maximum(result.along_chain("peak_force") - static, 0.0)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return np.empty(0)
 

@@ -10,8 +10,6 @@ Constants of the contact laws of pairs are yield overlap, effective radius and s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,18 +18,16 @@ from numpy.typing import NDArray
 from granwave.analysis.lammps_output.frame import Frame, rows_of
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.packing.assembly import Species, assemble
+from granwave.lammps_inputs.packing.assembly import assemble
 
 if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
     from granwave.lammps_inputs.case.material import Material
 
 LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
-_FRICTION_COLUMNS = ("tangential_force", "elastic_tangential", "friction")
-_ZERO_IF_MISSING = (*_FRICTION_COLUMNS, "initial", "viscous")
+_ZERO_IF_MISSING = ("tangential_force", "elastic_tangential", "friction", "initial", "viscous")
 _FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
 _LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
 
@@ -48,42 +44,43 @@ def merge_dents(dents: Frame) -> Contacts:
         ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
         ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
-    first, second = np.sort(dents.vector("i", "j").astype(np.int64), axis=1).T
+    first, second = dents.pairs.T
     order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
     values = {name: dents.get(name)[order] for name in (*dents.columns, *_ZERO_IF_MISSING)}
     first, second = first[order], second[order]
     new = np.ones(len(first), dtype=bool)
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
     starts = np.flatnonzero(new)
-    live = values["live"] > 0.5
-
-    def reduce(ufunc: np.ufunc, column: NDArray) -> NDArray:
-        return ufunc.reduceat(column, starts) if len(starts) else np.empty(0)
-
-    def now(name: str) -> NDArray:
-        return np.where(live, values[name], 0.0)
-
-    peak, initial = values["peak_overlap"], values["initial"]
+    peak, initial, friction, viscous = (values[name] for name in ("peak_overlap", "initial", "friction", "viscous"))
+    now = {name: np.where(values["live"] > 0.5, column, 0.0) for name, column in values.items()}
     never = {name: np.where(values[name] < 0, np.inf, values[name]) for name in _TIMES}
-    times = {name: reduce(np.minimum, never[name]) for name in ("time_first", "time_yield")}
-    times["time_peak"] = never["time_peak"][starts]
-    return {
-        "i": first[starts],
-        "j": second[starts],
-        "overlap": reduce(np.add, now("overlap")),
-        "force": reduce(np.add, now("force")),
-        "tangential_force": reduce(np.add, now("tangential_force")),
-        "peak_overlap": reduce(np.maximum, peak),
-        "initial_overlap": reduce(np.maximum, initial),
-        "grown_overlap": reduce(np.maximum, np.where(peak > initial, peak, 0.0)),
-        "peak_force": reduce(np.maximum, values["peak_force"]),
-        "elastic_energy": reduce(np.add, now("elastic") + now("elastic_tangential")),
-        "dissipated_energy": reduce(np.add, values["dissipated"] + values["friction"] + values["viscous"]),
-        "friction_energy": reduce(np.add, values["friction"]),
-        **({"viscous_energy": reduce(np.add, values["viscous"])} if "viscous" in dents.columns else {}),
-        **{name: np.where(np.isfinite(times[name]), times[name], np.nan) for name in _TIMES},
-        "n_dents": np.diff(np.append(starts, len(first))),
+    joined = {
+        "overlap": (np.add, now["overlap"]),
+        "force": (np.add, now["force"]),
+        "tangential_force": (np.add, now["tangential_force"]),
+        "peak_overlap": (np.maximum, peak),
+        "initial_overlap": (np.maximum, initial),
+        "grown_overlap": (np.maximum, np.where(peak > initial, peak, 0.0)),
+        "peak_force": (np.maximum, values["peak_force"]),
+        "elastic_energy": (np.add, now["elastic"] + now["elastic_tangential"]),
+        "dissipated_energy": (np.add, values["dissipated"] + friction + viscous),
+        "friction_energy": (np.add, friction),
+        **({"viscous_energy": (np.add, viscous)} if "viscous" in dents.columns else {}),
+        "time_first": (np.minimum, never["time_first"]),
+        "time_yield": (np.minimum, never["time_yield"]),
     }
+    merged: Contacts = {"i": first[starts], "j": second[starts]}
+    for name, (ufunc, column) in joined.items():
+        merged[name] = ufunc.reduceat(column, starts) if len(starts) else np.empty(0)
+    merged["time_peak"] = never["time_peak"][starts]
+    for name in _TIMES:
+        merged[name] = _or_never(merged[name])
+    return merged | {"n_dents": np.diff(np.append(starts, len(first)))}
+
+
+def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return times with NaN for those that never came."""
+    return np.where(np.isfinite(time), time, np.nan)
 
 
 def list_contacts(
@@ -114,12 +111,11 @@ def list_contacts(
     target = np.searchsorted(keys, dented)
     known = target < len(keys)
     known[known] = keys[target[known]] == dented[known]
-    result: Contacts = {"i": keys // stride, "j": keys % stride}
+    result: Contacts = {"i": keys // stride, "j": keys % stride, "touching": np.zeros(len(keys), dtype=bool)}
     for name, column in merged.items():
         if name not in result:
             result[name] = np.full(len(keys), np.nan if name in _TIMES else 0, dtype=column.dtype)
             result[name][target[known]] = column[known]
-    result["touching"] = np.zeros(len(keys), dtype=bool)
     result["touching"][np.searchsorted(keys, at_start)] = True
     return result
 
@@ -138,27 +134,18 @@ def touching_pairs(
     periods: tuple[float, float, float] = (0.0, 0.0, 0.0),
     low: NDArray[np.float64] | None = None,
 ) -> NDArray[np.int64]:
-    """Find the pairs of spheres that touch.
+    """Find the pairs of spheres that touch: ids, i < j, sorted, (n_contacts, 2).
 
     Parameters
     ----------
-    ids
-        Ids of the spheres: (n_spheres,), rising.
-    positions
-        Centres: (n_spheres, 3), m.
-    radii
-        Radii: (n_spheres,), m.
+    ids, positions, radii
+        Ids of the spheres, rising, (n_spheres,), centres, (n_spheres, 3), m, and radii, (n_spheres,), m.
     tolerance
         Largest gap of touching spheres, m; overlapping ones are included.
     periods
         Length of the box along periodic axes, 0 along others, m.
     low
         Lowest coordinates of all spheres, if these are a part of them: (3,), m.
-
-    Returns
-    -------
-    ndarray
-        Pairs of ids, i < j, sorted: (n_contacts, 2).
     """
     lengths = np.array(periods)
     along = lengths > 0
@@ -197,7 +184,7 @@ def _near_pairs(
 
 
 def sphere_values(
-    ids: NDArray[np.int64], contacts: Contacts, yielded: NDArray[np.bool_], share: float | NDArray[np.float64] = 0.5
+    ids: NDArray[np.int64], contacts: Contacts, share: float | NDArray[np.float64] = 0.5
 ) -> dict[str, NDArray]:
     """Sum up the contacts of each sphere, rows by id.
 
@@ -206,9 +193,7 @@ def sphere_values(
     ids
         Ids of the spheres, rising: (n_spheres,).
     contacts
-        Result of `list_contacts`.
-    yielded
-        True for contacts that have yielded: (n_contacts,).
+        Result of `list_contacts`, and ``yielded``, True for contacts that have: (n_contacts,).
     share
         Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for all. Dissipation by
         friction and viscous losses is halved.
@@ -222,63 +207,37 @@ def sphere_values(
     """
     n_spheres = len(ids)
     ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))
-
-    def both(column: NDArray) -> NDArray:
-        return np.concatenate([column, column])
+    loaded = contacts["peak_overlap"] > 0
 
     def extreme(ufunc: np.ufunc, name: str, start: float) -> NDArray:
         result = np.full(n_spheres, start)
-        loaded = contacts["peak_overlap"] > 0
-        ufunc.at(result, ends[both(loaded)], both(np.nan_to_num(contacts[name][loaded], nan=start)))
+        values = np.nan_to_num(contacts[name][loaded], nan=start)
+        ufunc.at(result, ends[np.tile(loaded, 2)], np.tile(values, 2))
         return result
 
     def count(mask: NDArray) -> NDArray:
-        return np.bincount(ends[both(mask)], minlength=n_spheres)
+        return np.bincount(ends[np.tile(mask, 2)], minlength=n_spheres)
 
-    times = {name: extreme(np.minimum, name, np.inf) for name in ("time_first", "time_yield")}
-    friction = contacts["friction_energy"]
-    viscous = {name: contacts[name] for name in ("viscous_energy",) if name in contacts}
-    halved = sum(viscous.values(), start=friction)
-    plastic = contacts["dissipated_energy"] - halved
-    lost = np.concatenate([part * plastic + 0.5 * halved for part in (share, 1 - share)])
+    halved = {name: contacts[name] for name in ("friction_energy", "viscous_energy") if name in contacts}
+    lost = sum(halved.values())
+    plastic = contacts["dissipated_energy"] - lost
+    lost = np.concatenate([part * plastic + 0.5 * lost for part in (share, 1 - share)])
     return {
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
-        "friction_energy": np.bincount(ends, 0.5 * both(friction), minlength=n_spheres),
-        **{name: np.bincount(ends, 0.5 * both(lost), minlength=n_spheres) for name, lost in viscous.items()},
-        "contacts_yielded": count(yielded),
+        **{name: np.bincount(ends, 0.5 * np.tile(part, 2), minlength=n_spheres) for name, part in halved.items()},
+        "contacts_yielded": count(contacts["yielded"]),
         "coordination": count(contacts["touching"]),
-        **{name: np.where(np.isfinite(time), time, np.nan) for name, time in times.items()},
+        **{name: _or_never(extreme(np.minimum, name, np.inf)) for name in ("time_first", "time_yield")},
     }
 
 
-@dataclass(frozen=True, eq=False)
-class PairLaws:
-    """Constants by pair; every array is (n_pairs,).
+def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Return the constants of pairs of spheres; every array is (n_pairs,).
 
-    Attributes
-    ----------
-    yield_overlap
-        Yield overlaps alpha_y, m.
-    yielded_from
-        Peak overlap beyond which a contact has yielded, m; infinite if the law does not yield.
-    effective_radius
-        Effective radii R*, m.
-    share
-        Share of the first sphere in the dissipation by yielding: half, or all or none if yield strengths differ.
-    """
-
-    yield_overlap: NDArray[np.float64]
-    yielded_from: NDArray[np.float64]
-    effective_radius: NDArray[np.float64]
-    share: NDArray[np.float64]
-
-
-def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) -> PairLaws:
-    """Return the constants of pairs of spheres.
-
-    The law of two materials is made once; alpha_y is proportional to R*, which may differ between pairs.
+    The law of two materials is made once; alpha_y is proportional to R*, which may differ between pairs. That of
+    cylinders is made for each pair of radii.
 
     Parameters
     ----------
@@ -286,46 +245,35 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
         LAMMPS types of the spheres, which give their materials: (n_pairs, 2).
     radii
         Radii of the spheres: (n_pairs, 2), m.
+
+    Returns
+    -------
+    dict
+        ``yield_overlap`` alpha_y and ``effective_radius`` R*, m; ``yielded_from``, the peak overlap beyond which a
+        contact has yielded, m, infinite if the law does not yield; ``share`` of the first sphere in the dissipation by
+        yielding: half, or all or none if yield strengths differ.
     """
-    species = assemble(case).species
-    materials = [one.material for one in species]
-    effective_radius = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
-    base = len(materials) + 1
-    kinds, kind = np.unique(types[:, 0] * base + types[:, 1], return_inverse=True)
-    pairs = [(materials[code // base - 1], materials[code % base - 1]) for code in kinds.tolist()]
-    radius = case.packing.diameter / 2
-    laws = [law_between(case.contact_between(*pair), pair, (radius, radius)) for pair in pairs]
-
-    def each(value: Callable[[ContactLaw], float]) -> NDArray[np.float64]:
-        return np.array([value(law) for law in laws])[kind] if laws else np.empty(0)
-
-    shares = np.array([dissipated_share(*pair) for pair in pairs])
-    scale = effective_radius / (radius / 2)
-    found = PairLaws(
-        each(lambda law: law.yield_overlap) * scale,
-        each(lambda law: law.elastic_limit) * scale,
-        effective_radius,
-        shares[kind] if laws else np.empty(0),
-    )
-    if any(one.shape for one in species):
-        _set_cylinders(case, species, types, radii, found)
+    species, usual = assemble(case).species, case.packing.diameter / 2
+    found = {name: np.empty(len(types)) for name in ("yield_overlap", "yielded_from", "share")}
+    found["effective_radius"] = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
+    kind = types @ [len(species) + 1, 1]
+    for number in np.unique(kind).tolist():
+        rows = np.flatnonzero(kind == number)
+        first, second = (species[one - 1] for one in divmod(number, len(species) + 1))
+        materials, shapes = (first.material, second.material), (first.shape, second.shape)
+        found["share"][rows] = dissipated_share(*materials)
+        sizes, size = np.array([[usual, usual]]), np.zeros(len(rows), dtype=np.int64)
+        if any(shapes):
+            sizes, size = np.unique(radii[rows], axis=0, return_inverse=True)
+        for n, (r1, r2) in enumerate(sizes.tolist()):
+            law = law_between(case.contact_between(*materials), materials, (r1, r2), shapes=shapes)
+            chosen = rows[size.ravel() == n]
+            if any(shapes):
+                found["effective_radius"][chosen] = law.effective_radius
+            scale = 1.0 if any(shapes) else found["effective_radius"][chosen] / (usual / 2)
+            found["yield_overlap"][chosen] = law.yield_overlap * scale
+            found["yielded_from"][chosen] = law.elastic_limit * scale
     return found
-
-
-def _set_cylinders(
-    case: Case, species: tuple[Species, ...], types: NDArray[np.int64], radii: NDArray[np.float64], laws: PairLaws
-) -> None:
-    """Set the constants of the pairs with a cylinder, kind by kind."""
-    kinds, kind = np.unique(np.column_stack([types, radii]), axis=0, return_inverse=True)
-    for number, (one, other, r1, r2) in enumerate(kinds.tolist()):
-        first, second = species[int(one) - 1], species[int(other) - 1]
-        if not (first.shape or second.shape):
-            continue
-        materials = first.material, second.material
-        law = law_between(case.contact_between(*materials), materials, (r1, r2), shapes=(first.shape, second.shape))
-        rows = kind.ravel() == number
-        laws.yield_overlap[rows], laws.yielded_from[rows] = law.yield_overlap, law.elastic_limit
-        laws.effective_radius[rows] = law.effective_radius
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:

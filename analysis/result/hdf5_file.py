@@ -1,4 +1,4 @@
-"""Files of the analysis: HDF5 written atomically, groups of ``result.h5`` with their units, and sums of long columns.
+"""Files of the analysis: HDF5 written atomically, and groups of ``result.h5`` with their units.
 
 HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are therefore hidden from it,
 and their error is raised after HDF5 has closed the file.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.deck.columns import (
-    ABSORBED,
-    CONTACTS,
-    FREE_PLATE,
-    HOLDER,
-    LEDGER,
-    MOVING_WALL,
-    ROTATION,
-    SUPPORT,
-    TANGENTIAL,
-    TIMESTEP,
-    VISCOUS,
-    WALL_CONTACTS,
-)
+from granwave.lammps_inputs.deck import columns as written
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.interrupts import held_back
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
@@ -96,63 +83,28 @@ ROWS_IN_CHUNK = 32_768
 AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
-# units of columns that LAMMPS writes, and of derived ones
-_UNITS = {
-    column.name: column.unit
-    for column in (
-        *LEDGER,
-        *TIMESTEP,
-        *SUPPORT,
-        *ROTATION,
-        *TANGENTIAL,
-        *HOLDER,
-        *ABSORBED,
-        *FREE_PLATE,
-        *VISCOUS,
-        *MOVING_WALL,
-        *WALL_CONTACTS,
-        *CONTACTS,
-    )
-} | {
-    "initial_overlap": "m",
-    "initial_force": "N",
-    "position": "m",
-    "radius": "m",
-    "mass": "kg",
-    "elastic_energy": "J",
-    "dissipated_energy": "J",
-    "dissipated_energy_wall": "J",
-    "friction_energy": "J",
-    "viscous_energy": "J",
-    "stored": "J",
-    "impulse": "N s",
-    "distance": "m",
-    "displacement": "m",
-    "velocity": "m s-1",
-    "angular_velocity": "rad s-1",
-    "force_sums": "N",
-    "arrival": "s",
-    "peak_speed": "m s-1",
-    "largest_speed": "m s-1",
-    "peak_time": "s",
-    "width": "s",
-    "lateral_force": "N",
-    "bar": "J",
-    "incident_bar": "J",
-    "yield_overlap": "m",
-    "effective_radius": "m",
+_DERIVED = {
+    "m": "initial_overlap position radius distance displacement yield_overlap effective_radius",
+    "N": "initial_force force_sums lateral_force",
+    "J": "elastic_energy dissipated_energy dissipated_energy_wall friction_energy viscous_energy stored bar "
+    "incident_bar",
+    "s": "arrival peak_time width",
+    "m s-1": "velocity peak_speed largest_speed",
+    "rad s-1": "angular_velocity",
+    "kg": "mass",
+    "N s": "impulse",
 }
+_WRITTEN = (
+    written.LEDGER, written.TIMESTEP, written.SUPPORT, written.ROTATION, written.TANGENTIAL, written.HOLDER,
+    written.ABSORBED, written.FREE_PLATE, written.VISCOUS, written.MOVING_WALL, written.WALL_CONTACTS, written.CONTACTS,
+)  # fmt: skip
+_UNITS = {column.name: column.unit for columns in _WRITTEN for column in columns}
+_UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
 
 class PartwiseGroup:
-    """Group whose columns are written part by part.
-
-    Parameters
-    ----------
-    n_parts
-        Number of parts; a single one is written as `write_group` does.
-    """
+    """Group whose columns are written in so many parts; a single one is written as `write_group` does."""
 
     def __init__(self, file: h5py.File, name: str, n_parts: int) -> None:
         self._file, self._name, self._n_parts = file, name, n_parts
@@ -195,30 +147,3 @@ def unit_of(group: str, column: str) -> str:
         quantity = column.rsplit("_", 1)[1]
         return _UNITS.get(quantity) or _PROBE_UNITS[quantity[0]]
     return _UNITS.get(column, "1")
-
-
-_NEVER_HALVED = 128  # values: numpy adds so few without halving them
-
-
-def pairwise_sum(read: Callable[[slice], NDArray[np.float64]], n_values: int, at_once: int) -> float:
-    """Return the sum of values too many for memory, the same to the last bit as numpy's of all of them.
-
-    It halves them as numpy does, until a piece may be read.
-
-    Parameters
-    ----------
-    read
-        Function that returns a range of the values.
-    n_values
-        Number of values.
-    at_once
-        Largest number to be read at once, at least 128.
-    """
-
-    def of(first: int, n: int) -> float:
-        if n <= max(at_once, _NEVER_HALVED):
-            return float(np.sum(read(slice(first, first + n))))
-        half = n // 2 - n // 2 % 8
-        return of(first, half) + of(first + half, n - half)
-
-    return of(0, n_values)

@@ -22,29 +22,28 @@ which the speed falls by 10 %; smaller ripples on the way up are no peaks. Its w
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import read_forces, read_history, refuse_ids
+from granwave.analysis.lammps_output.dumps import read_instants, refuse_ids
 from granwave.analysis.lammps_output.frame import AGAIN, CUT, Frame
-from granwave.analysis.lammps_output.time_series import read_lines
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.columns import HISTORY, LINES, names
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import all_line_ids, line_ids, velocities_of
-
-if TYPE_CHECKING:
-    from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.run_directory import DUMPS, FORCES_FILE, HISTORY_FILE, LINES_FILE
 
 Groups = dict[str, dict[str, NDArray]]
+#: Columns of the motion of lines, without the axis.
+_MOTION = {"displacement": "u", "velocity": "v", "force_sums": "sum_f", "angular_velocity": "omega"}
 
 
-def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
+def read_chain(directory: Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
     """Read the recorded history of a chain as groups by name.
 
     Parameters
@@ -61,20 +60,18 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float,
     MissingOutputError, OutputFormatError
         A file is missing or damaged.
     """
-    frames, path = list(read_history(directory)), Path(directory) / "dumps" / "history.dump"
-    steps = np.array([frame.step for frame in frames])
-    for number, frame in enumerate(frames):
-        if not np.array_equal(frame["id"], start["id"]):
-            raise OutputFormatError(
-                f"{path}: snapshot {number} (step {frame.step}) holds {len(frame)} particles that are not the "
-                f"{len(start)} of data.granwave: the files belong to different runs, or one is damaged; {AGAIN}"
-            )
-    if steps[-1] < last:
-        raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
+    steps, frames = _instants(
+        directory, HISTORY_FILE, names(HISTORY), start["id"], last,
+        lambda number, frame: f"snapshot {number} (step {frame.step}) holds {len(frame)} particles that are not the "
+        f"{len(start)} of data.granwave",
+    )  # fmt: skip
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
     assembly, z = assemble(case), start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
-    first, second = _contacts(case, beads)
+    order = (beads + 1).tolist()  # ids along the chain, with the faces of bars
+    for bar in assembly.bars:
+        order.insert(0 if bar.face == bar.last else len(order), bar.face)
+    first, second = np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
     radius = start["diameter"] / 2
     groups: Groups = {
         "chain": {
@@ -86,7 +83,7 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float,
             "contact_i": first,
             "contact_j": second,
             "contact_position": z[first - 1] + radius[first - 1],
-            "contact_force": _forces(Path(directory), steps, first, second, start),
+            "contact_force": _forces(directory, steps, first, second, start),
         }
     }
     for bar in assembly.bars:
@@ -100,45 +97,46 @@ def read_chain(directory: str | Path, case: Case, start: Frame, timestep: float,
     return groups
 
 
-def along(result: Result, column: str) -> NDArray[np.float64]:
-    """Return a column of ``/contacts``, and of ``/wall_contacts`` of bars, in the order of the chain: (n_contacts,)."""
-    value = {
-        (int(i), int(j)): float(number)
-        for i, j, number in zip(*(result[f"contacts/{name}"] for name in ("i", "j", column)), strict=True)
-    }
-    faces = {bar.name: bar.face for bar in result.assembly.bars}
-    for wall, bead, number in zip(*(result[f"wall_contacts/{name}"] for name in ("wall", "id", column)), strict=True):
-        if wall in faces:
-            value[int(bead), faces[wall]] = float(number)
-    pairs = zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
-    return np.array([value.get((min(pair), max(pair)), 0.0) for pair in pairs])
+def _instants(
+    directory: Path,
+    name: str,
+    columns: tuple[str, ...],
+    ids: ArrayLike,
+    last: int,
+    strange: Callable[[int, Frame], str],
+) -> tuple[NDArray[np.int64], list[Frame]]:
+    """Read a history of particles of these ids up to the step ``last``: steps (n_times,), and the instants.
 
-
-def _contacts(case: Case, beads: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the ids of the upper and lower partner of every contact along the chain, including faces of bars."""
-    order = [int(bead) + 1 for bead in beads]
-    for bar in assemble(case).bars:
-        order.insert(0 if bar.face == bar.last else len(order), bar.face)
-    return np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
+    ``strange`` describes an instant that holds others, by its number.
+    """
+    path, frames = directory / DUMPS / name, list(read_instants(directory, name, columns, "id"))
+    for number, frame in enumerate(frames):
+        if not np.array_equal(frame["id"], ids):
+            raise OutputFormatError(
+                f"{path}: {strange(number, frame)}: the files belong to different runs, or one is damaged; {AGAIN}"
+            )
+    steps = np.array([frame.step for frame in frames])
+    if steps[-1] < last:
+        raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
+    return steps, frames
 
 
 def _forces(
     directory: Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64], start: Frame
 ) -> NDArray[np.float64]:
-    stride = 1 + max(first.max(initial=0), second.max(initial=0))
-    column = {int(code): n for n, code in enumerate(np.minimum(first, second) * stride + np.maximum(first, second))}
+    """Return the force of each contact of the chain: (n_times, n_contacts), N."""
+    column = {pair: n for n, pair in enumerate(zip(*np.sort([first, second], axis=0).tolist(), strict=True))}
     row = {int(step): n for n, step in enumerate(steps)}
     forces = np.zeros((len(steps), len(first)))
-    path = directory / "dumps" / "forces.dump"
-    for frame in read_forces(directory):
+    path = directory / DUMPS / FORCES_FILE
+    for frame in read_instants(directory, FORCES_FILE, ("i", "j", "force")):
         refuse_ids(path, np.setdiff1d(frame.vector("i", "j"), start["id"]))
         n = row.pop(frame.step, None)
         if n is None:
             continue
-        i, j = np.sort(frame.vector("i", "j").astype(np.int64), axis=1).T
-        for code, force in zip((i * stride + j).tolist(), frame["force"].tolist(), strict=True):
-            if force > 0 and code in column:
-                forces[n, column[code]] = force
+        for (i, j), force in zip(frame.pairs.tolist(), frame["force"].tolist(), strict=True):
+            if force > 0 and (i, j) in column:
+                forces[n, column[i, j]] = force
     if row:
         raise OutputFormatError(f"{path} lacks the snapshot of step {min(row)}, which history.dump has: {CUT}")
     return forces
@@ -148,9 +146,9 @@ _FLAT = 1e-6  # diameters; a packing that extends by less along an axis lies in 
 
 
 def line_groups(
-    directory: str | Path, assembly: Assembly, timestep: float, last: int
+    directory: Path, assembly: Assembly, timestep: float, last: int
 ) -> dict[str, dict[str, NDArray[np.generic]]]:
-    """Read the lines of a case as groups by name; raise as `read_lines`.
+    """Read the lines of a case as groups by name; raise as `read_chain`.
 
     Parameters
     ----------
@@ -160,7 +158,16 @@ def line_groups(
         Count of the last instant.
     """
     rows = all_line_ids(assembly)
-    steps, motion = read_lines(directory, rows, last)
+    steps, frames = _instants(
+        directory, LINES_FILE, names(LINES), rows, last,
+        lambda _, frame: f"the snapshot of step {frame.step} holds {len(frame)} grains that are not the {len(rows)} of "
+        "the lines of the case",
+    )  # fmt: skip
+    motion = {
+        name: np.stack([frame.vector(*(f"{column}{axis}" for axis in "xyz")) for frame in frames])
+        for name, column in _MOTION.items()
+        if f"{column}x" in frames[0].columns
+    }
     centre = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True))
     time, across = np.asarray(steps * timestep, dtype=np.float64), _across(assembly)
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
@@ -169,7 +176,7 @@ def line_groups(
         chosen, position = np.searchsorted(rows, ids), np.array([centre[one] for one in ids.tolist()])
         own = {name: values[:, chosen] for name, values in motion.items()}
         speed = np.asarray(np.linalg.norm(own["velocity"], axis=2), dtype=np.float64)
-        pulses = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
+        pulses, row = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
         apart = np.linalg.norm(np.diff(position, axis=0), axis=1)
         groups[f"lines/{line.name}"] = {
             "time": time,
@@ -177,11 +184,8 @@ def line_groups(
             "position": position,
             "distance": np.concatenate([[0.0], np.cumsum(apart)]),
             **own,
-            "arrival": pulses.arrival,
-            "peak_speed": pulses.peak,
-            "peak_time": pulses.time,
-            "width": pulses.width,
-            "lateral_force": _lateral(own["force_sums"], pulses.row, position, across),
+            **pulses,
+            "lateral_force": _lateral(own["force_sums"], row, position, across),
             "largest_speed": speed.max(axis=0),
         }
     return groups
@@ -219,33 +223,10 @@ ARRIVAL = 0.05  # of the reference speed
 FALL = 0.10  # of the peak
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class FirstPulses:
-    """First pulses at several points; every array (n,), NaN where there is none.
-
-    Attributes
-    ----------
-    arrival
-        Time of arrival, s.
-    peak
-        Peak speed, m/s.
-    time
-        Time of the peak, s.
-    width
-        Time between the half heights about the peak, s; NaN also if the record ends before.
-    row
-        Row of the peak in the record; -1: none.
-    """
-
-    arrival: NDArray[np.float64]
-    peak: NDArray[np.float64]
-    time: NDArray[np.float64]
-    width: NDArray[np.float64]
-    row: NDArray[np.int64]
-
-
-def first_pulses(time: NDArray[np.float64], speed: NDArray[np.float64], reference: float) -> FirstPulses:
-    """Find the first pulse at each point.
+def first_pulses(
+    time: NDArray[np.float64], speed: NDArray[np.float64], reference: float
+) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.int64]]:
+    """Find the first pulse at each of several points.
 
     Parameters
     ----------
@@ -255,11 +236,19 @@ def first_pulses(time: NDArray[np.float64], speed: NDArray[np.float64], referenc
         Magnitudes: (n_times, n), m/s.
     reference
         Speed that the threshold of arrival refers to, m/s.
+
+    Returns
+    -------
+    columns
+        ``arrival``, ``peak_time`` and ``width`` between the half heights about the peak, s, and ``peak_speed``, m/s:
+        (n,) each, NaN where there is no pulse, of the width also if the record ends before.
+    row
+        Row of the peak in the record; -1: none.
     """
-    rows = [_pulse(time, one, ARRIVAL * reference) for one in speed.T]
-    table = np.array([values for values, _ in rows]).reshape(-1, 4).T
-    arrival, peak, instant, width = table
-    return FirstPulses(arrival, peak, instant, width, np.array([row for _, row in rows], dtype=np.int64))
+    found = [_pulse(time, one, ARRIVAL * reference) for one in speed.T]
+    table = np.array([values for values, _ in found]).reshape(-1, 4).T
+    columns = dict(zip(("arrival", "peak_speed", "peak_time", "width"), table, strict=True))
+    return columns, np.array([row for _, row in found], dtype=np.int64)
 
 
 def _pulse(time: NDArray[np.float64], speed: NDArray[np.float64], least: float) -> tuple[tuple[float, ...], int]:

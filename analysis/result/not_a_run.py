@@ -14,24 +14,12 @@ from pathlib import Path
 import h5py
 
 from granwave.analysis.result.trajectory import GROUP
+from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.lammps_inputs.ownership import GROUPS, held
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    INFERENCE,
-    POINTS,
-    RECORD_FILE,
-    RESULT_FILE,
-    SCAN_INDEX,
-    SCAN_TABLE,
-    SPECTRA,
-    SUITE_INDEX,
-    SUMMARY_FILE,
-    is_scan,
-)
 
-OF_A_RUN = (CASE_FILE, SUMMARY_FILE, RECORD_FILE, RESULT_FILE)
+OF_A_RUN = (files.CASE_FILE, files.SUMMARY_FILE, files.RECORD_FILE, files.RESULT_FILE)
 UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
 _OF_A_CONTINUUM = {"block", "punch", "sphere", "partner"}  # tables of its case
 _MOST_NAMED = 5  # files in a message
@@ -43,35 +31,35 @@ def why_no_run(path: Path) -> str:
         return f"{path}: no such directory{similar(path)}; expected that of a run"
     if not path.is_dir():
         return f"{path}: is a file, expected the directory of a run{around(path)}"
-    if (path / SCAN_INDEX).exists() or (path / SUITE_INDEX).exists():
+    if (path / files.SCAN_INDEX).exists() or (path / files.SUITE_INDEX).exists():
         return _scan(path)
-    if (what := held(path)) in (GROUPS[SPECTRA], GROUPS[INFERENCE]):
+    if (what := held(path)) in (GROUPS[files.SPECTRA], GROUPS[files.INFERENCE]):
         return f"{path}: holds {what}, expected a run"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
-        expected = f"expected {RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
+        expected = f"expected {files.RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
         return no_results(path, found, "no run", expected)
     if is_continuum(path):
-        return f"{path}: is a continuum run, expected a run of spheres; h5py reads its {RESULT_FILE}"
-    if CASE_FILE not in found:
-        return f"{path}: {CASE_FILE} is missing, so the run there cannot be read; run the case again with --force"
-    state = (read_json(path / RECORD_FILE) or {}).get("state")
+        return f"{path}: is a continuum run, expected a run of spheres; h5py reads its {files.RESULT_FILE}"
+    if files.CASE_FILE not in found:
+        return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with --force"
+    state = (read_json(path / files.RECORD_FILE) or {}).get("state")
     if state in UNFINISHED:
         return f"{path}: the run is not finished (state {state}); go on with  {resumed(path)}"
-    return f"{path / RESULT_FILE} is missing: make it with  granwave analyse {path}"
+    return f"{path / files.RESULT_FILE} is missing: make it with  granwave analyse {path}"
 
 
 def is_continuum(path: Path) -> bool:
     """Return True if a directory holds the case of a continuum run."""
     try:
-        return not _OF_A_CONTINUUM.isdisjoint(read_toml(path / CASE_FILE))
+        return not _OF_A_CONTINUUM.isdisjoint(read_toml(path / files.CASE_FILE))
     except InputError:
         return False
 
 
 def resumed(path: Path) -> str:
     """Return the command that resumes an unfinished run."""
-    return f"granwave run {path / CASE_FILE} -o {path} --resume"
+    return f"granwave run {path / files.CASE_FILE} -o {path} --resume"
 
 
 def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> str:
@@ -86,7 +74,7 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
     expected
         Description of what was expected.
     """
-    inside = [name for name in found if any((path / name / file).is_file() for file in (*OF_A_RUN, SCAN_INDEX))]
+    inside = [name for name in found if any((path / name / file).is_file() for file in (*OF_A_RUN, files.SCAN_INDEX))]
     if inside:
         return f"{path}: is {what}, but holds some ({few(inside)}); give those"
     holds = f"it holds {few(found)}" if found else "it is empty"
@@ -96,7 +84,7 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
 def around(path: Path) -> str:
     """Suggest the run or scan that a file or folder belongs to; empty if there is none."""
     place = path.parent
-    return f"; did you mean {place}?" if any((place / name).is_file() for name in (*OF_A_RUN, SCAN_INDEX)) else ""
+    return f"; did you mean {place}?" if any((place / name).is_file() for name in (*OF_A_RUN, files.SCAN_INDEX)) else ""
 
 
 def few(names: Sequence[str]) -> str:
@@ -114,11 +102,16 @@ def similar(path: Path) -> str:
 
 
 def _scan(path: Path) -> str:
-    scans = [path] if is_scan(path) else sorted(place for place in path.iterdir() if is_scan(place))
-    done = [place for scan in scans for place in sorted((scan / POINTS).glob("*")) if (place / RESULT_FILE).is_file()]
+    scans = [path] if files.is_scan(path) else sorted(place for place in path.iterdir() if files.is_scan(place))
+    done = [
+        place
+        for scan in scans
+        for place in sorted((scan / files.POINTS).glob("*"))
+        if (place / files.RESULT_FILE).is_file()
+    ]
     if not done:
         return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
-    which = f"{SCAN_TABLE} tells which is which"
+    which = f"{files.SCAN_TABLE} tells which is which"
     return f"{path}: is a scan, expected a run; give the directory of a point, such as {done[0]} ({which})"
 
 

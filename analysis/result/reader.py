@@ -8,6 +8,8 @@ ever had.
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import json
 import math
 import tomllib
@@ -62,31 +64,7 @@ _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
 
 
-class _Spheres:
-    """Values of spheres that a result and its parts have."""
-
-    if TYPE_CHECKING:
-
-        def __getitem__(self, name: str) -> NDArray: ...
-        def has(self, name: str) -> bool: ...
-        @property
-        def assembly(self) -> Assembly: ...
-
-    @property
-    def in_packing(self) -> NDArray[np.bool_]:
-        """True for spheres of the packing, False for strikers: (n_spheres,)."""
-        return self["spheres/id"] <= self.assembly.lattice.n_spheres
-
-    @property
-    def yield_energy(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
-        others = [f"spheres/{name}" for name in ("friction_energy", "viscous_energy")]
-        whole = self["spheres/dissipated_energy"]
-        rest = whole - sum(self[name] for name in others if self.has(name))
-        return np.where(rest > _ROUNDING * whole, rest, 0.0)
-
-
-class Result(_Spheres):
+class Result:
     """Result of one run.
 
     ``result["contacts/peak_force"]`` reads a data set as a numpy array, which is cached.
@@ -133,6 +111,7 @@ class Result(_Spheres):
             self.file.close()
             raise OutputFormatError(self.damaged(damage))
         self._read: dict[str, NDArray] = {}
+        self._part: tuple[slice, dict[str, NDArray]] | None = None  # rows of some spheres, and what was read of them
 
     def _not_opened(self, given: Path, error: OSError) -> str:
         """Describe why the file cannot be opened."""
@@ -162,8 +141,24 @@ class Result(_Spheres):
         except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
             raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
+    @contextlib.contextmanager
+    def _intact(self, name: str) -> Iterator[None]:
+        """Raise OutputFormatError where HDF5 cannot read, as its checksums tell."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
+
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""
+        if self._part is None or not name.startswith("spheres/"):
+            return self._whole(name)
+        rows, kept = self._part
+        if name not in kept:
+            kept[name] = self.rows_read(name, rows)
+        return kept[name]
+
+    def _whole(self, name: str) -> NDArray:
         if name not in self._read:
             self._read[name] = self.read(name)
         return self._read[name]
@@ -178,14 +173,7 @@ class Result(_Spheres):
         OutputFormatError
             The data set is damaged.
         """
-        found = self.file.get(name)
-        if not isinstance(found, h5py.Dataset):
-            remedy = f"make it anew with  granwave analyse {self.path.parent}"
-            raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
-        try:
-            return found.asstr()[()] if h5py.check_string_dtype(found.dtype) else found[()]
-        except OSError as error:
-            raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
+        return self.rows_read(name)
 
     def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
         """Iterate over the rows of columns of one table, so many at once that they need little memory; raise as `read`.
@@ -194,22 +182,22 @@ class Result(_Spheres):
         """
         n_rows = len(self.file[names[0]]) if names[0] in self else 0
         if n_rows <= self.at_once:
-            yield tuple(self[name] for name in names)
+            yield tuple(self._whole(name) for name in names)
             return
         for first in range(0, n_rows, self.at_once):
             rows = slice(first, min(first + self.at_once, n_rows))
             yield tuple(self.rows_read(name, rows) for name in names)
 
-    def rows_read(self, name: str, rows: slice) -> NDArray:
-        """Read rows of a data set of numbers; raise as `read`."""
+    def rows_read(self, name: str, rows: slice | tuple[()] = ()) -> NDArray:
+        """Read rows of a data set, or all of it; raise as `read`."""
         if name in self._read:
             return self._read[name][rows]
-        try:
-            return self.file[name][rows]
-        except KeyError:
-            return self.read(name)[rows]  # raises the error that says what to do
-        except OSError as error:
-            raise OutputFormatError(self.damaged(f"{name}: {error}")) from None
+        with self._intact(name):
+            found = self.file.get(name)
+            if isinstance(found, h5py.Dataset):
+                return found.asstr()[rows] if h5py.check_string_dtype(found.dtype) else found[rows]
+        remedy = f"make it anew with  granwave analyse {self.path.parent}"
+        raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
 
     def get(self, name: str) -> NDArray | None:
         """Read a data set; None if the run does not have it."""
@@ -300,12 +288,35 @@ class Result(_Spheres):
             last = self.rows_read("spheres/id", slice(self.n_spheres - 1, None))
             if len(last) and last[0] == self.n_spheres:
                 return rows_of_all(self.n_spheres, np.asarray(ids, dtype=np.int64))
-        return rows_of(self["spheres/id"], ids)
+        return rows_of(self._whole("spheres/id"), ids)
 
     @property
     def ends(self) -> NDArray[np.int64]:
         """Rows of the two spheres of each contact: (n_contacts, 2)."""
         return self.rows(np.stack([self["contacts/i"], self["contacts/j"]], axis=1))
+
+    def of_pairs(self, column: str, first: ArrayLike, second: ArrayLike, missing: float = 0.0) -> NDArray[np.float64]:
+        """Return a column of ``/contacts``, such as ``peak_force``, of pairs of ids, with bars too: (n_pairs,).
+
+        Faces of bars have ids, too. ``missing`` is the value of pairs that are no contact.
+        """
+        i, j, values = (self[f"contacts/{name}"] for name in ("i", "j", column))
+        for bar in self.assembly.bars:
+            here = self["wall_contacts/wall"] == bar.name
+            beads = self["wall_contacts/id"][here]
+            i, j = np.append(i, beads), np.append(j, np.full(len(beads), bar.face))
+            values = np.append(values, self[f"wall_contacts/{column}"][here])
+        pairs = np.sort(np.stack([first, second]), axis=0)
+        stride = 1 + max(j.max(initial=0), pairs.max(initial=0))
+        keys, wanted = i * stride + j, pairs[0] * stride + pairs[1]
+        order = np.argsort(keys, kind="stable")
+        keys, values = np.append(keys[order], -1), np.append(values[order], missing)
+        place = np.searchsorted(keys[:-1], wanted)
+        return np.where(keys[place] == wanted, values[place], missing)
+
+    def along_chain(self, column: str) -> NDArray[np.float64]:
+        """Return a column of ``/contacts`` in the order of the chain, with the faces of bars: (n_contacts,)."""
+        return self.of_pairs(column, self["chain/contact_i"], self["chain/contact_j"])
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
         """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,).
@@ -336,18 +347,31 @@ class Result(_Spheres):
         """Number of spheres."""
         return len(self.file["spheres/id"])
 
-    @property
-    def whole(self) -> Result:
-        """The result itself, as `PartOfResult.whole`."""
-        return self
+    def parts(self) -> Iterator[Result]:
+        """Iterate over the result in parts of its spheres; a small one is a single part.
 
-    def parts(self) -> Iterator[Result | PartOfResult]:
-        """Iterate over the result in parts of its spheres; a small one is a single part."""
+        In a part, data sets of ``spheres`` have its rows alone; all else is that of the whole.
+        """
         if self.n_spheres <= self.at_once:
             yield self
             return
         for first in range(0, self.n_spheres, self.at_once):
-            yield PartOfResult(self, slice(first, min(first + self.at_once, self.n_spheres)))
+            part = copy.copy(self)
+            part._part = slice(first, min(first + self.at_once, self.n_spheres)), {}
+            yield part
+
+    @property
+    def in_packing(self) -> NDArray[np.bool_]:
+        """True for spheres of the packing, False for strikers: (n_spheres,)."""
+        return self["spheres/id"] <= self.assembly.lattice.n_spheres
+
+    @property
+    def yield_energy(self) -> NDArray[np.float64]:
+        """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
+        others = [f"spheres/{name}" for name in ("friction_energy", "viscous_energy")]
+        whole = self["spheres/dissipated_energy"]
+        rest = whole - sum(self[name] for name in others if self.has(name))
+        return np.where(rest > _ROUNDING * whole, rest, 0.0)
 
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
@@ -387,35 +411,5 @@ class Result(_Spheres):
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
         """Read one quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI units."""
-        try:
+        with self._intact(f"{quantity} of snapshot {number}"):
             return self.file[f"{GROUP}/{quantity}/value"][number]
-        except OSError as error:
-            raise OutputFormatError(self.damaged(f"{quantity} of snapshot {number}: {error}")) from None
-
-
-class PartOfResult(_Spheres):
-    """Result with only some of its spheres; all that is not of single spheres is that of the whole.
-
-    Attributes
-    ----------
-    whole
-        Result that it is a part of.
-    """
-
-    def __init__(self, whole: Result, rows: slice) -> None:
-        self.whole, self._rows = whole, rows
-        self._read: dict[str, NDArray] = {}
-
-    def __getitem__(self, name: str) -> NDArray:
-        """Read a data set; of ``spheres`` only the rows of this part."""
-        if not name.startswith("spheres/"):
-            return self.whole[name]
-        if name not in self._read:
-            self._read[name] = self.whole.rows_read(name, self._rows)
-        return self._read[name]
-
-    def __contains__(self, name: str) -> bool:
-        return name in self.whole
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.whole, name)

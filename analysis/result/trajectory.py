@@ -14,6 +14,7 @@ from __future__ import annotations
 import getpass
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -31,11 +32,11 @@ _SCALARS = {
     "peak_force": (("peak_force",), "N"),
     "dissipated_energy": (("dissipated", "friction", "viscous"), "J"),
     "elastic_energy": (("elastic", "elastic_tangential"), "J"),
+    "friction_energy": (("friction",), "J"),
+    "viscous_energy": (("viscous",), "J"),
 }
 _FIXED = {"id": (np.int64, "1"), "species": (np.int32, "1"), "radius": (np.float64, "m"), "mass": (np.float64, "kg")}
-_FRICTION = {"friction_energy": (("friction",), "J")}
-_VISCOUS = {"viscous_energy": (("viscous",), "J")}
-QUANTITIES = (*_VECTORS, *_SCALARS, *_FRICTION, *_VISCOUS)
+QUANTITIES = (*_VECTORS, *_SCALARS)
 
 
 def write_metadata(file: h5py.File, version: str) -> None:
@@ -66,7 +67,7 @@ def write_trajectory(
     start
         Spheres at the start.
     frames
-        Snapshots from `granwave.analysis.lammps_output.dumps.read_frames_in_parts`.
+        Snapshots from `granwave.analysis.lammps_output.dumps.read_frames`.
     timestep
         Timestep, s.
     periodic
@@ -98,7 +99,11 @@ def write_trajectory(
         group["species"][rows] = spheres["type"]
         group["radius"][rows] = spheres["diameter"] / 2
         group["mass"][rows] = spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3
-    scalars = _SCALARS | (_FRICTION if friction else {}) | (_VISCOUS if viscous else {})
+    scalars = {
+        name: of
+        for name, of in _SCALARS.items()
+        if (friction or name != "friction_energy") and (viscous or name != "viscous_energy")
+    }
     elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
     number, first, step = 0, 0, 0
     for piece in frames:
@@ -110,9 +115,9 @@ def write_trajectory(
                 f"{source}: snapshot {number} (step {step}) holds {stop} spheres that are not "
                 f"the {n_spheres} of data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
             )
-        origin, unknown = start.read(first, stop).vector("x", "y", "z"), np.full(len(frame), np.nan)
-        values = {"position": origin + frame.displacement, "displacement": frame.displacement}
-        values["velocity"] = frame.velocity
+        displacement, unknown = frame.vector("ux", "uy", "uz"), np.full(len(frame), np.nan)
+        values = {"position": start.read(slice(first, stop)).vector("x", "y", "z") + displacement}
+        values |= {"displacement": displacement, "velocity": frame.vector("vx", "vy", "vz")}
         for name, (columns, _) in scalars.items():
             there = [frame[column] for column in columns if column in frame.columns]
             values[name] = np.sum(there, axis=0) if there else unknown
@@ -134,37 +139,26 @@ def _write_box(group: h5py.Group, start: Start, periodic: tuple[bool, bool, bool
     box = group.create_group("box")
     box.attrs["dimension"] = 3
     box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic]
-    edges = box.create_dataset("edges", data=start.box[:, 1] - start.box[:, 0])
-    edges.attrs["unit"] = "m"
-    lower = box.create_dataset("lower", data=start.box[:, 0])  # an extension of the standard, whose boxes start at 0
-    lower.attrs["unit"] = "m"
+    # lower is an extension of the standard, whose boxes start at 0
+    for name, data in (("edges", start.box[:, 1] - start.box[:, 0]), ("lower", start.box[:, 0])):
+        box.create_dataset(name, data=data).attrs["unit"] = "m"
 
 
 def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
-    """Create the growing data sets; all elements share one ``step`` and one ``time``."""
+    """Create the growing data sets; all elements share the ``step`` and the ``time`` of the first."""
     rows = min(n_spheres, ROWS_IN_CHUNK)
-    shapes: dict[str, tuple[tuple[int, ...], str]] = {name: ((3,), unit) for name, unit in _VECTORS.items()}
-    shapes |= {name: ((), unit) for name, unit in scalars.items()}
-    step = time = None
     elements = {}
-    for name, (tail, unit) in shapes.items():
+    for name, unit in (_VECTORS | scalars).items():
+        shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
+        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, rows, *shape[1:]), **COMPRESSION}
         element = group.create_group(name)
-        elements[name] = element.create_dataset(
-            "value",
-            shape=(0, n_spheres, *tail),
-            maxshape=(None, n_spheres, *tail),
-            chunks=(1, rows, *tail),
-            dtype=np.float64,
-            **COMPRESSION,
-        )
+        elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
         elements[name].attrs["unit"] = unit
-        if step is None or time is None:
-            step = element.create_dataset("step", shape=(0,), maxshape=(None,), dtype=np.int64)
-            time = element.create_dataset("time", shape=(0,), maxshape=(None,), dtype=np.float64)
-            step.attrs["unit"] = "1"
-            time.attrs["unit"] = "s"
-        else:
-            element["step"], element["time"] = step, time
+        for of_all, dtype, its_unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
+            if name == "position":
+                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = its_unit
+            else:
+                element[of_all] = group["position"][of_all]
     return elements
 
 

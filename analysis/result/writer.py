@@ -30,29 +30,27 @@ import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dump_files import contacts_path, frames_path
-from granwave.analysis.lammps_output.dumps import read_contacts_in_parts, read_frames_in_parts, read_wall_contacts
-from granwave.analysis.lammps_output.frame import CUT
-from granwave.analysis.lammps_output.time_series import (
-    Table,
-    read_energy,
-    read_probes,
-    read_record,
-    read_static_stage,
-    read_walls,
+from granwave.analysis.lammps_output.dumps import (
+    contacts_path,
+    frames_path,
+    read_contacts,
+    read_frames,
+    read_wall_contacts,
 )
+from granwave.analysis.lammps_output.frame import CUT
+from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
-from granwave.analysis.result.sphere_tables import periodic, read_initial_forces, write_tables
-from granwave.analysis.result.start import Buckets, Dents, Start
+from granwave.analysis.result.sphere_tables import after_static_stage, periodic, write_tables
+from granwave.analysis.result.start import Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
+from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.directories import check_case
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.run_directory import CASE_FILE, DUMPS, RESULT_FILE, WALL_CONTACTS_FILE
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
@@ -88,9 +86,9 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | 
         A result.h5 exists that granwave did not write, or case.toml was changed after the run.
     """
     directory = Path(directory)
-    path = directory / RESULT_FILE
+    path = directory / files.RESULT_FILE
     check_case(directory)
-    claim(directory, [RESULT_FILE])
+    claim(directory, [files.RESULT_FILE])
     with contextlib.ExitStack() as stack:
         file = stack.enter_context(new_hdf5(path, libver="v110"))
         scratch = [stack.enter_context(tempfile.TemporaryFile(dir=directory, buffering=0)) for _ in range(3)]
@@ -99,7 +97,7 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | 
 
 
 def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO], case: Case | None) -> None:
-    path = directory / CASE_FILE
+    path = directory / files.CASE_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
     text, case = path.read_text(encoding="utf-8"), case or load_case(path)
@@ -120,35 +118,34 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
         timestep = ledger["time"][-1] / max(ledger["step"][-1], 1)
     timestep = float(timestep)
     path = frames_path(directory)
-    frames = read_frames_in_parts(directory, at_once)
+    frames = read_frames(directory, at_once, partial=False)
     recorded = {"friction": case.has_friction, "viscous": case.has_loss}
     end = write_trajectory(file, start, frames, timestep, periodic(case), path, **recorded)
     n_steps = int(ledger["step"][-1])
     if end < n_steps:  # the end of a run is always a snapshot
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
     if every := resolved.get("history_every"):
-        for name, columns in read_chain(directory, case, start.whole(), timestep, n_steps - n_steps % every).items():
+        for name, columns in read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
     if every := resolved.get("line_every"):
         for name, columns in line_groups(directory, assemble(case), timestep, n_steps - n_steps % every).items():
             write_group(file, name, columns)
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():
-        start.check_ids(directory / DUMPS / WALL_CONTACTS_FILE.format(name), frame)
-    buckets = [Buckets(one if start.n_parts > 1 else None) for one in scratch[1:]]
+        start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
     rows = at_once if start.n_parts > 1 else None
-    dents = Dents(start, buckets[0])
-    for frame in read_contacts_in_parts(directory, rows):
+    dents = Dents(start, scratch[1])
+    for frame in read_contacts(directory, rows):
         start.check_ids(dumped, frame)
         dents.add(frame)
-    initial = read_initial_forces(directory, start, buckets[1], rows) if case.precompression else None
+    initial = after_static_stage(directory, start, scratch[2], rows) if case.precompression else None
     write_tables(file, case, start, dents, planes, initial)
     write_group(file, "energy", ledger)
-    if prestage := read_static_stage(directory):
+    if prestage := read_table(directory, files.STATIC_STAGE_FILE):
         write_group(file, "prestage", prestage)
-    for name, columns in _walls(read_walls(directory)).items():
+    for name, columns in _walls(read_table(directory, files.WALLS_FILE)).items():
         write_group(file, f"walls/{name}", columns)
-    if probes := read_probes(directory):
+    if probes := read_table(directory, files.PROBES_FILE):
         write_group(file, "probes", probes)
 
 

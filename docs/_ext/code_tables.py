@@ -21,7 +21,6 @@ from granwave.analysis.inference.tables import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.analysis.studies.registry import STUDIES
-from granwave.analysis.summary_table import NOTES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library
@@ -77,7 +76,7 @@ def quantities(entries: tuple[Quantity, ...] = ENTRIES) -> str:
     """Return the table of the values of summary.json."""
     rows = []
     for entry in entries:
-        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, NOTES.get(entry.name, "")]))
+        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
         rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
 

@@ -163,7 +163,7 @@ def test_what_a_damper_took_is_no_yielding(tmp_path):
     lost = 0.1 * table["dissipated"]
     table |= {"support": 1e-3 * share, "support_lost": lost, "target": 1e-3 * share + lost}
     synthetic.write_table(dumps / "energy.txt", " ".join(table), np.stack(list(table.values()), axis=1))
-    table = time_series.read_walls(tmp_path)
+    table = time_series.read_table(tmp_path, "walls.txt")
     table |= {"bottom_displacement": 1e-6 * (1 + share_of(table)), "bottom_velocity": share_of(table)}
     table["bottom_ground_force"] = 0.5 * table["bottom"]
     synthetic.write_table(dumps / "walls.txt", " ".join(table), np.stack(list(table.values()), axis=1))

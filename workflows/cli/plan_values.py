@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.bare_target import no_bare_target
+from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.errors import InputError

@@ -17,9 +17,7 @@ from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.line_waves import (
     SpaceTime,
     space_time_transform,
-    velocities_of_chain,
-    velocities_of_columns,
-    velocities_of_layers,
+    velocities_along,
 )
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
@@ -72,9 +70,7 @@ class Wave(FinishedRun):
     def transform(self) -> SpaceTime:
         """Transform of its velocities, over the zone of its line."""
         with Result(self.directory) as result:
-            chain = self.case.packing.kind == "chain"
-            of_packing = velocities_of_columns if self.along_x else velocities_of_layers
-            time, place, velocity = velocities_of_chain(result) if chain else of_packing(result)
+            time, place, velocity = velocities_along(result, 0 if self.along_x else 2)
         top = 1.2 * float(np.nanmax(self.structure.bands.frequency))
         k = np.linspace(0.02, 1, 99) * math.pi / float(np.diff(place).mean())
         return space_time_transform(time, place, velocity, k, np.linspace(0, top, _FREQUENCIES))

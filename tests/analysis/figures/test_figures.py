@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from granwave.analysis import MissingOutputError, Result, analyse, write_result
 from granwave.analysis.figures import histories, packing3d, sections, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.measures.bare_target import bare_target_peak
+from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers import synthetic
@@ -89,7 +89,7 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
         whole = result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
         assert np.allclose(columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12)
         force = FIGURES["target"].draw(result).columns["without_packing_force_N"]
-        assert force.max() == pytest.approx(bare_target_peak(case, 1.0)[0], rel=1e-6)
+        assert force.max() == pytest.approx(unprotected(case, 1.0).peak_force, rel=1e-6)
 
 
 def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):

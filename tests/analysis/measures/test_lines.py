@@ -18,23 +18,25 @@ def pulse(centre: float, height: float, width: float = 1e-3) -> np.ndarray:
 
 def test_first_pulse_of_a_gaussian() -> None:
     speed = np.stack([pulse(3e-3, 2.0), pulse(3e-3, 2.0) + pulse(7e-3, 5.0), pulse(3e-3, 0.04)], axis=1)
-    found = first_pulses(TIME, speed, 1.0)
+    found, row = first_pulses(TIME, speed, 1.0)
     arrival = 3e-3 - 1e-3 * np.sqrt(np.log(2.0 / 0.05) / (4 * np.log(2)))
-    assert found.peak[:2] == pytest.approx(2.0, rel=1e-6) and found.time[:2] == pytest.approx(3e-3)
-    assert found.width[:2] == pytest.approx(1e-3, rel=1e-4)
-    assert found.arrival[:2] == pytest.approx(arrival, rel=1e-4)
-    assert np.isnan([found.arrival[2], found.peak[2], found.width[2]]).all() and found.row[2] == -1
+    assert found["peak_speed"][:2] == pytest.approx(2.0, rel=1e-6) and found["peak_time"][:2] == pytest.approx(3e-3)
+    assert found["width"][:2] == pytest.approx(1e-3, rel=1e-4)
+    assert found["arrival"][:2] == pytest.approx(arrival, rel=1e-4)
+    assert np.isnan([found["arrival"][2], found["peak_speed"][2], found["width"][2]]).all() and row[2] == -1
 
 
 def test_ripples_on_the_way_up_are_no_peak() -> None:
     speed = pulse(5e-3, 1.0, 4e-3) * (1 + 0.02 * np.sin(2e4 * TIME))
-    found = first_pulses(TIME, speed[:, None], 1.0)
-    assert found.time[0] == pytest.approx(5e-3, abs=4e-4) and found.peak[0] == pytest.approx(1.0, abs=0.03)
+    found, _ = first_pulses(TIME, speed[:, None], 1.0)
+    assert found["peak_time"][0] == pytest.approx(5e-3, abs=4e-4) and found["peak_speed"][0] == pytest.approx(
+        1.0, abs=0.03
+    )
 
 
 def test_a_speed_that_never_falls_has_no_peak() -> None:
-    found = first_pulses(TIME, (TIME / TIME[-1])[:, None], 1.0)
-    assert found.arrival[0] == pytest.approx(0.05 * TIME[-1]) and np.isnan(found.peak[0])
+    found, _ = first_pulses(TIME, (TIME / TIME[-1])[:, None], 1.0)
+    assert found["arrival"][0] == pytest.approx(0.05 * TIME[-1]) and np.isnan(found["peak_speed"][0])
 
 
 @pytest.mark.parametrize("border", [0.031, 0.05, 0.0721])

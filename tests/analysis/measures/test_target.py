@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse, summarise, write_result
-from granwave.analysis.measures.bare_target import Target, bare_target_peak, impactors_of, target_of, unprotected
-from granwave.analysis.measures.bare_target import _hit as hit
-from granwave.analysis.measures.bare_target import _rebound as rebound
-from granwave.analysis.measures.target import Reached, reached
+from granwave.analysis.measures.target import Reached, Target, impactors_of, reached, target_of, unprotected
+from granwave.analysis.measures.target import _hit as hit
+from granwave.analysis.measures.target import _rebound as rebound
 from granwave.lammps_inputs import Case, write_deck
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -21,6 +20,12 @@ from tests.helpers import synthetic
 END = 3e-4
 PLATE = {"plate": {"mass": 0.05, "stiffness": 1e6, "damping": 10.0}}
 BAR = {"bar": {"length": 0.2, "area": 1e-4, "elements": 100}, "material": "steel"}
+
+
+def bare_target_peak(case: Case, end_time: float) -> tuple[float, float] | None:
+    """Largest force on the bare target, and on the ground."""
+    found = unprotected(case, end_time)
+    return found and (found.peak_force, found.ground_peak_force)
 
 
 def sphere(**changes) -> Case:

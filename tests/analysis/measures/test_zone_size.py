@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
-from granwave.analysis.measures.zone import packing_zone, wave_arrivals, zone_summary
 from granwave.analysis.measures.zone_size import (
     Mark,
     extent_holding,
     mark_of,
+    packing_zone,
     volume_holding,
+    wave_arrivals,
     wave_returns,
     zone_sizes,
+    zone_summary,
     zone_warning,
 )
 from granwave.analysis.quantities import SHARES

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import summarise, write_result
-from granwave.analysis.measures.waves import wave_speed
+from granwave.analysis.measures.waves import first_arrivals, wave_speed
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.keys import key_of
@@ -309,10 +309,12 @@ def test_wave_speed_takes_the_first_arrival_of_deep_layers():
     arrival[1::2] += 1e-3
     arrival[:12] = 1e-9
     arrival[-4:] = np.nan
-    assert wave_speed(depth, arrival, 0.01) == pytest.approx(500.0, rel=1e-6)
-    assert wave_speed(depth[:16], arrival[:16], 0.01) is None  # eight layers: three below the upper five
-    assert wave_speed(depth, np.full(32, 1e-6), 0.01) is None
-    assert wave_speed(np.zeros(9), arrival[:9], 0.01) is None
+    assert wave_speed(*first_arrivals(depth, arrival, 0.01), 0.01) == pytest.approx(500.0, rel=1e-6)
+    assert (
+        wave_speed(*first_arrivals(depth[:16], arrival[:16], 0.01), 0.01) is None
+    )  # eight layers: three below the upper five
+    assert wave_speed(*first_arrivals(depth, np.full(32, 1e-6), 0.01), 0.01) is None
+    assert wave_speed(*first_arrivals(np.zeros(9), arrival[:9], 0.01), 0.01) is None
 
 
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):

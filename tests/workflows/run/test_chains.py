@@ -12,7 +12,6 @@ import pytest
 
 from granwave.analysis import Result
 from granwave.analysis.figures.run_figures import draw_figures
-from granwave.analysis.result.histories import along
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import run_case
@@ -43,7 +42,7 @@ def compare(case: Case, directory: Path, record: twin.Record, chosen: slice = sl
     summary = outcome.summary
     assert summary["energy_balance_error"] < 1e-5
     with Result(directory) as result:
-        peak, lost = along(result, "peak_force"), along(result, "dissipated_energy")
+        peak, lost = result.along_chain("peak_force"), result.along_chain("dissipated_energy")
         np.testing.assert_allclose(peak, record.peak_force[chosen], rtol=5e-4, atol=1e-4 * peak.max())
         largest = record.dissipated.max()
         np.testing.assert_allclose(lost, record.dissipated[chosen], rtol=1e-3, atol=1e-4 * (largest or 1e-30))
