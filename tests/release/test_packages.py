@@ -95,7 +95,7 @@ def test_content_of_the_wheel(wheel):
         f"granwave/{path.relative_to(ROOT).as_posix()}"
         for package in PACKAGES
         for path in (ROOT / package).rglob("*")
-        if path.suffix in (".py", ".toml", ".css", ".js", ".j2") or path.name == "Snakefile"
+        if path.suffix in (".py", ".toml", ".css", ".js", ".j2")
     ]
     assert len(sources) > 300 and set(sources) <= set(names)
 

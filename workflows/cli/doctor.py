@@ -19,7 +19,6 @@ from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, pri
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.record import versions
-from granwave.workflows.scanning.engine import SLURM, check_installed
 from granwave.workflows.scanning.slurm import load_profile
 
 _DECK = """\
@@ -144,18 +143,13 @@ def _completion() -> Finding:
 
 
 def _cluster(path: Path) -> list[Finding]:
-    """Check what the profile of a cluster names: Snakemake, Slurm's commands, and the launcher of ranks."""
+    """Check what the profile of a cluster names: Slurm's commands, and the launcher of ranks."""
     try:
         profile = load_profile(path)
     except InputError as error:
         remedy = "granwave keys slurm explains the keys"
         return [Finding("profile", False, "; ".join(error.errors), remedy)]
     found = [Finding("profile", True, f"{path}")]
-    try:
-        check_installed(SLURM)
-        found.append(Finding("Snakemake", True, "with its plugin for Slurm"))
-    except InputError as error:
-        found.append(Finding("Snakemake", False, str(error), "pip install 'granwave[scan]'"))
     commands = {"sbatch": "login node", "scancel": "login node", profile.status: "login node"}
     launcher = shlex.split(profile.launcher or "")[:1]
     commands |= dict.fromkeys(launcher, "launcher of the profile, after the commands of `before`")

@@ -25,7 +25,7 @@ from granwave.workflows.cli.terminal import columns, print_json
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
-from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM, check_installed
+from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM
 from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
 from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
@@ -53,7 +53,6 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     found = _load(options)
     directory = results_directory(options.directory or found.name)
     if not options.plan:
-        check_installed(options.executor)
         _check(found, directory, options)
     parts = {directory: found} if isinstance(found, Scan) else {directory / part.name: part for part in found.scans}
     slowness, plans, total = {}, [], 0.0

@@ -237,10 +237,10 @@ def scan(
     Raises
     ------
     InputError
-        The scan or one of its points is wrong, the directory holds results or another scan, or Snakemake is missing.
+        The scan or one of its points is wrong, the directory holds results or another scan, or there is no Slurm.
         Nothing was run.
     RunError
-        Snakemake failed, or the disk is full.
+        No job could start a point, or the disk is full.
     KeyboardInterrupt
         The scan was interrupted; ``resume=True`` continues it.
     """

@@ -30,8 +30,7 @@ from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.solvers import GRANULAR
 
-_LOCAL_START = 1.0  # s, start of a job on this machine: Snakemake, Python, libraries
-_ENGINE_START = 1.5  # s, start of Snakemake before the first job
+_LOCAL_START = 1.0  # s, start of a job on this machine: Python, libraries
 PUBLISH = 4.0  # s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads much
 _LONGEST = 1800.0  # s, limit for a batch of several points
 
@@ -93,7 +92,7 @@ def expected_scan_time(points: Iterable[Point], profile: Profile | None, workers
     if not batches:
         return PUBLISH
     times = [start + batch.wall_time for batch in batches]
-    return _ENGINE_START + spread(times, [batch.ranks for batch in batches], profile, workers) + PUBLISH
+    return spread(times, [batch.ranks for batch in batches], profile, workers) + PUBLISH
 
 
 def spread(times: Sequence[float], ranks: Sequence[int], profile: Profile | None, workers: int) -> float:

@@ -23,7 +23,7 @@ from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.batches import Outlook, make_batches, start_of_job
 from granwave.workflows.scanning.directory import decide, prepare
-from granwave.workflows.scanning.engine import SLURM, Engine, check_installed, launcher_of
+from granwave.workflows.scanning.engine import SLURM, Jobs, Processes, SlurmJobs, launcher_of
 from granwave.workflows.scanning.scan_file import Point, Scan
 from granwave.workflows.scanning.slurm import Profile, note_ended, note_refused
 
@@ -32,13 +32,10 @@ logger = logging.getLogger(__name__)
 STOPPED = "stopped"  # by Ctrl-C or SIGTERM
 _FORCED = 3  # signals that stop at once; the first one asks for checkpoints
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of the directory, and of the queue
-_PATIENCE = 60.0  # s that running jobs have to stop after a request
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # shortest s between updates during the run
 # a round that leaves points unfinished (jobs killed, time limit) is followed by another
 _MOST_ROUNDS = 20
 _MOST_LABELS = 3  # of a running point, beside the bar
-_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # normal reasons of pending jobs
-_GONE = 15.0  # s without a job in the queue after which a round is over, even if Snakemake still waits
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,12 +103,11 @@ def run_scan(
     Raises
     ------
     InputError
-        The directory holds results or another scan, or is in use; or Snakemake is missing. Nothing was run.
+        The directory holds results or another scan, or is in use; or there is no Slurm. Nothing was run.
     RunError
-        Snakemake failed.
+        No job could start a point.
     """
     directory = results_directory(directory)
-    check_installed(executor)
     if executor == SLURM:
         slurm.check_slurm()
         profile = profile or Profile()
@@ -152,7 +148,6 @@ class _ScanRun:
         self.changed = True
         self.stopped: str | None = None
         self.finished: set[str] = set()  # ids of the points that are done
-        self.reported: set[str] = set()  # reasons of pending jobs that were reported
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, profile, jobs, slowness)
 
@@ -189,83 +184,42 @@ class _ScanRun:
             slowness=self.slowness,
         )
         for batch in batches:
-            launcher = launcher_of(self.profile, batch) if self.profile else []
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
-            batch.write(path, figures=self.scan.figures, launcher=launcher)
+            batch.write(path, figures=self.scan.figures, launcher=launcher_of(self.profile, batch))
+        jobs: Jobs = Processes(self.directory, batches, self.jobs)
+        if self.profile:
+            jobs = SlurmJobs(self.directory, batches, self.jobs, self.profile, self.scan.name)
         before = self._states(points)
-        engine = Engine(self.scan.name, self.directory, batches, jobs=self.jobs, profile=self.profile)
         try:
+            jobs.running()
             _load()
-            self._watch(engine)
+            self._watch(jobs)
         finally:
-            engine.kill()
+            jobs.kill()
         self._why_stopped()
         if not self.stopped and not self.stop.count:
-            if self._states(points) == before:
-                reason = engine.refusal()
-                if not reason:
-                    raise RunError(f"Snakemake started no point; see {engine.log}")
-                note_refused(self.directory, [point.id for point in points], reason)
-            elif self.profile:
+            refused = [point.id for batch in jobs.waiting for point in batch.points]
+            if not refused and self._states(points) == before:
+                raise RunError(f"no job has started a point; their logs are in {self.directory / layout.LOGS}")
+            note_refused(self.directory, refused, jobs.refusal)
+            if self.profile:
                 note_ended(self.directory, [point.id for point in points])
         self._update_points()
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
         return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
 
-    def _watch(self, engine: Engine) -> None:
-        """Wait until the jobs have ended, which on a cluster Snakemake may notice minutes later."""
-        asked = last_seen = time.monotonic()
-        seen = False
-        while engine.running():
+    def _watch(self, jobs: Jobs) -> None:
+        """Wait until the jobs have ended; stop them on request."""
+        while self.open and jobs.running():
             time.sleep(_POLL)
             self._look()
             if self.stop.count or (self.directory / layout.STOP).exists():
-                self._stop_jobs(engine)
-                return
-            if not self.profile and not self.open:
-                return  # Snakemake takes another second to end
-            if self.profile and time.monotonic() > asked + _QUEUE_POLL:
-                asked = time.monotonic()
-                try:
-                    jobs = slurm.jobs_of(self.directory)
-                    live = bool(jobs)
-                    self._report_pending(jobs)
-                except RunError:
-                    live = True  # unknown: rely on Snakemake
-                if live:
-                    seen, last_seen = True, asked
-                elif seen and (not self.open or asked > last_seen + _GONE):
-                    return
-
-    def _report_pending(self, jobs: Sequence[slurm.QueuedJob]) -> None:
-        """Log once each unusual reason why jobs are pending."""
-        for reason in {job.reason for job in jobs if job.pending} - self.reported:
-            self.reported.add(reason)
-            if reason not in _USUAL:
-                logger.warning(
-                    "%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", self.scan.name, reason.strip("()")
-                )
-
-    def _stop_jobs(self, engine: Engine) -> None:
-        """Make running points write checkpoints, and cancel pending jobs."""
-        if self.stop.count:
-            logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
-        with contextlib.suppress(OSError):
-            (self.directory / layout.STOP).touch()
-        if not self.profile:
-            engine.drain()
-            while engine.running() and self.stop.count < _FORCED:
-                time.sleep(_POLL)
-            return
-        engine.kill()  # no further job is submitted
-        slurm.cancel([job for job in slurm.jobs_of(self.directory) if job.pending])
-        patience = time.monotonic() + _PATIENCE
-        while slurm.jobs_of(self.directory):
-            time.sleep(_QUEUE_POLL)
-            if time.monotonic() > patience or self.stop.count >= _FORCED:
-                slurm.cancel(slurm.jobs_of(self.directory))
-                return
+                if self.stop.count:
+                    logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
+                with contextlib.suppress(OSError):
+                    (self.directory / layout.STOP).touch()
+                return jobs.stop(lambda: self.stop.count >= _FORCED)
 
     def _why_stopped(self) -> None:
         path = self.directory / layout.STOP
@@ -346,7 +300,7 @@ def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> 
 
 
 def _load() -> None:
-    """Import what table, figures and report need, while Snakemake starts and other cores are idle."""
+    """Import what table, figures and report need, while the jobs start."""
     import granwave.analysis.reports.report
     import granwave.analysis.scans.figures  # noqa: F401
 

@@ -1,9 +1,8 @@
-"""Snakemake as a subprocess: runs the jobs of a scan locally or on a cluster, and retries killed jobs once."""
+"""Jobs of a scan, one for each batch: processes on this machine, or jobs of Slurm; as many at once as have room."""
 
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 import os
 import re
@@ -11,181 +10,203 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
-from importlib import util
+import time
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import available_memory, replace_text
-from granwave.lammps_inputs.run_directory import SCAN_WORK
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import available_memory
 from granwave.workflows.run import mpi
-from granwave.workflows.scanning import layout
+from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.batches import Batch
 from granwave.workflows.scanning.slurm import Profile
 
 LOCAL, SLURM = "local", "slurm"
 EXECUTORS = (LOCAL, SLURM)
-_REFUSALS = (  # in the log of Snakemake
-    re.compile(r"(SLURM-job '\d+' failed, SLURM status is: '\w+')"),
-    re.compile(r"Job submission failed with exception: (.*?)(?:For further error details|$)", re.MULTILINE),
-    re.compile(r"sbatch failed\. The error message was '(.*?)'\.?$", re.MULTILINE | re.DOTALL),
-)
-#: Options of sbatch that Snakemake takes as resources, with their names.
-_RESOURCES = {"--constraint": "constraint", "-C": "constraint", "--qos": "qos", "-q": "qos", "--gres": "gres"}
+_POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of processes, and of the queue
+_PATIENCE = 60.0  # s that running jobs have to stop after a request
 _LEAST_MINUTES = 10  # shortest default time limit
 _WARNING = 90  # s before the time limit at which points write checkpoints
-_SNAKEFILE = Path(__file__).with_name("Snakefile")
 
 
-def check_installed(executor: str) -> None:
-    """Raise InputError if Snakemake, or its plugin for an executor, is missing."""
-    if util.find_spec("snakemake") is None:
-        raise InputError("granwave scan: Snakemake is not installed; pip install 'granwave[scan]'")
-    if executor == SLURM and util.find_spec("snakemake_executor_plugin_slurm") is None:
-        raise InputError("--executor slurm: Snakemake's plugin is not installed; pip install 'granwave[scan]'")
-
-
-class Engine:
-    """One round of jobs.
+class Jobs:
+    """Jobs of one round; a batch whose job was killed gets another one.
 
     Parameters
     ----------
-    name, directory
-        Name and directory of the scan.
+    directory
+        Directory of the scan.
     batches
         Batches of points, the longest first.
-    jobs
-        Number of simultaneous jobs (local: cores).
-    profile
-        Profile of the cluster; None for this machine.
+
+    Attributes
+    ----------
+    waiting
+        Batches without a job so far.
+    refusal
+        Reason why no job can be started for them; empty if they can.
     """
 
-    def __init__(
-        self, name: str, directory: Path, batches: Sequence[Batch], *, jobs: int, profile: Profile | None
-    ) -> None:
-        self.name, self.directory, self.profile = name, directory, profile
-        round_name = batches[0].id.split("x")[0]
-        plan = directory / SCAN_WORK / f"jobs-{round_name}.json"
-        replace_text(plan, json.dumps(self._plan(batches)))
-        self.log = directory / layout.LOGS / f"snakemake-{round_name}.log"
-        command = [
-            *mpi.PYTHON, "-m", "snakemake", "--workflow-profile", "none",
-            "--snakefile", str(_SNAKEFILE), "--directory", str(directory),
-            "--config", f"jobs={plan.relative_to(directory)}",
-            "--keep-going", "--retries", "1", "--nolock", "--rerun-incomplete",
-            "--rerun-triggers", "mtime", "--scheduler", "greedy",
-            "--nocolor", "--latency-wait", "30",
-            # prioritise the longest, so that no worker waits long for the last one
-            "--prioritize", *(f"{layout.DONE}/{batch.id}" for batch in batches[: min(len(batches) // 2 + 1, 500)]),
-            *self._executor(jobs, batches),
-        ]  # fmt: skip
-        environment = {**mpi.alone(), "OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}  # of its jobs too
-        environment.pop("SNAKEMAKE_PROFILE", None)
-        if profile is None:
-            environment[layout.DRIVER] = str(os.getpid())
-        with self.log.open("ab") as log:
-            # a new session: Ctrl-C reaches only the driver, which stops the jobs with checkpoints
-            self._process = subprocess.Popen(
-                command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True
-            )
-
-    def refusal(self) -> str:
-        """Return why a job could not be submitted, from sbatch or Snakemake; empty if all were."""
-        text = self.log.read_text(encoding="utf-8", errors="replace")
-        found = [match[1] for pattern in _REFUSALS for match in pattern.finditer(text)]
-        lines = [line.removeprefix("sbatch: error: ").strip(" .'") for line in found[-1].splitlines()] if found else []
-        return "; ".join(dict.fromkeys(filter(None, lines)))
+    def __init__(self, directory: Path, batches: Iterable[Batch]) -> None:
+        self.directory, self.waiting, self.refusal = directory, list(batches), ""
+        self._live: dict[Any, Batch] = {}  # by process, or by id of the job
+        self._repeated: set[str] = set()
 
     def running(self) -> bool:
-        """Return True while jobs are running or pending."""
-        return self._process.poll() is None
+        """Start the jobs that have room; return True while jobs are running or pending."""
+        for job in self._ended():
+            batch = self._live.pop(job)
+            if batch.id not in self._repeated and not all(layout.is_final(self.directory, p.id) for p in batch.points):
+                self._repeated.add(batch.id)
+                self.waiting.insert(0, batch)
+        for batch in [*self.waiting]:
+            if self._has_room(batch) and (job := self._start(batch)) is not None:
+                self._live[job] = batch
+                self.waiting.remove(batch)
+        return bool(self._live) or (bool(self.waiting) and not self.refusal)
 
-    def drain(self) -> None:
-        """Start no further job; Snakemake ends after the running ones."""
-        with contextlib.suppress(ProcessLookupError):
-            os.kill(self._process.pid, signal.SIGTERM)
+    def stop(self, in_haste: Callable[[], bool]) -> None:
+        """Start no further job, and wait until the running ones have stopped, which a file has asked for.
+
+        Parameters
+        ----------
+        in_haste
+            Function that returns True when there is no more time to wait.
+        """
+        self._repeated |= {batch.id for batch in self._live.values()}
+        self.waiting.clear()
+        while self.running() and not in_haste():
+            time.sleep(_POLL)
 
     def kill(self) -> None:
-        """Kill Snakemake; jobs on a cluster continue."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self._process.pid, signal.SIGKILL)
-        self._process.wait()
+        """Kill what still runs on this machine."""
 
-    def _plan(self, batches: Sequence[Batch]) -> dict[str, object]:
-        jobs = {
-            batch.id: {
-                "threads": batch.ranks,
-                "resources": {
-                    "mem_mb": int(batch.memory / 1e6) + 1,
-                    **(resources_of(self.profile, batch) if self.profile else {}),
-                },
-            }
-            for batch in batches
-        }
-        before = self.profile.before.replace("{", "{{").replace("}", "}}") + "\n" if self.profile else ""
-        return {"python": sys.executable, "before": before, "jobs": jobs}
+    def _ended(self) -> list[Any]:
+        raise NotImplementedError
 
-    def _executor(self, jobs: int, batches: Sequence[Batch]) -> list[str]:
-        if self.profile is not None:
-            return ["--executor", "slurm", "--jobs", str(jobs), *_snakemake_options(self.profile, self.name)]
-        memory = max(available_memory(), max(batch.memory for batch in batches))
-        return ["--cores", str(jobs), "--resources", f"mem_mb={int(memory / 1e6) + 1}"]
+    def _has_room(self, batch: Batch) -> bool:
+        raise NotImplementedError
+
+    def _start(self, batch: Batch) -> Any:
+        """Start a job, and return what it is known by; None if that is not possible now."""
+        raise NotImplementedError
 
 
-def resources_of(profile: Profile, batch: Batch) -> dict[str, Any]:
-    """Return the resources of a job for Snakemake's Slurm plugin."""
+class Processes(Jobs):
+    """Jobs on so many cores of this machine, and in its memory."""
+
+    def __init__(self, directory: Path, batches: Sequence[Batch], cores: int) -> None:
+        super().__init__(directory, batches)
+        self._cores = cores
+        self._memory = max(available_memory(), *(batch.memory for batch in batches))
+
+    def kill(self) -> None:
+        """Kill the processes of all jobs."""
+        for process in self._live:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+    def _ended(self) -> list[Any]:
+        return [process for process in self._live if process.poll() is not None]
+
+    def _has_room(self, batch: Batch) -> bool:
+        batches = [batch, *self._live.values()]
+        cores = sum(min(one.ranks, self._cores) for one in batches)
+        return cores <= self._cores and sum(one.memory for one in batches) <= self._memory
+
+    def _start(self, batch: Batch) -> Any:
+        with (self.directory / layout.LOGS / f"{batch.id}.log").open("ab") as log:
+            # a new session: Ctrl-C reaches only the driver, which stops the jobs with checkpoints
+            return subprocess.Popen(
+                _worker(batch), cwd=self.directory, env=_environment() | {layout.DRIVER: str(os.getpid())},
+                stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
+            )  # fmt: skip
+
+
+class SlurmJobs(Jobs):
+    """Jobs of Slurm, so many at once, by the profile of a cluster; ``name`` is that of the scan."""
+
+    def __init__(self, directory: Path, batches: Sequence[Batch], at_once: int, profile: Profile, name: str) -> None:
+        super().__init__(directory, batches)
+        self._at_once, self._profile, self._name = at_once, profile, name
+        self._asked = -math.inf  # time of the last look at the queue
+        self._reported: set[str] = set()  # reasons of pending jobs
+
+    def running(self) -> bool:
+        """As of all jobs, from time to time."""
+        if time.monotonic() > self._asked + _QUEUE_POLL:
+            self._unended, self._asked = super().running(), time.monotonic()
+        return self._unended
+
+    def stop(self, in_haste: Callable[[], bool]) -> None:
+        """Take pending jobs back, and wait for the others; then cancel them."""
+        slurm.cancel([job for job in slurm.jobs_of(self.directory) if job.pending])
+        patience = time.monotonic() + _PATIENCE
+        while jobs := slurm.jobs_of(self.directory):
+            if time.monotonic() > patience or in_haste():
+                return slurm.cancel(jobs)
+            time.sleep(_QUEUE_POLL)
+
+    def _ended(self) -> list[Any]:
+        if not self._live:
+            return []
+        try:
+            slurm.warn_of_pending(self.directory, self._name, self._reported)
+            live = slurm.unended(self._live, self._profile.status)
+        except RunError:  # unknown
+            return []
+        return [job for job in self._live if job not in live]
+
+    def _has_room(self, batch: Batch) -> bool:
+        return len(self._live) < self._at_once and not self.refusal
+
+    def _start(self, batch: Batch) -> Any:
+        logs = self.directory / layout.LOGS / batch.id
+        logs.mkdir(exist_ok=True)
+        command, script = submission(self._profile, batch, self._name)
+        environment = {name: value for name, value in _environment().items() if not name.startswith("SLURM_")}
+        try:
+            return slurm.ask(command, input=script, env=environment, cwd=self.directory).strip().partition(";")[0]
+        except RunError as error:
+            if not self._live:  # otherwise there may be a limit, and room later
+                lines = str(error).removeprefix("sbatch failed: ").split("sbatch: error: ")
+                self.refusal = "; ".join(dict.fromkeys(filter(None, (line.strip(" .") for line in lines))))
+            return None
+
+
+def submission(profile: Profile, batch: Batch, name: str) -> tuple[list[str], str]:
+    """Return the command that submits a batch of the scan ``name`` to Slurm, and the script that it reads."""
     minutes = profile.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
-    # signal before the limit, to the job steps and not to the shell, which would end at once
-    warning = min(_WARNING, minutes * 60 // 3)
-    resources, options = _split(profile.options)
-    found: dict[str, Any] = {
-        "runtime": minutes,
-        "mem_mb": profile.memory or math.ceil(batch.memory / 1e6),
-        "slurm_extra": " ".join([f"--signal=TERM@{warning}", *map(shlex.quote, options)]),
-        **resources,
-    }
+    given = {"partition": profile.partition, "account": profile.account}
     if batch.ranks > 1:
-        found |= {"mpi": "srun", "tasks": batch.ranks, "nodes": _nodes_of(profile, batch)}
-    return found
+        given["nodes"] = str(_nodes_of(profile, batch))
+    command = [
+        "sbatch", "--parsable", "--export=ALL", f"--comment={slurm.COMMENT}{batch.id}",
+        f"--job-name=granwave-{re.sub(r'[^A-Za-z0-9]', '', name)}", f"--output={layout.LOGS}/{batch.id}/%j.log",
+        *(f"--{option}={value}" for option, value in given.items() if value),
+        f"--ntasks={batch.ranks}", f"--time={minutes}", f"--mem={profile.memory or math.ceil(batch.memory / 1e6)}",
+        # before the limit, to the job steps and not to the shell, which would end at once
+        f"--signal=TERM@{min(_WARNING, minutes * 60 // 3)}", *shlex.split(profile.options),
+    ]  # fmt: skip
+    step = [] if batch.ranks > 1 else ["srun", "--ntasks=1", "--cpu-bind=q"]
+    return command, f"#!/bin/bash\nset -euo pipefail\n{profile.before}\nexec {shlex.join([*step, *_worker(batch)])}\n"
+
+
+def launcher_of(profile: Profile | None, batch: Batch) -> list[str]:
+    """Return the command that starts the ranks of a point; empty for the usual one of this machine."""
+    words = profile.launcher.split() if profile else []
+    return [*words, "-N", str(_nodes_of(profile, batch))] if profile and words[0] == "srun" else words
 
 
 def _nodes_of(profile: Profile, batch: Batch) -> int:
-    """Return the number of nodes for the ranks of a batch."""
     return min(profile.nodes, batch.ranks)
 
 
-def launcher_of(profile: Profile, batch: Batch) -> list[str]:
-    """Return the command that starts the ranks of a point."""
-    words = profile.launcher.split()
-    return [*words, "-N", str(_nodes_of(profile, batch))] if words[0] == "srun" else words
+def _worker(batch: Batch) -> list[str]:
+    return [sys.executable, "-P", "-m", "granwave.workflows.cli.worker", f"{layout.BATCHES}/{batch.id}.json"]
 
 
-def _snakemake_options(profile: Profile, name: str) -> list[str]:
-    """Return the options of Snakemake for this cluster and the scan ``name``."""
-    defaults = [
-        *([f"slurm_partition={profile.partition}"] if profile.partition else []),
-        *([f"slurm_account={profile.account}"] if profile.account else []),
-    ]
-    return [
-        "--slurm-status-command", profile.status,
-        "--slurm-init-seconds-before-status-checks", "5",
-        "--seconds-between-status-checks", "5",
-        "--slurm-jobname-prefix", "granwave-" + re.sub(r"[^A-Za-z0-9]", "", name),
-        "--slurm-logdir", str(layout.LOGS),
-        "--slurm-delete-logfiles-older-than", "0",
-        *(["--default-resources", *defaults] if defaults else []),
-    ]  # fmt: skip
-
-
-def _split(options: str) -> tuple[dict[str, str], list[str]]:
-    """Separate options that Snakemake takes as resources from the others."""
-    resources, others = {}, []
-    words = iter(shlex.split(options))
-    for word in words:
-        name, _, value = word.partition("=")
-        if name in _RESOURCES:
-            resources[_RESOURCES[name]] = value or next(words, "")
-        else:
-            others.append(word)
-    return resources, others
+def _environment() -> dict[str, str]:
+    return {**mpi.alone(), "OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}

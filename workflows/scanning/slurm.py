@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import json
+import logging
 import os
 import re
 import shlex
@@ -108,7 +109,15 @@ def load_profile(path: str | Path) -> Profile:
     return profile
 
 
-_BATCH = re.compile(r"rule_(?:serial|parallel)_wildcards_(\w+)")  # in the comment that Snakemake gives a job
+logger = logging.getLogger(__name__)
+
+COMMENT = "granwave batch "  # of our jobs, followed by the id of the batch
+_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # normal reasons of pending jobs
+_STATES = {  # commands that list jobs with their states
+    "squeue": ["squeue", "--me", "--noheader", "--format=%i|%T"],
+    "sacct": ["sacct", "-X", "-n", "-P", "-o", "JobID,State"],
+}
+_UNENDED = ("PENDING", "RUNNING", "CONFIGURING", "COMPLETING", "SUSPENDED", "REQUEUED", "RESIZING", "STOPPED")
 _ANSWER = 60.0  # s, time limit for an answer of Slurm
 
 
@@ -147,11 +156,25 @@ def jobs_of(directory: Path) -> list[QueuedJob]:
     jobs = []
     for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
         name, state, reason, comment, place = line.split("|", 4)
-        batch = _BATCH.search(comment)
-        if batch and os.path.realpath(place) == os.path.realpath(directory):
-            points = _points(directory / layout.BATCHES / f"{batch[1]}.json")
+        if comment.startswith(COMMENT) and os.path.realpath(place) == os.path.realpath(directory):
+            points = _points(directory / layout.BATCHES / f"{comment.removeprefix(COMMENT)}.json")
             jobs.append(QueuedJob(name, state == "PENDING", points, reason))
     return jobs
+
+
+def unended(jobs: Iterable[str], status: str) -> set[str]:
+    """Return those of these jobs that are pending or running, by ``status`` of the profile; raise as `jobs_of`."""
+    asked = [*_STATES[status], *([f"--jobs={','.join(jobs)}"] if status == "sacct" else [])]
+    lines = [line.split("|") for line in ask(asked).splitlines()]
+    return {name for name, state in lines if state in _UNENDED}
+
+
+def warn_of_pending(directory: Path, scan: str, reported: set[str]) -> None:
+    """Log the unusual reasons why jobs of a scan are pending that were not ``reported``, and add them there."""
+    for reason in {job.reason for job in jobs_of(directory) if job.pending} - reported:
+        reported.add(reason)
+        if reason not in _USUAL:
+            logger.warning("%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", scan, reason.strip("()"))
 
 
 def cancel(jobs: list[QueuedJob]) -> None:
@@ -167,10 +190,10 @@ def _points(batch: Path) -> tuple[str, ...]:
         return ()
 
 
-def ask(command: list[str]) -> str:
-    """Return the output of a command of Slurm; raise RunError with its message on failure."""
+def ask(command: list[str], **options: Any) -> str:
+    """Return the output of a command of Slurm, run with options of `subprocess.run`; raise RunError on failure."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False, **options)
     except OSError as error:
         raise RunError(f"{command[0]} cannot be run: {error.strerror}") from None
     except subprocess.TimeoutExpired:
@@ -224,7 +247,7 @@ def end_of(directory: Path, job: str) -> str:
     An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
     """
     state = _state_of(job)
-    lines = [line for log in (directory / layout.LOGS).glob(f"rule_*/*/{job}.log") for line in _lines_of(log)]
+    lines = [line for log in (directory / layout.LOGS).glob(f"**/{job}.log") for line in _lines_of(log)]
     errors = "; ".join(dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line))))
     if not state:
         return ""

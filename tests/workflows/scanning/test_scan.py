@@ -351,17 +351,12 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
 
 
 @pytest.mark.validation
-def test_a_scan_survives_its_engine_and_a_worker(start: Start, tmp_path: Path) -> None:
+def test_a_scan_survives_a_worker(start: Start, tmp_path: Path) -> None:
     directory = tmp_path / "out"
     process = start(LONG % 3e-3)
     wait_for((directory / "scan.json").exists, beside=process)
     long = directory / "unfinished" / json.loads((directory / "scan.json").read_text())["points"][0]["id"]
     wait_for(lambda: growing(long), beside=process)
-    engine = [child for child in children(process.pid) if "snakemake" in Path(f"/proc/{child}/cmdline").read_text()]
-    os.kill(engine[0], signal.SIGKILL)
-
-    # the driver starts another one; a worker is killed: its point finishes nevertheless, and counts
-    wait_for(lambda: record(long).get("attempts") == 2 and growing(long), beside=process)
     os.kill(record(long)["pid"], signal.SIGKILL)
     _, errors = process.communicate(timeout=200)
     assert process.returncode == 0, errors

@@ -10,7 +10,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_profile, load_scan
 from granwave.workflows.scanning.batches import make_batches
-from granwave.workflows.scanning.engine import resources_of
+from granwave.workflows.scanning.engine import submission
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
 
 
@@ -190,10 +190,10 @@ def test_options_of_a_profile_that_have_their_own_place(tmp_path: Path, options:
         load_profile(tmp_path / "p.toml")
 
 
-def test_options_that_snakemake_wants_as_resources(tmp_path: Path, load: Load) -> None:
-    (tmp_path / "p.toml").write_text('[slurm]\noptions = "--constraint=genoa -q long --exclusive"\n')
+def test_a_profile_tells_how_jobs_are_submitted(tmp_path: Path, load: Load) -> None:
+    (tmp_path / "p.toml").write_text('[slurm]\nmemory = 70\noptions = "-q long --comment2=\'a b\'"\nbefore = "module load x"\n')
     points = list(load(SMALL + VELOCITIES).distinct.values())
     (batch, *_) = make_batches(points, workers=1, job_start=1.0, prefix="a", slowness=1.0)
-    found = resources_of(load_profile(tmp_path / "p.toml"), batch)
-    assert (found["constraint"], found["qos"]) == ("genoa", "long")
-    assert found["slurm_extra"].split()[1:] == ["--exclusive"]
+    command, script = submission(load_profile(tmp_path / "p.toml"), batch, "my")
+    assert command[-3:] == ["-q", "long", "--comment2=a b"] and "--mem=70" in command and "--ntasks=1" in command
+    assert "\nmodule load x\nexec srun --ntasks=1 " in script and script.endswith(f"batches/{batch.id}.json\n")
