@@ -10,7 +10,7 @@ import pytest
 
 from tests.documents.pages import ROOT
 
-yaml = pytest.importorskip("yaml")  # comes with Snakemake
+yaml = pytest.importorskip("yaml")
 
 
 def extension(name: str) -> ModuleType:

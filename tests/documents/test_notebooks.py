@@ -56,5 +56,4 @@ def test_fields_of_a_material(tmp_path):
 @pytest.mark.parametrize("notebook", [n for n in NOTEBOOKS if n.stem != IN_EVERY_TEST], ids=lambda n: n.stem)
 def test_the_others(notebook, tmp_path):
     pytest.importorskip("IPython", reason="a notebook shows a picture with it; make docs installs it")
-    pytest.importorskip("snakemake")
     assert run(notebook, tmp_path) < LONGEST

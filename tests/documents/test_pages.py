@@ -49,7 +49,6 @@ def test_the_readme_is_short():
 
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
 def test_python(page, tmp_path):
-    pytest.importorskip("snakemake")
     write_files(page, tmp_path)
     (tmp_path / "page.py").write_text(
         "\n".join(block.text for block in blocks(page) if block.language == "python" and not block.caption)

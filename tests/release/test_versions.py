@@ -9,7 +9,7 @@ import pytest
 
 from tests.documents.pages import ROOT
 
-yaml = pytest.importorskip("yaml")  # comes with Snakemake
+yaml = pytest.importorskip("yaml")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 

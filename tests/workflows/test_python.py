@@ -249,7 +249,6 @@ def test_options_are_called_asin_python():
 
 
 def test_scan(tmp_path):
-    pytest.importorskip("snakemake")
     case = gw.case(PAIR)
     asked = {"name": "pairs", "case": case, "grid": {"load.velocity": np.array([1.0, 2.0])}}
     scan = gw.scan(asked, directory=tmp_path / "pairs", jobs=1, run__end_time=6e-5)
@@ -266,7 +265,6 @@ def test_scan(tmp_path):
 
 
 def test_points_that_fail_are_reported(tmp_path, caplog):
-    pytest.importorskip("snakemake")
     scan = gw.scan({"case": PAIR, "grid": {"run.timestep": [1e-8, 5e-6]}}, directory=tmp_path, jobs=1)
     assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
     assert "the energy balance was refused" in scan.table.loc[2, "reason"]

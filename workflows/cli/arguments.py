@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.case.hints import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 BENCH_PARTS = ("styles", "sizes", "ranks", "study")
 _MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
+_SHORTEST, _LONGEST = POSSIBLE["m"]
 
 
 def output_name(text: str) -> Path:
@@ -35,47 +37,37 @@ def input_name(text: str) -> Path:
     return Path(text)
 
 
-def positive(text: str) -> int:
-    """Read a whole number from 1 up."""
-    return _whole(text, 1)
-
-
-def bench_parts(text: str) -> tuple[str, ...]:
-    """Read names of parts of the bench."""
-    found = words(text)
-    if unknown := [name for name in found if name not in BENCH_PARTS]:
-        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(BENCH_PARTS)}")
-    return found
-
-
-def radius(text: str) -> float:
-    """Read a radius, m."""
-    value = number(text)
-    low, high = POSSIBLE["m"]
-    if not (low <= value <= high or value == math.inf):  # infinite: a plane, if the command allows one
-        raise argparse.ArgumentTypeError(f"found {text}, expected a length from {low:g} to {high:g} m")
-    return value
-
-
-def overlap(text: str) -> float:
-    """Read an overlap over that at first yield."""
-    value = number(text)
-    if not 0 < value <= _LARGEST_OVERLAP:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 and at most {_LARGEST_OVERLAP:g}")
-    return value
-
-
-def seconds(text: str) -> float:
-    """Read a time above 0, s."""
-    return _above_zero(text, "s")
-
-
 def number(text: str) -> float:
     """Read a number."""
     try:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected a number") from None
+
+
+def _number(
+    expected: str, accepts: Callable[[float], bool], kind: Callable[[float], Any] = float
+) -> Callable[[str], Any]:
+    """Make a function that reads a number of a kind."""
+
+    def read(text: str) -> Any:
+        if not accepts(value := number(text)):
+            raise argparse.ArgumentTypeError(f"found {text}, expected {expected}")
+        return kind(value)
+
+    return read
+
+
+positive = _number("a whole number, 1 or more", lambda value: value.is_integer() and value >= 1, int)
+count = _number("a whole number, 0 or more", lambda value: value.is_integer() and value >= 0, int)
+seconds = _number("a number above 0 (s)", lambda value: 0 < value < math.inf)
+hertz = _number("a number above 0 (Hz)", lambda value: 0 < value < math.inf)
+#: An overlap over that at first yield.
+overlap = _number(f"a number above 0 and at most {_LARGEST_OVERLAP:g}", lambda value: 0 < value <= _LARGEST_OVERLAP)
+#: A radius, m; infinite: a plane, if the command allows one.
+radius = _number(
+    f"a length from {_SHORTEST:g} to {_LONGEST:g} m", lambda value: _SHORTEST <= value <= _LONGEST or value == math.inf
+)
 
 
 def words(text: str) -> tuple[str, ...]:
@@ -86,28 +78,12 @@ def words(text: str) -> tuple[str, ...]:
     return found
 
 
-def hertz(text: str) -> float:
-    """Read a frequency above 0, Hz."""
-    return _above_zero(text, "Hz")
-
-
-def _above_zero(text: str, unit: str) -> float:
-    value = number(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a number above 0 ({unit})")
-    return value
-
-
-def count(text: str) -> int:
-    """Read a whole number from 0 up."""
-    return _whole(text, 0)
-
-
-def _whole(text: str, least: int) -> int:
-    value = number(text)
-    if not value.is_integer() or value < least:
-        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number, {least} or more")
-    return int(value)
+def bench_parts(text: str) -> tuple[str, ...]:
+    """Read names of parts of the bench."""
+    found = words(text)
+    if unknown := [name for name in found if name not in BENCH_PARTS]:
+        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(BENCH_PARTS)}")
+    return found
 
 
 def shares(text: str) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ import argparse
 import importlib
 import re
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
@@ -20,6 +20,9 @@ from granwave.workflows import library
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.scanning.engine import EXECUTORS
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
+
+if TYPE_CHECKING:
+    from granwave.workflows.cli.keys import Key
 
 _WORD = re.compile(r'"([^"]+)"')
 
@@ -53,10 +56,11 @@ def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
 
 
 def _names(names: Names) -> Callable[..., list[str]]:
-    """Completer of names."""
+    """Completer of a name, or of names with commas between them."""
 
     def completer(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
-        return [name for name in names(parsed_args) if name.startswith(prefix)]
+        before, comma, last = prefix.rpartition(",")
+        return [f"{before}{comma}{name}" for name in names(parsed_args) if name.startswith(last)]
 
     return completer
 
@@ -75,34 +79,24 @@ def _studies(kind: str, *verbs: str) -> Callable[..., list[str]]:
     return completer
 
 
-def _listed(names: Names) -> Callable[..., list[str]]:
-    """Completer of words with commas between them."""
-
-    def completer(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
-        before, comma, last = prefix.rpartition(",")
-        return [f"{before}{comma}{name}" for name in names(parsed_args) if name.startswith(last)]
-
-    return completer
-
-
 def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
     """Complete KEY=VALUE: keys with their ``=``, then the words that a key accepts."""
     key, equals, written = prefix.partition("=")
     if equals:
         return [f"{key}={value}" for value in _values(key) if value.startswith(written)]
-    return [f"{name}=" for name in _keys(parsed_args) if name.startswith(prefix)]
+    return [f"{name}=" for name in _keys(_kind_of_file(parsed_args), first=".1") if name.startswith(prefix)]
 
 
-def _keys(options: argparse.Namespace) -> list[str]:
-    """Return the dotted keys of the kind of case that a command runs; entries of lists have the number 1."""
+def _keys(*files: str, first: str = "") -> dict[str, Key]:
+    """Return the keys of kinds of files by dotted name; entries of lists have the number ``first``."""
     from granwave.workflows.cli.keys import tables
 
-    found = []
-    for table in tables():
-        name = f"{table.name}.1" if table.heading.startswith("[[") else table.name
-        if table.file == _kind_of_file(options):
-            found += [key.name if not table.heading else f"{name}.{key.name}" for key in table.keys]
-    return found
+    return {
+        f"{table.name}{first if table.heading.startswith('[[') else ''}.{key.name}" if table.heading else key.name: key
+        for table in reversed(tables())  # the first of several counts
+        for key in table.keys
+        if table.file in (files or (table.file,))
+    }
 
 
 def _kind_of_file(options: argparse.Namespace) -> str:
@@ -118,14 +112,10 @@ def _kind_of_file(options: argparse.Namespace) -> str:
 
 def _values(name: str) -> list[str]:
     """Return the words that a key accepts."""
-    from granwave.workflows.cli.keys import tables
-
     if name.rpartition(".")[2] in ("material", "preset"):
         return list(presets())
-    table_name, _, last = re.sub(r"\.\d+", "", name).rpartition(".")
-    accepts = next(
-        (key.accepts for table in tables() if table.name == table_name for key in table.keys if key.name == last), ""
-    )
+    key = _keys().get(re.sub(r"\.\d+", "", name))
+    accepts = key.accepts if key else ""
     listed = accepts.partition(";")[0].removeprefix("one of ").split(", ") if accepts.startswith("one of ") else []
     return [word.strip('"') for word in listed] or _WORD.findall(accepts)
 
@@ -156,11 +146,11 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("show", "name"): _names(lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
-    ("figures", "only"): _listed(_table("figures.run_figures", "FIGURES")),
+    ("figures", "only"): _names(_table("figures.run_figures", "FIGURES")),
     ("film", "quantity"): _names(_table("films", "QUANTITIES")),
     ("film", "view"): _names(_table("films", "VIEWS")),
     ("export", "to"): _names(_table("exports.export", "FORMATS")),
     ("law", "material"): _PRESETS,
     ("fit", "material"): _PRESETS,
-    ("bench", "parts"): _listed(lambda _: BENCH_PARTS),
+    ("bench", "parts"): _names(lambda _: BENCH_PARTS),
 }

@@ -27,6 +27,7 @@ EXECUTORS = (LOCAL, SLURM)
 _POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of processes, and of the queue
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
 _LEAST_MINUTES = 10  # shortest default time limit
+_LEFT_ALONE = 30  # s that ranks may go on after one has died
 _WARNING = 90  # s before the time limit at which points write checkpoints
 
 
@@ -197,7 +198,9 @@ def submission(profile: Profile, batch: Batch, name: str) -> tuple[list[str], st
 def launcher_of(profile: Profile | None, batch: Batch) -> list[str]:
     """Return the command that starts the ranks of a point; empty for the usual one of this machine."""
     words = profile.launcher.split() if profile else []
-    return [*words, "-N", str(_nodes_of(profile, batch))] if profile and words[0] == "srun" else words
+    if profile and words[0] == "srun":
+        words += [f"--wait={_LEFT_ALONE}", "-N", str(_nodes_of(profile, batch))]
+    return words
 
 
 def _nodes_of(profile: Profile, batch: Batch) -> int:

