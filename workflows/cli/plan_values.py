@@ -20,7 +20,6 @@ from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.plan import Plan
 
 _MOST_GAPS = 3
-_KILO = 1e-3  # kHz in a Hz
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
@@ -188,19 +187,3 @@ def small_waves(case: Case) -> dict[str, Any] | None:
             for one in frequencies
         ],
     }
-
-
-def wave_rows(waves: dict[str, Any] | None) -> list[tuple[str, str]]:
-    """Return rows for the table of a plan."""
-    if waves is None:
-        return []
-    bounds = ", ".join(f"{_KILO * low:.4g} to {_KILO * high:.4g}" for low, high in waves["gaps_Hz"])
-    but = f", but for gaps: {bounds} kHz" if bounds else ""
-    rows = [("small waves", f"up to {_KILO * waves['highest_Hz']:.4g} kHz{but}")]
-    if waves["speed_m_s"] is not None:
-        long = f"long ones {waves['speed_m_s']:.4g} m/s: from end to end ({waves['length_m']:.3g} m) in "
-        rows.append(("", f"{long}{waves['travel_time_s']:.3g} s"))
-    for load in waves["load"]:
-        fate = "passes" if load["passes"] else "is stopped"
-        rows.append(("load's frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"))
-    return rows

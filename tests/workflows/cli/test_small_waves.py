@@ -8,7 +8,8 @@ import re
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.plan_values import small_waves, wave_rows
+from granwave.workflows.cli.check import wave_rows
+from granwave.workflows.cli.plan_values import small_waves
 from granwave.workflows.library import find_for, load_case
 
 FORCE, DIAMETER = 20.0, 0.010
@@ -38,7 +39,7 @@ def numbers(text):
 
 def test_cut_off_and_speed():
     cut_off, speed = closed_forms()
-    rows = wave_rows(small_waves(chain()))
+    rows = list(wave_rows(small_waves(chain())))
     assert numbers(rows[0][1])[0] == pytest.approx(cut_off * 1e-3, rel=1e-3)
     assert numbers(rows[1][1])[0] == pytest.approx(speed, rel=2e-3)
 
@@ -47,7 +48,7 @@ def test_cut_off_and_speed():
 def test_frequency_of_the_load(share, fate):
     cut_off, _ = closed_forms()
     load = {"load": {"kind": "force", "shape": "harmonic", "amplitude": 0.01, "frequency": share * cut_off}}
-    rows = wave_rows(small_waves(chain(**load)))
+    rows = list(wave_rows(small_waves(chain(**load))))
     assert rows[-1][0] == "load's frequency" and rows[-1][1].endswith(fate)
 
 
