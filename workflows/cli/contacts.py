@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,6 +25,8 @@ if TYPE_CHECKING:
 
 def law(options: argparse.Namespace) -> int:
     """Execute ``granwave law``."""
+    from granwave.analysis.contact_law import curves
+
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
     _at_most_two(options)
     if output.suffix not in (".png", ".pdf", ".csv"):
@@ -39,34 +40,24 @@ def law(options: argparse.Namespace) -> int:
     if options.restitution and not LAWS[options.law].yields:
         raise InputError(f"--restitution: a contact of law {options.law} gives all back; choose another --law")
     materials = [material(name) for name in options.material]
-    (_write_restitution if options.restitution else _write_law)(options, materials, output)
+    spheres = contact_of(materials, options.radius, options.law, options.variant)
+    names = " on ".join(options.material)
+    if not options.restitution:
+        curves.write_law(spheres, output, max_overlap=options.max_overlap, title=names)
+    else:
+        first, second = (
+            sphere_mass(m, r)
+            for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
+        )
+        wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
+        contacts = {
+            "two spheres": (spheres, first * second / (first + second)),
+            "sphere and rigid wall": (wall, first),
+        }
+        title = f"{names}, {options.law}"
+        curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
     print(output)
     return 0
-
-
-def _write_law(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
-    from granwave.analysis.contact_law.curves import write_law
-
-    contact = contact_of(materials, options.radius, options.law, options.variant)
-    write_law(contact, output, max_overlap=options.max_overlap, title=" on ".join(options.material))
-
-
-def _write_restitution(options: argparse.Namespace, materials: Sequence[Material], output: Path) -> None:
-    from granwave.analysis.contact_law.curves import write_restitution
-
-    masses = [
-        sphere_mass(m, r)
-        for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
-    ]
-    spheres = contact_of(materials, options.radius, options.law, options.variant)
-    wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
-    contacts = {
-        "two spheres": (spheres, masses[0] * masses[1] / (masses[0] + masses[1])),
-        "sphere and rigid wall": (wall, masses[0]),
-    }
-    write_restitution(
-        contacts, output, max_overlap=options.max_overlap, title=f"{' on '.join(options.material)}, {options.law}"
-    )
 
 
 def _at_most_two(options: argparse.Namespace) -> None:

@@ -65,43 +65,26 @@ def doctor(options: argparse.Namespace) -> int:
 
 def examine(profile: Path | None = None) -> list[Finding]:
     """Check all parts that a run needs, and those that a profile of a cluster names."""
-    found = [check() for check in (_versions, _plugin, _release, _module, _command, _ranks, _completion)]
-    return found if profile is None else [*found, *_cluster(profile)]
-
-
-def _versions() -> Finding:
-    found = versions()
-    missing = [name for name, version in found.items() if version == "not installed"]
-    text = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
-    return Finding("versions", not missing, text, "pip install granwave again, into a virtual environment")
-
-
-def _plugin() -> Finding:
-    path = plugins.library()
-    return Finding(
-        "plugin",
-        path.is_file(),
-        f"{path}, built for LAMMPS {plugins.lammps_release()}",
-        "install granwave again: a wheel needs no compiler, the sources (pip install .) need g++",
-    )
-
-
-def _release() -> Finding:
-    wrong = check_release()
-    return Finding("LAMMPS release", wrong is None, wrong or "the one that the plugin was built for", wrong or "")
-
-
-def _module() -> Finding:
+    found, path, wrong = versions(), plugins.library(), check_release()
+    listed = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
         f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
     )
-    return _attempt(
-        "lammps module",
-        [*mpi.PYTHON, "-c", script],
-        "loads the plugin and runs",
-        "use a virtual environment: mpi4py looks for the environment's libmpi only there",
-    )
+    to_switch_on = "; ".join(f"{line} in {file}" for line, file in SWITCH_ON.values())  # only the shell knows if it is
+    return [
+        Finding("versions", "not installed" not in found.values(), listed,
+                "pip install granwave again, into a virtual environment"),
+        Finding("plugin", path.is_file(), f"{path}, built for LAMMPS {plugins.lammps_release()}",
+                "install granwave again: a wheel needs no compiler, the sources (pip install .) need g++"),
+        Finding("LAMMPS release", wrong is None, wrong or "the one that the plugin was built for", wrong or ""),
+        _attempt("lammps module", [*mpi.PYTHON, "-c", script], "loads the plugin and runs",
+                 "use a virtual environment: mpi4py looks for the environment's libmpi only there"),
+        _command(),
+        _ranks(),
+        Finding("tab completion", True, f"to switch it on: {to_switch_on}"),
+        *([] if profile is None else _cluster(profile)),
+    ]  # fmt: skip
 
 
 def _command() -> Finding:
@@ -113,33 +96,19 @@ def _command() -> Finding:
         deck = Path(scratch) / "in.doctor"
         deck.write_text(_DECK, encoding="ascii")
         command = [found, "-in", str(deck), "-log", "none", "-screen", "none"]
-        return _attempt(
-            "lmp command",
-            command,
-            f"{found} finds the plugin by itself",
-            f"export LAMMPS_PLUGIN_PATH={plugins.directory()}",
-        )
+        remedy = f"export LAMMPS_PLUGIN_PATH={plugins.directory()}"
+        return _attempt("lmp command", command, f"{found} finds the plugin by itself", remedy)
 
 
 def _ranks() -> Finding:
     launcher = Path(sys.prefix) / "bin" / "mpiexec"
     if not launcher.exists():
-        return Finding(
-            "MPI ranks", False, f"no mpiexec in {launcher.parent}", "pip install mpich into this environment"
-        )
+        missing = f"no mpiexec in {launcher.parent}"
+        return Finding("MPI ranks", False, missing, "pip install mpich into this environment")
     script = "import sys; from mpi4py import MPI; n = MPI.COMM_WORLD.size; sys.exit(n != 2 and f'found {n} rank(s)')"
-    return _attempt(
-        "MPI ranks",
-        [str(launcher), "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script],
-        f"two ranks by {launcher}",
-        "mpi4py and mpiexec belong to different MPI libraries",
-    )
-
-
-def _completion() -> Finding:
-    """Tell how tab completion is switched on; only the shell knows whether it is."""
-    words = "; ".join(f"{line} in {file}" for line, file in SWITCH_ON.values())
-    return Finding("tab completion", True, f"to switch it on: {words}")
+    command = [str(launcher), "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
+    remedy = "mpi4py and mpiexec belong to different MPI libraries"
+    return _attempt("MPI ranks", command, f"two ranks by {launcher}", remedy)
 
 
 def _cluster(path: Path) -> list[Finding]:
@@ -147,25 +116,18 @@ def _cluster(path: Path) -> list[Finding]:
     try:
         profile = load_profile(path)
     except InputError as error:
-        remedy = "granwave keys slurm explains the keys"
-        return [Finding("profile", False, "; ".join(error.errors), remedy)]
-    found = [Finding("profile", True, f"{path}")]
-    commands = {"sbatch": "login node", "scancel": "login node", profile.status: "login node"}
-    launcher = shlex.split(profile.launcher or "")[:1]
-    commands |= dict.fromkeys(launcher, "launcher of the profile, after the commands of `before`")
-    before = profile.before or ""
+        return [Finding("profile", False, "; ".join(error.errors), "granwave keys slurm explains the keys")]
+    found, before = [Finding("profile", True, f"{path}")], profile.before
     if before:
-        found.append(
-            _attempt("commands of before", ["bash", "-c", f"set -e\n{before}"], "run", "correct before in the profile")
-        )
-    for command, where in commands.items():
-        script = f"{before if where.startswith('launcher') else ''}\ncommand -v {shlex.quote(command)}"
-        remedy = (
-            "correct launcher or before in the profile"
-            if where.startswith("launcher")
-            else "run on a login node of the cluster"
-        )
-        found.append(_attempt(f"{command} command", ["bash", "-c", script], f"found ({where})", remedy))
+        command = ["bash", "-c", f"set -e\n{before}"]
+        found.append(_attempt("commands of before", command, "run", "correct before in the profile"))
+    for name in dict.fromkeys(("sbatch", "scancel", profile.status)):
+        command = ["bash", "-c", f"command -v {shlex.quote(name)}"]
+        found.append(_attempt(f"{name} command", command, "found (login node)", "run on a login node of the cluster"))
+    for name in shlex.split(profile.launcher)[:1]:
+        command = ["bash", "-c", f"{before}\ncommand -v {shlex.quote(name)}"]
+        where = "found (launcher of the profile, after the commands of `before`)"
+        found.append(_attempt(f"{name} command", command, where, "correct launcher or before in the profile"))
     return found
 
 

@@ -34,19 +34,17 @@ def cases(options: argparse.Namespace) -> int:
     name_width = max(len(entry.name) for entry in found)
     on_terminal = sys.stdout.isatty()
     most = shutil.get_terminal_size().columns if on_terminal else sys.maxsize
+    width = (most if on_terminal else _USUAL_WIDTH) - 2
     briefly = not (options.all or wanted)
     for group in dict.fromkeys(entry.group for entry in found):
         print(coloured(f"{group}:", BOLD, sys.stdout))
         here = [entry for entry in found if entry.group == group]
         lines = [f"{entry.kind}  {entry.name:{name_width}}  {entry.title}" for entry in here]
         if briefly:
-            width = most if on_terminal else _USUAL_WIDTH
-            lines = textwrap.wrap(
-                "  ".join(entry.name for entry in here), width - 2, break_on_hyphens=False, break_long_words=False
-            )
-            lines = [f"  {line}" for line in lines]
-        for line in lines:
-            print(line if len(line) <= most else f"{line[: most - 1]}…")
+            names = "  ".join(entry.name for entry in here)
+            wrapped = textwrap.wrap(names, width, break_on_hyphens=False, break_long_words=False)
+            lines = [f"  {line}" for line in wrapped]
+        print("\n".join(line if len(line) <= most else f"{line[: most - 1]}…" for line in lines))
     if briefly:
         print(
             "granwave cases WORD tells what those with this word are, --all what each is; granwave show NAME prints one"

@@ -53,7 +53,13 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     found = _load(options)
     directory = results_directory(options.directory or found.name)
     if not options.plan:
-        _check(found, directory, options)
+        try:
+            if isinstance(found, Scan):
+                decide(found, directory, resume=options.resume, force=options.force)
+            else:
+                check_suite(found, directory, resume=options.resume, force=options.force)
+        except OSError as error:  # it cannot be looked into
+            raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
     parts = {directory: found} if isinstance(found, Scan) else {directory / part.name: part for part in found.scans}
     slowness, plans, total = {}, [], 0.0
     for place, part in parts.items():
@@ -101,16 +107,6 @@ def _load(options: argparse.Namespace) -> Scan | Suite:
     return load_suite(options.scan, here=here)
 
 
-def _check(found: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
-    try:
-        if isinstance(found, Scan):
-            decide(found, directory, resume=options.resume, force=options.force)
-        else:
-            check_suite(found, directory, resume=options.resume, force=options.force)
-    except OSError as error:  # it cannot be looked into
-        raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
-
-
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
     """Say what is left to do; returns the exit status."""
     if stopped == STOPPED:
@@ -124,16 +120,12 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
             f"{n} {what}" for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing")) if n
         )
         if left:
-            print(f"granwave: {left} of the points{_reasons(outcome)}; the reasons are in "
+            reasons = {p.reason.strip() for p in ScanResult(outcome.directory).points if p.status == "failed"}
+            shared = f" ({' '.join(reasons.pop().split())})" if len(reasons) == 1 else ""
+            print(f"granwave: {left} of the points{shared}; the reasons are in "
                   f"{outcome.directory / 'scan.csv'}; the same command with --resume tries them again",
                   file=sys.stderr)  # fmt: skip
     return 0 if all(outcome.complete for outcome in outcomes) else 1
-
-
-def _reasons(outcome: ScanOutcome) -> str:
-    """Return the reason why points failed, if all have the same; empty otherwise."""
-    found = {point.reason.strip() for point in ScanResult(outcome.directory).points if point.status == "failed"}
-    return f" ({' '.join(found.pop().split())})" if len(found) == 1 else ""
 
 
 def _executor(options: argparse.Namespace) -> Profile | None:

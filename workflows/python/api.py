@@ -166,7 +166,7 @@ def run(
             with held(place):
                 kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():
-            _run_on_ranks(found, place, ranks, checkpoint=checkpoint, **how)
+            _run_on_ranks(found, place, ranks, checkpoint, **how)
         else:
             from granwave.workflows.run.driver import run_case
 
@@ -255,16 +255,9 @@ def scan(
         place = results_directory(found.name if directory is None else home(directory))
         if jobs is not None and (not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1):
             raise InputError(f"jobs: found {show(jobs)}, expected a whole number from 1 up")
-        outcome = run_scan(
-            found,
-            place,
-            executor=executor,
-            profile=load_profile(profile) if profile is not None else None,
-            jobs=jobs,
-            resume=resume,
-            force=force,
-            progress=progress,
-        )
+        cluster = load_profile(profile) if profile is not None else None
+        how = {"resume": resume, "force": force, "progress": progress}
+        outcome = run_scan(found, place, executor=executor, profile=cluster, jobs=jobs, **how)
         if outcome.stopped == STOPPED:
             raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
         if outcome.stopped:
@@ -276,17 +269,7 @@ def scan(
         return ScanRuns(place)
 
 
-def _run_on_ranks(
-    found: Case,
-    place: Path,
-    ranks: int,
-    *,
-    checkpoint: float,
-    figures: bool,
-    force: bool,
-    resume: bool,
-    progress: bool,
-) -> None:
+def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: bool) -> None:
     """Run a case on MPI ranks in processes of their own; arguments as in `granwave.workflows.run.driver.run_case`.
 
     Raises
@@ -299,8 +282,8 @@ def _run_on_ranks(
         The run was interrupted; it wrote a checkpoint.
     """
     mpi.check_cores(ranks)
-    decide(found, place, resume=resume, force=force, n_ranks=ranks, figures=figures)
-    options = {"--force": force, "--resume": resume, "--no-figures": not figures}
+    decide(found, place, n_ranks=ranks, **how)
+    options = {"--force": how["force"], "--resume": how["resume"], "--no-figures": not how["figures"]}
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         file = Path(scratch) / "case.toml"
         file.write_text(found.to_toml(), encoding="utf-8")
@@ -320,10 +303,8 @@ def _run_on_ranks(
         raise InputError(errors or f"{place}: the ranks refused their input")
     state = record.read(place)
     if status and (state is None or state.state not in (record.REFUSED, record.INTERRUPTED)):
-        reason = (state.reason if state else None) or (
-            errors[-1] if errors else f"the ranks ended with status {status}"
-        )
-        raise RunError(reason)
+        reason = errors[-1] if errors else f"the ranks ended with status {status}"
+        raise RunError((state.reason if state else None) or reason)
 
 
 def _raise_unfinished(place: Path) -> None:

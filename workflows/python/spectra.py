@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.spectra.quantities import POINTS
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
@@ -71,26 +70,15 @@ def bands(
     InputError
         The case is wrong, does not repeat, bears no load or is not rigid.
     """
-    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_bands
-    from granwave.workflows import spectra as commands
 
     if not isinstance(path, str):
         path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
-    with words_of_python():
-        found, _ = commands.bands(
-            _source(source, changes, keys),
-            None if directory is None else Path(home(directory)),
-            path,
-            points=points,
-            n_bands=n_bands,
-            directions=directions,
-            plane=plane,
-            allow_floppy=allow_floppy,
-            slab=slab,
-            force=force,
-        )
-    return dataset("bands", tables_of_bands(found), found.summary())
+    (found,) = _solved(
+        "bands", source, changes, keys, directory, path=path, points=points, n_bands=n_bands, directions=directions,
+        plane=plane, allow_floppy=allow_floppy, slab=slab, force=force,
+    )  # fmt: skip
+    return _dataset("bands", tables_of_bands(found), found.summary())
 
 
 def modes(
@@ -124,20 +112,11 @@ def modes(
     InputError
         As of `bands`.
     """
-    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_modes
-    from granwave.workflows import spectra as commands
 
-    with words_of_python():
-        found, _ = commands.modes(
-            _source(source, changes, keys),
-            None if directory is None else Path(home(directory)),
-            n_modes=n_modes,
-            directions=directions,
-            allow_floppy=allow_floppy,
-            force=force,
-        )
-    return dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
+    how = {"n_modes": n_modes, "directions": directions, "allow_floppy": allow_floppy, "force": force}
+    (found,) = _solved("modes", source, changes, keys, directory, **how)
+    return _dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
 
 
 def transmission(
@@ -180,31 +159,40 @@ def transmission(
     InputError
         As of `bands`; or a grain is not there or cannot move.
     """
-    from granwave.analysis.notebook.datasets import dataset
     from granwave.analysis.spectra.files import tables_of_transmission
-    from granwave.workflows import spectra as commands
+    from granwave.workflows.spectra import transmission_summary
+
+    found, state = _solved(
+        "steady", source, changes, keys, directory, axis=axis, end=end, directions=directions, force=force,
+        drive=drive if isinstance(drive, int) else list(drive),
+        sensors=[sensors] if isinstance(sensors, int) else list(sensors),
+        frequencies=np.atleast_1d(np.asarray(frequencies, dtype=float)),
+    )  # fmt: skip
+    return _dataset("transmission", tables_of_transmission(state, found), transmission_summary(state, found))
+
+
+def _solved(
+    name: str,
+    source: CaseLike,
+    changes: Mapping[str, Any] | None,
+    keys: Mapping[str, Any],
+    directory: str | Path | None,
+    **how: Any,
+) -> list[Any]:
+    """Return what a function of `granwave.workflows.spectra` finds of a case or a run, but for the files."""
+    from granwave.workflows import spectra
 
     with words_of_python():
-        found, state, _ = commands.steady(
-            _source(source, changes, keys),
-            None if directory is None else Path(home(directory)),
-            drive=drive if isinstance(drive, int) else list(drive),
-            sensors=[sensors] if isinstance(sensors, int) else list(sensors),
-            frequencies=np.atleast_1d(np.asarray(frequencies, dtype=float)),
-            axis=axis,
-            end=end,
-            directions=directions,
-            force=force,
-        )
-    return dataset("transmission", tables_of_transmission(state, found), commands.transmission_summary(state, found))
+        case = source.directory if isinstance(source, Run) and not changes and not keys else None
+        if case is None:
+            case, kind = read_case(source, changes, keys)
+            if kind is not GRANULAR:
+                raise InputError(f"{case.name}: found a continuum case, expected a packing")
+        *found, _ = getattr(spectra, name)(case, None if directory is None else Path(home(directory)), **how)
+    return found
 
 
-def _source(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> Case | Path:
-    """Return the case, or the directory of the run."""
-    if isinstance(source, Run) and not changes and not keys:
-        return source.directory
-    found, kind = read_case(source, changes, keys)
-    if kind is not GRANULAR:
-        raise InputError(f"{found.name}: found a continuum case, expected a packing")
-    case: Case = found
-    return case
+def _dataset(kind: str, tables: Any, summary: dict[str, Any]) -> Dataset:
+    from granwave.analysis.notebook.datasets import dataset  # loads xarray
+
+    return dataset(kind, tables, summary)

@@ -124,29 +124,11 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     return found
 
 
-@dataclasses.dataclass(frozen=True)
-class Neighbours:
-    """Neighbours at the start.
+def expected_neighbours(case: Case) -> tuple[int, float] | None:
+    """Return how many pairs of spheres LAMMPS must find at the start, and within which distance (m).
 
-    Attributes
-    ----------
-    kind
-        Kind of the packing.
-    pairs
-        Number of pairs of spheres at neighbouring sites.
-    reach
-        Distance within which LAMMPS must find them, m.
-    """
-
-    kind: str
-    pairs: int
-    reach: float
-
-
-def expected_neighbours(case: Case) -> Neighbours | None:
-    """Return the neighbours that LAMMPS must find at the start; None if no one distance tells them.
-
-    Packings of unlike spheres hold an array of all sites for this; one rank does it for all.
+    None if no one distance tells them. Packings of unlike spheres hold an array of all sites for this; one rank does it
+    for all.
     """
     packing, assembly = case.packing, assemble(case)
     sites = assembly.sites
@@ -158,11 +140,11 @@ def expected_neighbours(case: Case) -> Neighbours | None:
     reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
     if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
         return None  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
-    return Neighbours(packing.kind, assembly.n_neighbours, reach)
+    return assembly.n_neighbours, reach
 
 
-def check_coordination(expected: Neighbours | None, engine: Engine) -> None:
-    """Check that LAMMPS sees every contact of the lattice, none lost to rounding of positions.
+def check_coordination(kind: str, expected: tuple[int, float] | None, engine: Engine) -> None:
+    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, none lost to rounding of positions.
 
     Raises
     ------
@@ -171,13 +153,12 @@ def check_coordination(expected: Neighbours | None, engine: Engine) -> None:
     """
     if expected is None:
         return
+    pairs, reach = expected
     engine.commands(
-        f"compute start_coordination all coord/atom cutoff {expected.reach!r}\n"
+        f"compute start_coordination all coord/atom cutoff {reach!r}\n"
         "compute start_contacts all reduce sum c_start_coordination\nrun 0 post no"
     )
     found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
     engine.commands("uncompute start_contacts\nuncompute start_coordination")
-    if round(found) != expected.pairs:
-        raise RunError(
-            f"{expected.kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {expected.pairs}"
-        )
+    if round(found) != pairs:
+        raise RunError(f"{kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {pairs}")

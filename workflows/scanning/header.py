@@ -60,13 +60,10 @@ def _parse_ranks(value: Any) -> RanksBySize:
 def parse_studies(value: Any) -> tuple[str, ...]:
     """Parse the name or path of a study, or a list of them."""
     names = [value] if isinstance(value, str) else value
-    if not isinstance(names, list) or not names or not all(isinstance(n, str) and _is_study(n) for n in names):
+    known = isinstance(names, list) and all(isinstance(n, str) and (n in STUDIES or is_study_file(n)) for n in names)
+    if not names or not known:
         raise ValidationError(f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}")
     return tuple(names)
-
-
-def _is_study(name: str) -> bool:
-    return name in STUDIES or is_study_file(name)
 
 
 def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tuple[str, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import json
 import logging
 import os
 import re
@@ -26,7 +25,7 @@ from granwave.lammps_inputs.case.schema import (
     whole,
 )
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.workflows.scanning import layout
 
 
@@ -157,7 +156,8 @@ def jobs_of(directory: Path) -> list[QueuedJob]:
     for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
         name, state, reason, comment, place = line.split("|", 4)
         if comment.startswith(COMMENT) and os.path.realpath(place) == os.path.realpath(directory):
-            points = _points(directory / layout.BATCHES / f"{comment.removeprefix(COMMENT)}.json")
+            batch = read_json(directory / layout.BATCHES / f"{comment.removeprefix(COMMENT)}.json") or {"points": []}
+            points = tuple(point["id"] for point in batch["points"])
             jobs.append(QueuedJob(name, state == "PENDING", points, reason))
     return jobs
 
@@ -181,13 +181,6 @@ def cancel(jobs: list[QueuedJob]) -> None:
     """Cancel jobs; running ones get SIGTERM and some seconds to stop."""
     if jobs:
         ask(["scancel", *(job.id for job in jobs)])
-
-
-def _points(batch: Path) -> tuple[str, ...]:
-    try:
-        return tuple(point["id"] for point in json.loads(batch.read_text(encoding="utf-8"))["points"])
-    except FileNotFoundError:
-        return ()
 
 
 def ask(command: list[str], **options: Any) -> str:
