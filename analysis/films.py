@@ -21,6 +21,7 @@ from PIL import Image
 
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures.packing3d import bar_location, can_be_cut, draw_packing
+from granwave.analysis.figures.rows import space_time_map
 from granwave.analysis.figures.sections import (
     DISSIPATION_LIMITS,
     Colouring,
@@ -216,11 +217,9 @@ def _of_chain(result: Result, size: Size) -> Scene:
         now.set_title(" ", fontsize=9)
         shown = np.where(force > norm.vmin, force, np.nan)
         shown[row + 1 :] = np.nan
-        image = map_axes.pcolormesh(
-            place, times * _MICRO, shown, norm=norm, cmap=colours, rasterized=True, shading="nearest"
-        )
+        image = space_time_map(map_axes, result["chain/contact_position"], times, shown, norm, colours)
         map_axes.axhline(times[row] * _MICRO, color=GREY, linewidth=0.6)
-        map_axes.set(ylim=(0, times[-1] * _MICRO), xlabel="Place (mm)", ylabel="Time (µs)")
+        map_axes.set(ylim=(0, times[-1] * _MICRO), ylabel="Time (µs)")
         figure.colorbar(image, ax=map_axes, label="Force (N)")
         _clock(figure, float(times[row]))
         return figure

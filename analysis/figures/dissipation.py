@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize
@@ -10,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
+from granwave.analysis.figures.series import label, panels, time_axis
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,
@@ -21,7 +23,6 @@ from granwave.analysis.figures.style import (
     WIDTH,
     Drawing,
     legend_above,
-    new_figure,
 )
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
@@ -63,8 +64,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     values = dissipated[rows] / unit
     rank = np.arange(1, len(rows) + 1)
     beyond = spheres_beyond_law(result)[rows]
-    figure = new_figure(2.4)
-    axes = figure.subplots()
+    figure, axes = panels(2.4)
     parts = _parts(result)
     axes.loglog(rank, values, color=BLUE, linewidth=0.8, label=_ALL.get(len(parts)))
     axes.plot(rank[~beyond], values[~beyond], "o", color=BLUE, markersize=2.5, markeredgewidth=0)
@@ -82,8 +82,8 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower left")
     axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
-    axes.set_xlabel("Number of spheres, in descending order")
-    axes.set_ylabel(r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$")
+    quantity = r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
+    label(axes, "Number of spheres, in descending order", quantity)
     return Drawing(figure, columns)
 
 
@@ -98,8 +98,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (2 if in_plane else 3)
     fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
     enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
-    figure = new_figure(2.4)
-    axes = figure.subplots()
+    figure, axes = panels(2.4)
     parts = _parts(result)
     axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label=_ALL.get(len(parts)))
     axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
@@ -113,30 +112,23 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="best")
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, max(1.05 * top, 2))
+    quantity = "Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)"
+    label(axes, "Dissipation / energy input", quantity, xlim=(0, 1), ylim=(0, max(1.05 * top, 2)))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.text(
         fraction[-1] + 0.01, 0.97, f"all {len(volume)} spheres", rotation=90, ha="left", va="top",
         transform=axes.get_xaxis_transform(),
     )  # fmt: skip
-    axes.set_xlabel("Dissipation / energy input")
-    axes.set_ylabel("Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)")
     return Drawing(figure, columns)
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
     """Return the dissipation by yielding, friction and losses, with colour and line; empty if there is one kind."""
-    styles = {"friction": ("friction_energy", GREEN, ":"), "viscous losses": ("viscous_energy", PURPLE, "-.")}
-    others = {
-        part: (result[f"spheres/{name}"], colour, line)
-        for part, (name, colour, line) in styles.items()
-        if result.has(f"spheres/{name}")
-    }
-    yielding = result.yield_energy
-    if result.yields or yielding.any():
-        others = {"yielding": (yielding, ORANGE, "--")} | others
-    return others if len(others) > 1 else {}
+    found = {"yielding": (result.yield_energy, ORANGE, "--")} if result.yields or result.yield_energy.any() else {}
+    for part, name, colour, line in (("friction", "friction", GREEN, ":"), ("viscous losses", "viscous", PURPLE, "-.")):
+        if result.has(f"spheres/{name}_energy"):
+            found[part] = result[f"spheres/{name}_energy"], colour, line
+    return found if len(found) > 1 else {}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
@@ -148,27 +140,20 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     if not len(growth.time):
         return None
     end = float(result["energy/time"][-1])
-
-    def to_end(values: np.ndarray) -> np.ndarray:
-        return np.concatenate([[0], values, values[-1:]])
-
-    time = np.concatenate([[0.0], growth.time, [end]]) * _MICRO
-    figure = new_figure(3.2)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    time = np.concatenate([[0.0], growth.time, [end]])
+    figure, upper, lower = panels(3.2, rows=2, sharex=True)
     if cut := packing_zone(result).cut:
         upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
-    upper.step(time, to_end(growth.contacts), where="post", color=BLUE, label="contacts")
-    upper.step(time, to_end(growth.spheres), where="post", color=ORANGE, linestyle="--", label="spheres")
-    upper.set_ylabel("Number yielded")
-    upper.set_ylim(bottom=0)
-    lower.step(time, to_end(growth.depth) * _MILLI, where="post", color=BLUE, label="depth")
-    lower.step(time, to_end(growth.radius) * _MILLI, where="post", color=ORANGE, linestyle="--", label="radius")
-    lower.set_ylabel("Outermost yield (mm)")
-    lower.set_ylim(bottom=0)
-    lower.set_xlabel("Time (µs)")
-    lower.set_xlim(0, end * _MICRO)
-    for axes in (upper, lower):
+    for axes, quantity, curves in (
+        (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
+        (lower, "Outermost yield (mm)", {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI}),
+    ):
+        for (name, values), line in zip(curves.items(), ("-", "--"), strict=True):
+            axes.step(time * _MICRO, np.concatenate([[0], values, values[-1:]]), line, where="post", label=name)
+        label(axes, y=quantity)
+        axes.set_ylim(bottom=0)
         axes.legend(loc="lower right")
+    time_axis(lower, time)
     columns = {"time_s": growth.time, "contacts": growth.contacts, "spheres": growth.spheres}
     return Drawing(figure, columns | {"depth_m": growth.depth, "radius_m": growth.radius})
 
@@ -178,13 +163,12 @@ def peak_force_depth(result: Result) -> Drawing | None:
     depth, force = peak_force_by_depth(result)
     if len(depth) < 2 or not np.any(force > 0) or "chain" in result:  # a chain has a figure of its own
         return None
-    scale, label, name = force_scale(result)
+    scale, unit, name = force_scale(result)
     along = rays(result)
     n_contacts, n_rays = along.peak_force.shape
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
-    figure = new_figure(2.4)
-    axes = figure.subplots()
+    figure, axes = panels(2.4)
     if n_rays > 1 and n_contacts > 1:
         colours = (ORANGE, GREEN, "black", ORANGE)
         for n, (marker, colour, values) in enumerate(zip("o^vs", colours, along.peak_force.T, strict=False)):
@@ -193,10 +177,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
                 markersize=5 - 0.5 * n, markeredgewidth=0.8, label=f"preferred direction {n + 1}",
             )  # fmt: skip
     axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1)
-    axes.set_yscale("log")
-    axes.set_xlim(0, depth[-1] * _MILLI)
-    axes.set_xlabel("Depth (mm)")
-    axes.set_ylabel(f"Peak force {label}")
+    label(axes, "Depth (mm)", f"Peak force {unit}", log="y", xlim=(0, depth[-1] * _MILLI))
     axes.legend(fontsize=8)
     columns = {"layer_depth_m": depth, f"layer_peak_{name}": force / scale, "contact_depth_m": middle}
     columns |= {f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)}
@@ -243,8 +224,7 @@ def draw_zone_size(
     """
     if not distances or not np.any(energy > 0):
         return None
-    figure = new_figure(2.7)
-    axes = figure.subplots()
+    figure, axes = panels(2.7)
     columns: dict[str, Sequence[float] | Array] = {}
     reach = 0.0
     for name, values in distances.items():
@@ -267,13 +247,11 @@ def draw_zone_size(
         columns |= {f"{name}_holding_m": sizes, f"share_within_{name}": [percent / 100 for percent in SHARES]}
     for percent in SHARES:
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
-    axes.set_yscale("log")
-    axes.set_ylim(_LEAST, 1)
-    axes.set_xlim(0, 1.05 * (reach or diameter) / diameter)
     words = {"depth": "depth", "radius": "distance from the impact axis"}
     title = ", or ".join(words[name] for name in distances)
-    axes.set_xlabel(f"{title[:1].upper()}{title[1:]} $/{unit}$")
-    axes.set_ylabel("Energy of yielding farther out\n/ whole energy of yielding")
+    limits = {"xlim": (0, 1.05 * (reach or diameter) / diameter), "ylim": (_LEAST, 1)}
+    outside_of_all = "Energy of yielding farther out\n/ whole energy of yielding"
+    label(axes, f"{title[:1].upper()}{title[1:]} $/{unit}$", outside_of_all, log="y", **limits)
     axes.plot([], [], "o", color=GREY, markersize=4, label="holds 50, 90, 99 %")
     legend_above(axes, 3, fontsize=7)
     return Drawing(figure, columns)
@@ -310,58 +288,50 @@ def directions(result: Result) -> Drawing | None:
         f"Energy at {time * _MICRO:.0f} µs": spread(result, energy_of_spheres(result, frame)),
         "Dissipation": spread(result, result["spheres/dissipated_energy"]),
     }
-    panels = {name: one for name, one in found.items() if one is not None}
-    if not panels:
+    shown = {name: one for name, one in found.items() if one is not None}
+    if not shown:
         return None
-    return _layer(result, panels) if is_layer(result) else _half_sphere(result, panels)
-
-
-def _title(name: str, one: Spread) -> str:
-    return f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
-
-
-def _layer(result: Result, panels: dict[str, Spread]) -> Drawing:
-    figure = new_figure(WIDTH / 2 + _TITLE_HEIGHT if len(panels) > 1 else 0.7 * WIDTH + _TITLE_HEIGHT)
-    angle = np.arange(LAYER_BINS) * 360 / LAYER_BINS - 180
-    columns: dict[str, NDArray] = {"angle_deg": angle}
-    all_axes = figure.subplots(1, len(panels), subplot_kw={"projection": "polar"}, squeeze=False)[0]
-    for axes, (name, one), colour in zip(all_axes, panels.items(), (BLUE, ORANGE), strict=False):
-        axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / LAYER_BINS), color=colour)
-        axes.set_title(_title(name, one))
+    layer = is_layer(result)
+    height = (WIDTH / 2 if len(shown) > 1 else 0.7 * WIDTH) + _TITLE_HEIGHT + (0.0 if layer else 0.5)
+    polar = {"projection": "polar"}
+    figure, *row = panels(height, len(shown), width=WIDTH, subplot_kw=polar)
+    draw = _draw_layer if layer else _draw_half_sphere
+    columns: dict[str, NDArray] = {}
+    for axes, (name, one), colours in zip(
+        row, shown.items(), ((BLUE, FORCE_MAP), (ORANGE, DISSIPATION_MAP)), strict=False
+    ):
+        title = f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
+        columns |= draw(result, axes, one, *colours)
+        axes.set_title(title)
         axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
-        axes.yaxis.set_major_formatter("{x:.0f} %")
-        axes.yaxis.get_major_locator().base.set_params(nbins=3)  # type: ignore[union-attr]
-        columns[f"{name.split()[0].lower()}_share"] = one.cells
+        columns[f"{name.split()[0].lower()}_share"] = one.cells.ravel()
     return Drawing(figure, columns)
 
 
-def _half_sphere(result: Result, panels: dict[str, Spread]) -> Drawing:
-    figure = new_figure(WIDTH / 2 + _TITLE_HEIGHT + 0.5 if len(panels) > 1 else 0.7 * WIDTH + _TITLE_HEIGHT + 0.5)
+def _draw_layer(_: Result, axes: Any, one: Spread, colour: str, __: str) -> dict[str, NDArray]:
+    """Draw the shares of a layer as bars; return the columns of the directions."""
+    angle = np.arange(LAYER_BINS) * 360 / LAYER_BINS - 180
+    axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / LAYER_BINS), color=colour)
+    axes.yaxis.set_major_formatter("{x:.0f} %")
+    axes.yaxis.get_major_locator().base.set_params(nbins=3)
+    return {"angle_deg": angle}
+
+
+def _draw_half_sphere(result: Result, axes: Any, one: Spread, _: str, colours: str) -> dict[str, NDArray]:
+    """Draw the shares below the impact in a stereographic view; return the columns of the directions."""
     edges = np.deg2rad(np.arange(PER_RING + 1) * 360 / PER_RING - 180 - 180 / PER_RING)
     depth = 1 - np.arange(RINGS + 1) / RINGS  # cosine of the angle to the impact axis
+    axis, norm = preferred_directions(result.case.packing.kind), Normalize(0, float(one.relative.max()))
+    colours = result.figure_options.colour_map or colours
     radius = 2 * np.tan(np.arccos(depth) / 2)
-    chosen = result.figure_options.colour_map
-    maps = (chosen or FORCE_MAP, chosen or DISSIPATION_MAP)
-    axis = preferred_directions(result.case.packing.kind)
-    columns: dict[str, NDArray] = {
+    mesh = axes.pcolormesh(edges, radius, one.relative, cmap=colours, norm=norm, rasterized=True)
+    ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": "white", "markersize": 9}
+    axes.plot(np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o", **ring)
+    axes.set_yticks(2 * np.tan(np.deg2rad([30, 60]) / 2), ["30°", "60°"], color="white")
+    axes.set_rlabel_position(90)
+    axes.grid(alpha=0.3)
+    axes.figure.colorbar(mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12)
+    return {
         "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), PER_RING),
         "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), RINGS),
     }
-    all_axes = figure.subplots(1, len(panels), subplot_kw={"projection": "polar"}, squeeze=False)[0]
-    for axes, (name, one), colours in zip(all_axes, panels.items(), maps, strict=False):
-        shown = one.relative
-        mesh = axes.pcolormesh(
-            edges, radius, shown, cmap=colours, norm=Normalize(0, float(shown.max())), rasterized=True
-        )
-        axes.plot(
-            np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o",
-            markerfacecolor="none", markeredgecolor="white", markersize=9,
-        )  # fmt: skip
-        axes.set_title(_title(name, one))
-        axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
-        axes.set_yticks(2 * np.tan(np.deg2rad([30, 60]) / 2), ["30°", "60°"], color="white")
-        axes.set_rlabel_position(90)
-        axes.grid(alpha=0.3)
-        figure.colorbar(mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12)
-        columns[f"{name.split()[0].lower()}_share"] = one.cells.ravel()
-    return Drawing(figure, columns)

@@ -8,25 +8,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import energy_unit, velocity_unit
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    YELLOW,
-    Drawing,
-    legend_above,
-    new_figure,
-)
+from granwave.analysis.figures.series import against_time, energy_unit, label, panels, time_axis, velocity_unit
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, YELLOW, Drawing, legend_above
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
 _NANO, _MICRO, _MILLI = 1e9, 1e6, 1e3  # of a second, of a metre
-_MOST_POINTS = 20_000  # of a curve; the CSV file has all
 _PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
 _QUANTITIES = {
     "u": ("Displacement (µm)", 1e6),
@@ -36,7 +24,6 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _BROWN, _WINE, _PALE, _NAVY = "#8C5A2B", "#882255", "#C9C2B2", "#1B2A49"
-_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "viscous losses": _WINE, "holder": _BROWN,
@@ -51,6 +38,8 @@ _LOST_OTHERWISE = {
 _ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
+_IN_COLOUR, _MOST_IN_LEGEND = 6, 10  # probes: after so many lines are broken, with more there is no legend
+_LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 
 def energies(result: Result) -> Drawing | None:
@@ -58,28 +47,25 @@ def energies(result: Result) -> Drawing | None:
     given = result.energy_input
     if not given:
         return None
-    time = result["energy/time"]
-    parts = _energy_parts(result)
+    time, parts = result["energy/time"], _energy_parts(result)
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / result.largest_input
-    figure = new_figure(3.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
     unit, name = energy_unit(given)
     as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
     if as_areas:
         colours = [_AREAS[part] for part in parts]
-        upper.stackplot(
-            time * _MICRO, np.stack(list(parts.values())) * unit, labels=list(parts), colors=colours, linewidth=0
-        )
+        areas = np.stack(list(parts.values())) * unit
+        upper.stackplot(time * _MICRO, areas, labels=list(parts), colors=colours, linewidth=0)
     else:
         for part, values in parts.items():
             line = {"linestyle": "--", "zorder": 3} if part == "elastic" else {}  # often as large as the kinetic energy
             upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part, **line)
     upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
-    upper.set_ylabel(f"Energy ({name})")
-    upper.set_ylim(0 if as_areas or len(parts) == 3 else None, 1.05 * given * unit)
+    least = 0 if as_areas or len(parts) == 3 else None
+    label(upper, y=f"Energy ({name})", ylim=(least, 1.05 * given * unit))
     legend_above(upper, 3, handlelength=1.0 if as_areas else 1.6)
     lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
-    lower.set_ylabel("|Residual|\n/ input")
+    label(lower, y="|Residual|\n/ input")
     time_axis(lower, time)
     columns = {"time_s": time, **{f"{_column(part)}_J": values for part, values in parts.items()}}
     columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
@@ -121,16 +107,12 @@ def bottom_force(result: Result) -> Drawing | None:
     time, force = result["walls/bottom/time"], result["walls/bottom/force"]
     if not np.any(force):
         return None
-    steps = 0.5 * (force[1:] + force[:-1]) * np.diff(time)
-    impulse = np.concatenate([[0.0], np.cumsum(steps)])
-    figure = new_figure(2.3)
-    axes = figure.subplots()
-    shown = thinned(force)
-    axes.plot(time[shown] * _MICRO, force[shown], color=BLUE, linewidth=0.8)
+    impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+    figure, axes = panels(2.3)
+    against_time(axes, time, force, linewidth=0.8)
     axes.update_datalim([(0.0, 0.0)])  # so that a force that hardly changes does not lie on the frame
-    axes.autoscale_view()
+    axes.autoscale_view(scalex=False)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
-    time_axis(axes, time)
     beside = axes.twinx()
     beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
     beside.set_ylabel("Impulse (mN s)", color=ORANGE)
@@ -143,13 +125,11 @@ def impactor_velocity(result: Result) -> Drawing | None:
     time, velocity = result["energy/time"], result["energy/struck_velocity"]
     if not np.any(velocity):
         return None
-    figure = new_figure(2.1)
-    axes = figure.subplots()
+    figure, axes = panels(2.1)
     axes.axhline(0, color="black", linewidth=0.5)
     scale, unit = velocity_unit(float(np.abs(velocity).max()))
-    axes.plot(time * _MICRO, velocity * scale, color=BLUE)
-    axes.set_ylabel(f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})")
-    time_axis(axes, time)
+    against_time(axes, time, velocity * scale)
+    label(axes, y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})")
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 
 
@@ -160,35 +140,22 @@ def probes(result: Result) -> Drawing | None:
     if "probes" not in result or not wanted:
         return None
     time = result["probes/time"]
-    panels: dict[str, list[tuple[str, NDArray]]] = {}
+    shown: dict[str, dict[str, NDArray]] = {}
     names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # without sensors
-    for name in names:
-        found = _PROBE.fullmatch(name)
-        if found:
-            quantity = found["quantity"]
-            key = quantity if quantity in _QUANTITIES else quantity[0]
-            axis = "" if key == quantity else f", {quantity[1:]}"
-            label = found["name"].replace("_", " ", 1).replace("_", "-") + axis
-            panels.setdefault(key, []).append((label, result[f"probes/{name}"]))
-    figure = new_figure(0.5 + 1.5 * len(panels))
-    stack = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, key in zip(stack, sorted(panels, key=list(_QUANTITIES).index), strict=True):
-        curves = panels[key]
-        label, scale = _QUANTITIES[key]
-        for n, (name, values) in enumerate(curves):
-            shown = thinned(values)
-            style = ("-", "--", ":")[n // len(_COLOURS) % 3]
-            axes.plot(
-                time[shown] * _MICRO,
-                values[shown] * scale,
-                style,
-                color=_COLOURS[n % len(_COLOURS)],
-                label=name,
-            )
-        axes.set_ylabel(label)
-        if len(curves) <= 2 * len(_COLOURS):
-            axes.legend(ncols=1, fontsize=8, loc="best", handlelength=1.2)
-    time_axis(stack[-1], time)
+    for found in filter(None, map(_PROBE.fullmatch, names)):
+        quantity = found["quantity"]
+        key = quantity if quantity in _QUANTITIES else quantity[0]
+        axis = "" if key == quantity else f", {quantity[1:]}"
+        curve = found["name"].replace("_", " ", 1).replace("_", "-") + axis
+        shown.setdefault(key, {})[curve] = result[f"probes/{found[0]}"]
+    figure, *stack = panels(0.5 + 1.5 * len(shown), rows=len(shown), sharex=True)
+    for axes, key in zip(stack, sorted(shown, key=list(_QUANTITIES).index), strict=True):
+        quantity, scale = _QUANTITIES[key]
+        for n, (curve, values) in enumerate(shown[key].items()):
+            against_time(axes, time, values * scale, ("-", "--", ":")[n // _IN_COLOUR % 3], label=curve)
+        label(axes, y=quantity)
+        if len(shown[key]) <= _MOST_IN_LEGEND:
+            axes.legend(handlelength=1.2)
     units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
     return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
 
@@ -198,42 +165,20 @@ def sensors(result: Result) -> Drawing | None:
     found = sensor_accelerations(result)
     if not found:
         return None
-    time, velocities = result["probes/time"], sensor_velocities(result)
-    names = list(found)
-    groups = [names[n : n + _IN_PANEL] for n in range(0, len(names), _IN_PANEL)]
-    figure = new_figure(0.5 + 1.5 * len(groups))
-    stack = figure.subplots(len(groups), 1, sharex=True, squeeze=False)[:, 0]
-    for axes, group in zip(stack, groups, strict=True):
-        for name, colour in zip(group, _COLOURS, strict=False):
-            velocity = velocities[name]
-            fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
-            along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
-            shown = thinned(along)
-            line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
-            axes.plot(time[shown] * _MICRO, along[shown], line, color=colour, label=name, linewidth=0.9)
-        axes.set_ylabel("Acceleration (m/s²)")
-        axes.legend(ncols=1, fontsize=8, handlelength=1.2, loc="upper left")
-    time_axis(stack[-1], time)
+    time, velocities, names = result["probes/time"], sensor_velocities(result), list(found)
+    rows = -(-len(names) // _IN_PANEL)
+    figure, *stack = panels(0.5 + 1.5 * rows, rows=rows, sharex=True)
+    for n, name in enumerate(names):
+        axes, velocity = stack[n // _IN_PANEL], velocities[name]
+        fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
+        along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
+        line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
+        against_time(axes, time, along, line, label=name, linewidth=0.9)
+    for axes in stack:
+        label(axes, y="Acceleration (m/s²)")
+        axes.legend(handlelength=1.2, loc="upper left")
     columns = {f"{name}_a{axis}_m_s2": values[:, n] for name, values in found.items() for n, axis in enumerate("xyz")}
     return Drawing(figure, {"time_s": time} | columns)
-
-
-def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
-    """Label the time axis for times in s."""
-    axes.set_xlabel("Time (µs)")
-    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
-
-
-def thinned(values: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the rows to draw: for long records, the lowest and highest of every bin, which give the same curve."""
-    n_bins = _MOST_POINTS // 2
-    if len(values) <= _MOST_POINTS:
-        return np.arange(len(values))
-    size = len(values) // n_bins
-    whole = values[: n_bins * size].reshape(n_bins, size)
-    starts = np.arange(n_bins) * size
-    rows = np.concatenate([starts + whole.argmin(axis=1), starts + whole.argmax(axis=1), [len(values) - 1]])
-    return np.unique(rows)
 
 
 def _common_zero(first: Axes, second: Axes) -> None:
@@ -252,68 +197,54 @@ def target(result: Result) -> Drawing | None:
     found = reached(result)
     if found is None or not np.any(found.force):
         return None
-    time, end = found.time, float(result["energy/time"][-1])
-    without = unprotected(result.case, end)
-    moved, ground = found.displacement, found.ground_force
-    moves = moved is not None
+    without = unprotected(result.case, float(result["energy/time"][-1]))
+    moves = found.displacement is not None
     if not moves and without is None:
         return None
-    columns = {"time_s": time, "force_N": found.force, "impulse_Ns": found.impulse}
-    figure = new_figure(4.8 if moves else 3.5)
-    panels = figure.subplots(3 if moves else 2, 1, sharex=True)
-    force, impulse = panels[:2]
-    shown = thinned(found.force)
-    force.plot(time[shown] * _MICRO, found.force[shown], color=BLUE, linewidth=0.9, label="on the target")
-    if moved is not None and ground is not None:
-        columns |= {"displacement_m": moved, "ground_force_N": ground}
-        shown = thinned(ground)
-        force.plot(time[shown] * _MICRO, ground[shown], color=GREEN, linewidth=0.9, label="on the ground")
+    time, columns = found.time, {"time_s": found.time, "force_N": found.force, "impulse_Ns": found.impulse}
+    figure, force, impulse, *below = panels(4.8 if moves else 3.5, rows=3 if moves else 2, sharex=True)
+    against_time(force, time, found.force, linewidth=0.9, label="on the target")
+    if found.displacement is not None and found.ground_force is not None:
+        columns |= {"displacement_m": found.displacement, "ground_force_N": found.ground_force}
+        against_time(force, time, found.ground_force, color=GREEN, linewidth=0.9, label="on the ground")
     if without is not None and without.peak_force > 0:
         columns |= {"without_packing_time_s": without.time, "without_packing_force_N": without.force}
         force.plot(without.time * _MICRO, without.force, color=GREY, linestyle="--", label="target without packing")
-        force.set_yscale("log")
-        least = min(float(found.force.max()), without.peak_force)
-        force.set_ylim(1e-2 * least, 2 * max(float(found.force.max()), without.peak_force))
-    force.set_ylabel("Force (N)")
+        peaks = float(found.force.max()), without.peak_force
+        force.set(yscale="log", ylim=(1e-2 * min(peaks), 2 * max(peaks)))
+    label(force, y="Force (N)")
     legend_above(force, 2)
     impulse.plot(time * _MICRO, found.impulse * _MILLI, color=ORANGE)
-    impulse.set_ylabel("Impulse (mN s)")
-    if moves:
+    label(impulse, y="Impulse (mN s)")
+    for axes in below:
         ledger, energy = result["energy/time"], result.get("energy/target")
-        if energy is None:
-            energy = np.zeros_like(ledger)
+        energy = np.zeros_like(ledger) if energy is None else energy
         unit, name = energy_unit(float(np.abs(energy).max()))
-        panels[2].plot(ledger * _MICRO, energy * unit, color=BLUE)
-        panels[2].set_ylabel(f"Work on the\ntarget ({name})")
+        axes.plot(ledger * _MICRO, energy * unit)
+        label(axes, y=f"Work on the\ntarget ({name})")
         columns |= {"energy_time_s": ledger, "energy_J": energy}
-    time_axis(panels[-1], time)
+    time_axis(figure.axes[-1], time)
     return Drawing(figure, columns)
-
-
-_LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 
 def timestep(result: Result) -> Drawing | None:
     """Draw the timestep against time, and below it the error of the balance: measured, expected, and allowed."""
-    given = result.largest_input
+    given, tolerance = result.largest_input, result.case.run.energy_tolerance
     if not given or not result.has("energy/timestep"):
         return None
     time, step = result["energy/time"], result["energy/timestep"]
-    error = misfit(result.ledger) / given
     work = work_on_packing(result.ledger, moved_mass(result.assembly))
     expected = np.abs(result["energy/expected_error"]) * work / given
-    figure = new_figure(3.2)
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.step(time * _MICRO, step * _NANO, where="pre", color=BLUE)
+    error = misfit(result.ledger) / given
+    figure, upper, lower = panels(3.2, rows=2, sharex=True)
+    upper.step(time * _MICRO, step * _NANO, where="pre")
     upper.set_yscale("log", base=2)
     upper.yaxis.set_major_formatter("{x:.3g}")
-    upper.set_ylabel("Timestep (ns)")
-    for values, colour, label in ((error, GREY, "measured"), (expected, ORANGE, "expected")):
-        lower.semilogy(time * _MICRO, np.where(values > 0, values, np.nan), color=colour, linewidth=0.8, label=label)
-    tolerance = result.case.run.energy_tolerance
-    lower.set_ylim(_LEAST * tolerance, 3 * tolerance)
+    label(upper, y="Timestep (ns)")
+    for values, colour, name in ((error, GREY, "measured"), (expected, ORANGE, "expected")):
+        lower.semilogy(time * _MICRO, np.where(values > 0, values, np.nan), color=colour, linewidth=0.8, label=name)
     lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")
-    lower.set_ylabel("|Residual|\n/ input")
+    label(lower, y="|Residual|\n/ input", ylim=(_LEAST * tolerance, 3 * tolerance))
     legend_above(lower, 3)
     time_axis(lower, time)
     columns = {"time_s": time, "timestep_s": step, "residual_over_input": error, "expected_over_input": expected}

@@ -11,18 +11,8 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import energy_unit, label, panels, velocity_unit
-from granwave.analysis.figures.style import (
-    BLUE,
-    BOTH_SIDES_MAP,
-    FORCE_MAP,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Drawing,
-    legend_above,
-)
+from granwave.analysis.figures.series import COLOURS, against_time, energy_unit, label, panels, velocity_unit
+from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
@@ -32,6 +22,8 @@ _MOST_CURVES = 5
 _DECADES = 3.0  # of force that the map shows
 _LINEAR = 30.0  # largest force that waves add to a static one, over that up to which the scale of the map is linear
 _MOST_COLUMNS = 2000  # of a map
+_MOST_OF_A_LINE = 12  # curves
+_WIDE = 0.05  # smallest over largest ratio of amplitudes below which the axis is logarithmic
 
 
 def force_map(result: Result) -> Drawing | None:
@@ -51,6 +43,7 @@ def force_map(result: Result) -> Drawing | None:
     norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
     if small:
         norm = SymLogNorm(largest / _LINEAR, vmin=-largest, vmax=largest)
+    colours = result.figure_options.colour_map or (BOTH_SIDES_MAP if small else FORCE_MAP)
     widths = [1.0 if name == "chain" else 0.7 for name, _, _ in parts]
     width = 3.4 if len(parts) == 1 else 6.6
     figure, *row = panels(3.2, len(parts), width=width, sharey=True, width_ratios=widths)
@@ -58,19 +51,22 @@ def force_map(result: Result) -> Drawing | None:
     for axes, (name, place, force) in zip(row, parts, strict=True):
         step, every = max(1, len(place) // _MOST_COLUMNS), max(1, len(place) // 20)
         shown = force[:, ::step] if small else np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
-        mesh: dict[str, Any] = {
-            "norm": norm,
-            "cmap": result.figure_options.colour_map or (BOTH_SIDES_MAP if small else FORCE_MAP),
-            "rasterized": True,
-            "shading": "nearest",
-        }
-        image = axes.pcolormesh(place[::step] * _MILLI, time * _MICRO, shown, **mesh)
-        label(axes, "Place (mm)", title=name if len(parts) > 1 else "")
+        image = space_time_map(axes, place[::step], time, shown, norm, colours)
+        axes.set_title(name if len(parts) > 1 else "")
         slug = name.replace(" ", "_")
         columns |= {f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]}
     label(row[0], y="Time (µs)")
     figure.colorbar(image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)")
     return Drawing(figure, columns)
+
+
+def space_time_map(
+    axes: Axes, place: NDArray[np.float64], time: NDArray[np.float64], force: NDArray[np.float64], norm: Any, map: str
+) -> Any:
+    """Draw forces (n_instants, n_places) by colour; return the image, for a colour bar."""
+    axes.set_xlabel("Place (mm)")
+    options: Any = {"norm": norm, "cmap": map, "rasterized": True, "shading": "nearest"}
+    return axes.pcolormesh(place * _MILLI, time * _MICRO, force, **options)
 
 
 def _static_force(result: Result) -> NDArray[np.float64] | None:
@@ -93,8 +89,8 @@ def force_histories(result: Result) -> Drawing | None:
     figure, axes = panels(2.9)
     scale, unit = _unit(force)
     for n in chosen:
-        axes.plot(time * _MICRO, force[:, n] * scale, label=_name(result, n), linewidth=0.9)
-    label(axes, "Time (µs)", f"Contact force ({unit})", xlim=_extent(time))
+        against_time(axes, time, force[:, n] * scale, label=_name(result, n), linewidth=0.9)
+    label(axes, y=f"Contact force ({unit})")
     legend_above(axes, 3, title="Contact")
     return Drawing(figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen})
 
@@ -151,11 +147,11 @@ def bars(result: Result) -> Drawing | None:
     for bar in found:
         time, force = result[f"walls/{bar.name}/time"], result[f"walls/{bar.name}/force"]
         energy = result[f"energy/{bar.name}"]
-        upper.plot(time * _MICRO, force * _KILO, linewidth=0.9)
-        lower.plot(result["energy/time"] * _MICRO, energy, label=bar.name.replace("_", " "))
+        against_time(upper, time, force * _KILO, linewidth=0.9)
+        against_time(lower, result["energy/time"], energy, label=bar.name.replace("_", " "))
         columns |= {f"{bar.name}_time_s": time, f"{bar.name}_contact_force_N": force, f"{bar.name}_energy_J": energy}
     label(upper, y="Contact force\non the bar (kN)")
-    label(lower, "Time (µs)", "Energy in the bar (J)", xlim=_extent(result["energy/time"]))
+    label(lower, y="Energy in the bar (J)")
     lower.legend()
     return Drawing(figure, columns)
 
@@ -168,8 +164,8 @@ def sensors(result: Result) -> Drawing | None:
     scale, unit = _unit(np.stack(list(forces.values())))
     figure, axes = panels(2.2)
     for name, force in forces.items():
-        axes.plot(time * _MICRO, force * scale, label=name, linewidth=0.9)
-    label(axes, "Time (µs)", f"Sensor force ({unit})", xlim=_extent(time))
+        against_time(axes, time, force * scale, label=name, linewidth=0.9)
+    label(axes, y=f"Sensor force ({unit})")
     axes.legend()
     return Drawing(figure, {"time_s": time} | {f"{name}_N": force for name, force in forces.items()})
 
@@ -191,15 +187,6 @@ def _unit(force: NDArray[np.float64]) -> tuple[float, str]:
     return (_KILO, "kN") if np.max(force, initial=0.0) >= 1e4 else (1.0, "N")
 
 
-def _extent(time: NDArray[np.float64]) -> tuple[float, float]:
-    """Limits of an axis of time, µs."""
-    return 0, float(time[-1]) * _MICRO or 1.0
-
-
-_MOST_OF_A_LINE = 12  # curves
-_MAP = "viridis"
-
-
 def line_speeds(result: Result) -> Drawing | None:
     """Draw the speeds of the grains of each line against time, from first (dark) to last (light)."""
     lines = [line for line in lines_of(result) if line.straight]
@@ -213,11 +200,10 @@ def line_speeds(result: Result) -> Drawing | None:
         n = speed.shape[1]
         chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
         for one in chosen:
-            axes.plot(time * _MICRO, speed[:, one], color=colormaps[_MAP](0.9 * one / max(n - 1, 1)), linewidth=0.8)
+            colour = colormaps["viridis"](0.9 * one / max(n - 1, 1))
+            against_time(axes, time, speed[:, one], color=colour, linewidth=0.8)
             columns[f"{line.name}_{result[f'{group}/id'][one]}_m_s"] = speed[:, one]
-        title = line.name if len(lines) > 1 else ""
-        label(axes, y="Speed (m/s)", title=title, ylim=(0, None), xlim=(0, time[-1] * _MICRO))
-    label(stack[-1], "Time (µs)")
+        label(axes, y="Speed (m/s)", title=line.name if len(lines) > 1 else "", ylim=(0, None))
     return Drawing(figure, columns)
 
 
@@ -245,25 +231,21 @@ def line_decay(result: Result) -> Drawing | None:
 
 def _draw_decay(axes: Axes, line: LineRecord) -> None:
     kept = np.arange(len(line.distance)) < line.fitted.stop
-    axes.plot(line.distance[kept] * _MILLI, line.peak_speed[kept], "o", color=BLUE, markersize=3)
-    axes.plot(
-        line.distance[~kept] * _MILLI, line.peak_speed[~kept], "o", color=GREY, markersize=3, markerfacecolor="white"
-    )
+    for chosen, colour, face in ((kept, BLUE, BLUE), (~kept, GREY, "white")):
+        place, speed = line.distance[chosen] * _MILLI, line.peak_speed[chosen]
+        axes.plot(place, speed, "o", markersize=3, color=colour, markerfacecolor=face)
     decay = line.decay
     if decay is None:
         return
+
+    def shape(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return -decay.first * x - (decay.second - decay.first) * np.maximum(x - decay.border, 0)
+
     known = kept & np.isfinite(line.peak_speed) & (line.peak_speed > 0)
+    height = np.mean(np.log(line.peak_speed[known]) - shape(line.distance[known]))
     x = np.sort(np.append(line.distance[known], decay.border))
-    shape = -decay.first * x - (decay.second - decay.first) * np.maximum(x - decay.border, 0)
-    at = -decay.first * line.distance[known] - (decay.second - decay.first) * np.maximum(
-        line.distance[known] - decay.border, 0
-    )
-    height = np.mean(np.log(line.peak_speed[known]) - at)
-    axes.plot(x * _MILLI, np.exp(shape + height), color=ORANGE, linewidth=0.9)
+    axes.plot(x * _MILLI, np.exp(shape(x) + height), color=ORANGE, linewidth=0.9)
     axes.axvline(decay.border * _MILLI, color=GREY, linestyle=":", linewidth=0.8)
-
-
-_WIDE = 0.05  # smallest over largest ratio below which the axis is logarithmic
 
 
 def transmission(result: Result) -> Drawing | None:
@@ -289,10 +271,7 @@ def transmission(result: Result) -> Drawing | None:
     axes.plot(found.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
     label(axes, "Frequency (kHz)", f"Velocity of bead {found.last} over that of {found.first}")
     axes.axhline(1.0, color=GREY, linewidth=0.6)
-    if ratio.min() < _WIDE * ratio.max():
-        axes.set_yscale("log")
-    else:
-        axes.set_ylim(0, None)
+    axes.set(**({"yscale": "log"} if ratio.min() < _WIDE * ratio.max() else {"ylim": (0, None)}))
     columns = {"frequency_Hz": found.frequency, "ratio": np.abs(found.ratio), "phase_rad": np.angle(found.ratio)}
     return Drawing(figure, columns)
 
@@ -306,15 +285,13 @@ def amplitude_sweep(result: Result) -> Drawing | None:
     names = ("load's frequency", "twice", "three times", "half of it")
     figure, axes = panels(2.9)
     columns = {"load": found.load, "rising": found.rising.astype(int)}
-    for number, (name, colour) in enumerate(zip(names, (BLUE, ORANGE, GREEN, PURPLE), strict=True)):
-        for chosen, line in ((found.rising, "-"), (~found.rising, "--")):
-            size = found.last[number][chosen]
-            label_of = name if line == "-" else None
-            axes.plot(found.load[chosen] * scale, size, line, color=colour, linewidth=0.9, label=label_of)
+    for number, name in enumerate(names):
+        look: Any = {"color": COLOURS[number], "linewidth": 0.9}
+        for chosen, line, called in ((found.rising, "-", name), (~found.rising, "--", None)):
+            axes.plot(found.load[chosen] * scale, found.last[number][chosen], line, label=called, **look)
         columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = found.last[number]
         columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = found.first[number]
-    label(axes, f"Amplitude of the load ({unit}), dashed: falling", "Velocity of the last bead (m/s)")
+    label(axes, f"Amplitude of the load ({unit}), dashed: falling", "Velocity of the last bead (m/s)", log="y")
     axes.set_xlim(0, None)
-    axes.set_yscale("log")
     legend_above(axes, 2)
     return Drawing(figure, columns)

@@ -1,13 +1,18 @@
-"""Parts that figures of studies share: panels and their labels, legends above, maps, names of columns."""
+"""Parts that figures share: panels and their labels, curves against time, legends above, names of columns."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
+
+_MICRO = 1e6  # in a second
+_MOST_POINTS = 20_000  # of a curve; the CSV file has all
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
@@ -24,6 +29,30 @@ def energy_unit(largest: float) -> tuple[float, str]:
 def velocity_unit(largest: float) -> tuple[float, str]:
     """Return the unit in which velocities up to ``largest`` (m/s) are shown: how many are 1 m/s, and its name."""
     return next((one for one in _VELOCITIES if largest * one[0] >= _LEAST_VELOCITY), _VELOCITIES[-1])
+
+
+def against_time(
+    axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64], line: str = "-", **look: Any
+) -> None:
+    """Draw a record against time, and label that axis.
+
+    Of long records the lowest and the highest value of every bin are drawn, which give the same curve.
+    """
+    if len(values) > _MOST_POINTS:
+        n_bins = _MOST_POINTS // 2
+        size = len(values) // n_bins
+        bins, starts = values[: n_bins * size].reshape(n_bins, size), np.arange(n_bins) * size
+        rows = np.unique([*(starts + bins.argmin(axis=1)), *(starts + bins.argmax(axis=1)), len(values) - 1])
+        time, values = time[rows], values[rows]
+    axes.plot(time * _MICRO, values, line, **look)
+    time_axis(axes, time)
+
+
+def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
+    """Label the axis of times, s; that of the lowest panel if several share it."""
+    if axes.get_subplotspec() is None or axes.get_subplotspec().is_last_row():  # type: ignore[union-attr]
+        axes.set_xlabel("Time (µs)")
+    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **settings: Any) -> tuple[Figure, Axes]:

@@ -209,13 +209,39 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
     drawing.figure.savefig(png, format="png", metadata={"Software": _MAKER}, pil_kwargs=_COMPRESSION)
     found = {".png": png.getvalue()}
     for name in formats:
-        from granwave.analysis.figures.pdf_fonts import needed_tables_only  # takes longer to load than a figure to draw
-
         stream = io.BytesIO()
-        with needed_tables_only():
+        with _needed_tables_only():
             drawing.figure.savefig(stream, format=name, metadata=_METADATA[name])
         found[f".{name}"] = stream.getvalue()
     return found | {".csv": _csv(drawing.columns)}
+
+
+# tables of an embedded TrueType font (ISO 32000-1, 9.9), and the order of its glyphs
+_NEEDED = frozenset({"GlyphOrder", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep"})
+
+
+@contextmanager
+def _needed_tables_only() -> Iterator[None]:
+    """Embed fonts without tables for shaping and naming text: no reader of a PDF needs them, and they take longest.
+
+    matplotlib has no setting for it; so the function by which fontTools loads a font is replaced meanwhile.
+    """
+    from fontTools import subset  # takes longer to load than a figure to draw
+
+    load_font = subset.load_font
+
+    def load(*arguments: Any, **options: Any) -> Any:
+        font = load_font(*arguments, **options)
+        if "glyf" in font:  # others, as those with PostScript outlines, stay as they are
+            for table in set(font.keys()) - _NEEDED:
+                del font[table]
+        return font
+
+    subset.load_font = load
+    try:
+        yield
+    finally:
+        subset.load_font = load_font
 
 
 def files_of(

@@ -15,7 +15,6 @@ from matplotlib.colors import LogNorm
 from PIL import Image
 
 from granwave.analysis.figures import style
-from granwave.analysis.figures.pdf_fonts import needed_tables_only
 from granwave.analysis.figures.scales import plain_powers
 
 
@@ -107,7 +106,7 @@ def test_text_and_glyphs_of_a_pdf_are_those_of_matplotlib(saved, tmp_path):
 
 def test_fonts_are_loaded_as_before_afterwards():
     before = subset.load_font
-    with pytest.raises(KeyError), needed_tables_only():
+    with pytest.raises(KeyError), style._needed_tables_only():
         assert subset.load_font is not before
         raise KeyError
     assert subset.load_font is before
