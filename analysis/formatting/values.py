@@ -6,13 +6,11 @@ empty if the case of the point lacks the key.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.formatting.numbers import plain
-from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
 from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
@@ -32,8 +30,6 @@ CONTINUUM_UNITS = {
 #: Key whose unit follows from the kind of the load, and the key of that.
 AMPLITUDE, LOAD_KIND = "load.amplitude", "load.kind"
 _OF_AMPLITUDES = {"force": "N", "displacement": "m"}
-_BOTTOM = "boundary.bottom."
-_SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
 
 
 def as_label(value: Any) -> str:
@@ -100,8 +96,6 @@ def unit_of(key: str) -> str:
     """
     if key == AMPLITUDE:
         return ""
-    if key.startswith(_BOTTOM):
-        return _unit_in(_SUPPORTS, key.removeprefix(_BOTTOM)) or granular_unit_of(key)
     return granular_unit_of(key) or CONTINUUM_UNITS.get(key, "")
 
 
@@ -126,12 +120,6 @@ def unit_in_cases(key: str, cases: Iterable[Mapping[str, Any]]) -> str:
 def printed_unit(unit: str) -> str:
     """A unit as people write it: kg/m³ for kg/m^3."""
     return unit.replace("^2", "²").replace("^3", "³")
-
-
-def _unit_in(tables: Mapping[str, type], key: str) -> str:
-    table, _, name = key.partition(".")
-    fields = {field.name: field for field in dataclasses.fields(tables[table])} if table in tables else {}
-    return (fields[name].metadata.get("unit") or "") if name in fields else ""
 
 
 def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
@@ -66,12 +67,11 @@ def case_keys() -> tuple[str, ...]:
 
 def unit_of(key: str) -> str:
     """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none."""
-    table, _, rest = key.partition(".")
-    sections = SECTIONS | LISTS | {"material": Material, "pair": Contact}
-    section = Material if ".material." in key else sections.get(table)
-    fields = {field.name: field for field in key_fields(section)} if section else {}
-    name = rest.rpartition(".")[2]
-    return str(fields[name].metadata["unit"]) if name in fields else ""
+    table, _, name = re.sub(r"\.\d+", "", key).rpartition(".")
+    sections = {heading.strip("[]"): section for heading, section in TABLES.items()} | {"pair": Contact}
+    section = Material if table.endswith(".material") else sections.get(table)
+    found = [field.metadata["unit"] for field in key_fields(section) if field.name == name] if section else []
+    return str(found[0]) if found else ""
 
 
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
