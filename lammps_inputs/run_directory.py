@@ -192,7 +192,7 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
     script = head(directory / SCRIPT_FILE, 4096)
     deck = b"\n# Written by granwave from case.toml.\n" in script or "struck" in tables.get("resolved", {})
     point = _has(directory / POINT_FILE, "attempts")
-    whole, case = _result(directory / RESULT_FILE)
+    case = case_of_result(directory / RESULT_FILE)
     own = {
         SUMMARY_FILE: "granwave" in ((summary or {}).get("versions") or {}),
         RECORD_FILE: _has(directory / RECORD_FILE, "n_steps"),
@@ -203,7 +203,7 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
     damaged = {
         SUMMARY_FILE: summary is None,
         RECORD_FILE: read_json(directory / RECORD_FILE) is None,
-        RESULT_FILE: not whole,
+        RESULT_FILE: case is None,
     }
     found = [name for name in own if own[name] or damaged[name]]
     found += [name for name in _names(directory) if (deck and _DECK.fullmatch(name)) or _EXPORTS.fullmatch(name)]
@@ -214,21 +214,21 @@ def _run(directory: Path) -> tuple[str, str, list[str]]:
         found.append(CONTACT_TABLE)
     if not case and CASE_FILE in found and tables:
         case = (directory / CASE_FILE).read_text(encoding="utf-8")
-    return RUN if deck or own[RECORD_FILE] else CONTINUUM, case, found
+    return RUN if deck or own[RECORD_FILE] else CONTINUUM, case or "", found
 
 
-def _result(path: Path) -> tuple[bool, str]:
-    """Return True if a file is missing or readable as HDF5, and the text of the case in it, empty if it has none."""
+def case_of_result(path: Path) -> str | None:
+    """Return the text of the case in a ``result.h5``; empty if it is missing or of others, None if it is damaged."""
     if not path.is_file():
-        return True, ""
+        return ""
     import h5py  # takes longer to load than most commands need
 
     try:
         with h5py.File(path, "r") as file:
             case = str(file.attrs["case"]) if {"case", "versions"} <= file.attrs.keys() else ""
-            return True, case if tomllib.loads(case) else ""
+            return case if tomllib.loads(case) else ""
     except (OSError, ValueError):
-        return False, ""
+        return None
 
 
 def _figures(directory: Path) -> Iterator[str]:

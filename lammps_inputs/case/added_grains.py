@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import (
@@ -92,7 +93,7 @@ def _parse_ring(value: Any) -> Ring:
         raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
     gap: tuple[int, ...] = ()
     if value.get("gap", _ALL) != _ALL:
-        gap = schema.parse_index(value["gap"])
+        gap = parse_index(value["gap"])
     z = schema.finite(value["z"], _RING) if "z" in value else None
     return Ring(schema.whole(value["n"], _RING), radius, z, gap, schema.finite(value.get("angle", 0.0), _RING))
 
@@ -116,7 +117,7 @@ class AddedGrains:
     length: float | None = length_field()
     axis: Vector | None = axis_field()
     material: Material | None = schema.nested(read_material)
-    group: str | None = schema.label("name of their group, for [[hold]]", default=None)
+    group: str | None = schema.custom("name of their group, for [[hold]]", schema.parse_label, default=None)
 
     def most_places(self, n_own: int) -> int:
         """Return an upper bound on the number of places, next to so many grains."""

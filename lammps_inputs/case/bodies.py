@@ -15,6 +15,7 @@ the file.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any
 
 from granwave.lammps_inputs.case import schema
@@ -41,6 +42,25 @@ _ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
 
 
+_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
+_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
+
+
+def parse_index(value: Any) -> tuple[int, ...]:
+    """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
+    if isinstance(value, Mapping):
+        schema.refuse_if(set(value) - {"step"} != {"first", "last"}, _INDEX_FORM)
+        first, last, step = (schema.whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step"))
+        schema.refuse_if(last < first, f"{_INDEX_FORM}, the last not before the first")
+        schema.refuse_if(
+            (last - first) // step >= _MOST_IDS, f"at most {_MOST_IDS} ids; take a box from low to high for more"
+        )
+        return tuple(range(first, last + 1, step))
+    ids = tuple(schema.whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
+    schema.refuse_if(not ids, _INDEX_FORM)
+    return ids
+
+
 def _parse_directions(value: Any) -> str:
     expected = 'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
     if value == _NO_DIRECTION:
@@ -65,7 +85,7 @@ def _parse_touches(value: Any) -> tuple[int, ...]:
     if value == CENTRE:
         return ()
     try:
-        return schema.parse_index(value)
+        return parse_index(value)
     except ValidationError as error:
         raise ValidationError(f'{error}; or "{CENTRE}"') from None
 
@@ -79,7 +99,7 @@ class Replace:
     neighbours. The beads of a chain are moved apart.
     """
 
-    index: tuple[int, ...] | None = schema.custom("which spheres", schema.parse_index, default=None)
+    index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
     low: tuple[float, float, float] | None = schema.custom(
         "corner of a box", schema.numbers(3, _POINT_FORM), unit="m", default=None
     )
@@ -148,8 +168,8 @@ class Bar:
 class Hold:
     """``[[hold]]``: grains that do not move."""
 
-    index: tuple[int, ...] | None = schema.custom("which grains", schema.parse_index, default=None)
-    group: str | None = schema.label("the grains of this group of packing.file", default=None)
+    index: tuple[int, ...] | None = schema.custom("which grains", parse_index, default=None)
+    group: str | None = schema.custom("the grains of this group of packing.file", schema.parse_label, default=None)
     directions: str = schema.custom(
         "directions in which they do not move, of x, y and z", _parse_directions, default="xyz"
     )
@@ -185,7 +205,7 @@ class Line:
     )
     index: tuple[int, ...] | str | None = schema.custom(
         'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
-        schema.or_word(ALL_GRAINS, schema.parse_index),
+        schema.or_word(ALL_GRAINS, parse_index),
         default=None,
     )
     leave_out: int | str = schema.custom(
@@ -201,9 +221,11 @@ class Guide:
     """``[[guide]]``: grains that are free to move in some directions only, without friction, as in a groove."""
 
     index: tuple[int, ...] | None = schema.custom(
-        "which grains; all if neither index nor group is given", schema.parse_index, default=None
+        "which grains; all if neither index nor group is given", parse_index, default=None
     )
-    group: str | None = schema.label("the grains of this group of packing.file or [[grains]]", default=None)
+    group: str | None = schema.custom(
+        "the grains of this group of packing.file or [[grains]]", schema.parse_label, default=None
+    )
     free: str = schema.custom("directions in which they may move, of x, y and z", _parse_free)
     rotation: bool = schema.choice("false: they do not turn", (False, True), default=True)
 
@@ -250,7 +272,7 @@ class Absorb:
     reflection where it is the impedance of the row.
     """
 
-    index: tuple[int, ...] | None = schema.custom("which spheres", schema.parse_index, default=None)
+    index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
     layers: int | None = schema.count("the last layers of the packing; of a chain its last spheres", default=None)
     rate: float | None = schema.number(
         "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None

@@ -160,13 +160,10 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
         radial = -(1.0 + poisson_ratio) * (1.0 - zeta * np.arctan(1.0 / zeta)) + 0.5 / (1.0 + zeta**2)
         return np.abs(vertical - radial)
 
-    grid = np.linspace(0.0, _DEEPEST, 301)
-    start = int(np.argmax(stress(grid)))
-    bounds = (grid[max(start - 1, 0)], grid[min(start + 1, grid.size - 1)])
-    refined = minimize_scalar(
-        lambda depth: -float(stress(depth)), bounds=bounds, method="bounded", options={"xatol": 1e-10}
+    deepest = minimize_scalar(
+        lambda depth: -stress(depth), bounds=(0, _DEEPEST), method="bounded", options={"xatol": 1e-10}
     )
-    return 1.0 / max(-float(refined.fun), float(stress(grid[start])))
+    return 1.0 / max(-float(deepest.fun), float(stress(0.0)))
 
 
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name

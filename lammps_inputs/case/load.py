@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import read_text
 
@@ -124,7 +125,7 @@ class Load:
     spin: tuple[float, float, float] = schema.vector("angular velocity of the struck spheres at the start", hints.SPIN)
     spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = schema.custom(
-        "ids of the struck spheres, instead of those at the centre of the top layer", schema.parse_index, default=None
+        "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
     )
     shape: str | None = schema.choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
     amplitude: float | None = schema.number(

@@ -32,7 +32,9 @@ MATERIALS = "materials"  # table of further materials of a case
 class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
-    name: str | None = schema.label("what the material is called in figures and tables", default=None)
+    name: str | None = schema.custom(
+        "what the material is called in figures and tables", schema.parse_label, default=None
+    )
     youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
     density: float = schema.number("mass density", DENSITY, above=0)

@@ -178,11 +178,6 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
     return _field(description, None, default, parse)
 
 
-def label(description: str, *, default: Any = REQUIRED) -> Any:
-    """Field of the name of a material or a group."""
-    return _field(description, None, default, parse_label)
-
-
 def parse_label(value: Any) -> str:
     """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError` otherwise."""
     refuse_if(not isinstance(value, str) or not value or value != value.strip() or not value.isprintable(), LABEL_FORM)
@@ -406,20 +401,3 @@ def _field(
 def unit_name(unit: str | Usual | None) -> str:
     """Return the name of a unit; empty if there is none."""
     return unit.unit if isinstance(unit, Usual) else unit or ""
-
-
-_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
-_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
-
-
-def parse_index(value: Any) -> tuple[int, ...]:
-    """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
-    if isinstance(value, Mapping):
-        refuse_if(set(value) - {"step"} != {"first", "last"}, _INDEX_FORM)
-        first, last, step = (whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step"))
-        refuse_if(last < first, f"{_INDEX_FORM}, the last not before the first")
-        refuse_if((last - first) // step >= _MOST_IDS, f"at most {_MOST_IDS} ids; take a box from low to high for more")
-        return tuple(range(first, last + 1, step))
-    ids = tuple(whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
-    refuse_if(not ids, _INDEX_FORM)
-    return ids

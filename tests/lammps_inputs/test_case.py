@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.parse import parse_override
-from granwave.lammps_inputs.case.schema import ValidationError, parse_index
+from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.helpers.small_case import FILE, changed
