@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.design.design_file import Problem, load_problem
 from granwave.workflows.design.driver import REFUSED, examined, first_design, run_design
+from granwave.workflows.design.points import default_jobs
 from granwave.workflows.design.search import random_designs
 from granwave.workflows.design.study import OUTCOME, REPORT, Study
 
@@ -29,7 +29,7 @@ def design(options: argparse.Namespace) -> int:
     """Search for the best design; return the exit status."""
     problem = load_problem(options.file, options.budget)
     directory = results_directory(options.directory or problem.name)
-    jobs = options.jobs or max(1, len(os.sched_getaffinity(0)) // options.ranks)
+    jobs = options.jobs or default_jobs(options.ranks)
     values = plan_values(problem, jobs, options.ranks)
     if not options.json:
         print(plan_text(problem, values), flush=True)
@@ -60,7 +60,7 @@ def plan_of_design(path: Path, options: argparse.Namespace) -> int:
         raise InputError(f"--set: {path} is a search for a design; set keys in its [set]")
     problem = load_problem(path)
     first_design(Study(problem, Path(problem.name)))
-    values = plan_values(problem, max(1, len(os.sched_getaffinity(0)) // options.ranks), options.ranks)
+    values = plan_values(problem, default_jobs(options.ranks), options.ranks)
     print_json(values) if options.json else print(plan_text(problem, values))
     return 0
 

@@ -360,11 +360,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
         return []
     keys = dict(tables)
     layers = keys.pop(LAYERS, None)
-    written: dict[str, Any] = {}
-    for key, value in keys.items():
-        nested = isinstance(value, Mapping) and not {"low", "high"} & set(value)
-        written |= {f"{key}.{inner}": held for inner, held in value.items()} if nested else {key: value}
-    found = read_variables(written, "variables", errors)
+    found = read_variables(_dotted(keys), "variables", errors)
     if layers is not None and base:
         found += _layers(layers, base, errors)
     names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
@@ -379,6 +375,15 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
+    return found
+
+
+def _dotted(tables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return variables by dotted key, whether their keys were written with quotes or as nested tables."""
+    found: dict[str, Any] = {}
+    for key, value in tables.items():
+        nested = isinstance(value, Mapping) and value and not {"low", "high"} & set(value)
+        found |= _dotted(value, f"{prefix}{key}.") if nested else {f"{prefix}{key}": value}
     return found
 
 

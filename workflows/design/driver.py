@@ -7,7 +7,6 @@ import dataclasses
 import itertools
 import json
 import logging
-import os
 from collections import deque
 from collections.abc import Mapping
 from fnmatch import fnmatchcase
@@ -23,7 +22,7 @@ from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refus
 from granwave.lammps_inputs.run_directory import DESIGN, POINTS
 from granwave.workflows.design import guards
 from granwave.workflows.design.design_file import Problem, known_before, to_toml
-from granwave.workflows.design.points import Ended, Points, load, names
+from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
 from granwave.workflows.design.search import expected_random, importance, n_first, ordered
 from granwave.workflows.design.study import (
     BEST,
@@ -111,8 +110,7 @@ def run_design(
     check_installed()
     with held(directory), Interrupts() as stop:
         study = prepare(problem, directory, resume=resume, force=force)
-        jobs = jobs or max(1, len(os.sched_getaffinity(0)) // ranks)
-        return _Search(study, jobs, ranks, stop, show=progress).run()
+        return _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
 
 
 def check_installed() -> None:
@@ -297,6 +295,9 @@ class _Search:
                 run["longer"] *= 2
                 self.queue.appendleft((design, n))
                 return None
+            if not guards.has_come(series[1]):
+                end = f"{series[0][-1]:.3g} s"
+                return self._end(design, REFUSED, f"the force on the target still rises, or has not come, after {end}")
             run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
         values = with_derived(ended.summary)
         wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]

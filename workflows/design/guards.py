@@ -222,8 +222,13 @@ def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
 def has_passed(force: np.ndarray) -> bool:
     """Return True if a force has had its peak and fallen to a tenth of it."""
     rise = force - force[0]
-    peak = float(rise.max(initial=0.0))
-    return peak <= 0 or bool(np.any(rise[int(rise.argmax()) :] <= FALLEN * peak))
+    return has_come(force) and bool(np.any(rise[int(rise.argmax()) :] <= FALLEN * rise.max()))
+
+
+def has_come(force: np.ndarray) -> bool:
+    """Return True if a force has risen and had its peak before the last record."""
+    rise = force - force[0]
+    return bool(rise.max(initial=0.0) > 0 and rise.argmax() < len(rise) - 1)
 
 
 def late_impulse(time: np.ndarray, force: np.ndarray) -> float:

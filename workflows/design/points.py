@@ -2,6 +2,7 @@
 
 A run on one rank is made by a forked copy of this process, which has loaded all modules; one on several ranks by
 mpiexec. Where MPI was started in this process (in Python, after a run), which a copy must not share, by a new process.
+In a job of Slurm on several nodes each run is a step of that job, which srun starts where there is room.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_
 from granwave.workflows.run import mpi, record
 
 _POLL = 0.05  # s
+_STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")  # a step of the job of Slurm that this process runs in
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,13 +81,20 @@ class Points:
         anew = there is not None and case_digest(there) != case_digest(tables)
         words = ["run", str(place / POINT_CASE), "-o", str(place), "--no-figures", "--force" if anew else "--resume"]
         with (place / POINT_LOG).open("wb") as log:
-            if self.ranks > 1 or _mpi_started():
+            steps = nodes_of_job() > 1
+            if self.ranks > 1 or steps or _mpi_started():
                 alone = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
-                command = mpi.command(self.ranks, words) if self.ranks > 1 else alone
+                launcher = _STEP if steps else ()
+                command = mpi.command(self.ranks, words, launcher) if self.ranks > 1 or steps else alone
+                environment = {**mpi.alone(), mpi.EXPECTED_RANKS: str(self.ranks)}
                 self._processes[name] = subprocess.Popen(
-                    command, env=mpi.alone(), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                    command,
+                    env=environment,
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=log,
                     preexec_fn=mpi.end_with_parent,
-                )  # fmt: skip
+                )
                 process = self._processes[name].pid
             else:
                 process = _fork(tables, place, log.fileno(), anew=anew)
@@ -138,6 +147,17 @@ def _reason(place: Path, state: record.Record | None, status: int) -> str:
 def _mpi_started() -> bool:
     module = sys.modules.get("mpi4py.MPI")
     return bool(module and module.Is_initialized())
+
+
+def nodes_of_job() -> int:
+    """Return the number of nodes of the job of Slurm that this process runs in; 1 without one."""
+    return int(os.environ.get("SLURM_JOB_NUM_NODES", 1))
+
+
+def default_jobs(ranks: int) -> int:
+    """Return the default number of simultaneous runs: cores of this machine, or tasks of the job, over the ranks."""
+    tasks = int(os.environ.get("SLURM_NTASKS", 1)) if nodes_of_job() > 1 else len(os.sched_getaffinity(0))
+    return max(1, tasks // ranks)
 
 
 def load() -> None:

@@ -10,11 +10,14 @@ number and the earlier designs alone.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import itertools
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -172,6 +175,18 @@ def joined(losses: Array, rng: Generator | None = None) -> Array:
     return joint
 
 
+@cache
+def _threads() -> Any:
+    from threadpoolctl import ThreadpoolController  # comes with scikit-learn
+
+    return ThreadpoolController()
+
+
+def _one_thread() -> contextlib.AbstractContextManager[object]:
+    limited: contextlib.AbstractContextManager[object] = _threads().limit(limits=1)
+    return limited
+
+
 class Model:
     """Gaussian process of a quantity over the designs of a space."""
 
@@ -186,7 +201,7 @@ class Model:
             1e-4, (1e-8, 0.1)
         )
         self._regressor = GaussianProcessRegressor(kernel, normalize_y=True)
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), _one_thread():  # on small matrices threads wait for each other
             warnings.simplefilter("ignore")  # a length at its bound
             self._regressor.fit(x, values)
 

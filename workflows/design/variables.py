@@ -62,9 +62,11 @@ class Variable:
         return (value - self.low) / (self.high - self.low)
 
     def features(self, value: Any) -> list[float]:
-        """Return the coordinates of a value: its share of the range, or a unit vector for words."""
+        """Return the coordinates of a value: its share of the range, or a vector for words, a distance of 1 apart."""
         if self.ordered:
             return [self.share(value)]
+        if len(self.choices) == 2:
+            return [float(value == self.choices[1])]
         return [math.sqrt(0.5) * (choice == value) for choice in self.choices]
 
     def changed(self, value: Any, rng: Generator) -> Any:
@@ -168,10 +170,6 @@ class Space:
     def features(self, designs: Sequence[Values]) -> NDArray[np.float64]:
         """Return the coordinates of designs: (n, number of coordinates)."""
         return np.array([[x for one in self.variables for x in one.features(d[one.key])] for d in designs])
-
-    def lengths(self) -> list[int]:
-        """Return the number of coordinates of each variable."""
-        return [1 if one.ordered else len(one.choices) for one in self.variables]
 
     def changed(self, design: Values, rng: Generator) -> Values:
         """Return a design with one variable changed, or a few."""

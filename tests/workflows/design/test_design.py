@@ -17,9 +17,10 @@ import granwave as gw
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.design.design_file import load_problem, with_values
 from granwave.workflows.design.driver import examined, first_design
-from granwave.workflows.design.guards import GUARDS, has_passed, late_impulse, target_force
+from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, target_force
 from granwave.workflows.design.study import Study
 from tests.conftest import PLAIN
+from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
 pytest.importorskip("sklearn")
 
@@ -224,6 +225,25 @@ def test_values_go_into_lists_and_grains(folder):
     assert base["packing"]["size"] == [4, 4, 5]
 
 
+def test_keys_without_quotes(folder):
+    nested = {"packing": {"diameter": [0.01]}, "boundary": {"bottom": {"plate": {"mass": {"low": 1.0, "high": 2.0}}}}}
+    base = {"boundary.bottom": {"plate": {"mass": 1.0, "stiffness": 1e6}}}
+    keys = [one.key for one in problem_of(folder, variables=nested, set=base).space.variables]
+    assert keys == ["packing.diameter", "boundary.bottom.plate.mass"]
+
+
+def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
+    """In a job on two nodes each run is a step on one of them."""
+    (folder / "job.sh").write_text(
+        f"#!/bin/sh\n{sys.executable} -m granwave.workflows design beads.toml -o job --budget 4 --force\n"
+    )
+    command = ["sbatch", "--wait", f"--partition={slurm.partition}", "--nodes=2", "--ntasks=2", "--ntasks-per-node=1"]
+    done = subprocess.run([*command, "-o", "job.log", "job.sh"], cwd=folder, timeout=240, check=False)
+    assert done.returncode == 0, (folder / "job.log").read_text()
+    records = [json.loads(path.read_text()) for path in (folder / "job/points").glob("[0-9]/run.json")]
+    assert {node for record in records for node in record["nodes"]} == set(slurm.nodes)
+
+
 def test_layers_are_variables_of_each_bead(folder):
     problem = problem_of(folder, variables={"layers": {"materials": MATERIALS, "diameters": [0.5, 1.0]}})
     assert len(problem.space.variables) == 6
@@ -295,4 +315,7 @@ def test_passed_forces_and_late_impulses():
     pulse = np.exp(-(((time_ - 0.5) / 0.1) ** 2))
     assert has_passed(pulse)
     assert not has_passed(pulse[:550])
+    assert has_come(pulse[:550])
+    assert not has_come(pulse[:450])
+    assert not has_come(np.zeros(5))
     assert late_impulse(time_, np.ones_like(time_)) == pytest.approx(0.1, rel=0.02)
