@@ -58,8 +58,8 @@ def test_a_figure_of_a_scan_that_fails_costs_no_other(tmp_path, monkeypatch):
     whole = {path.stem for path in scan_figures.draw_scan_figures(scan, pdf=False)}
     drawn = scan_figures._curves
 
-    def some(points, rows, x, others, quantity, *rest, **options):
-        return fails() if quantity.name == "peak_force" else drawn(points, rows, x, others, quantity, *rest, **options)
+    def some(x, others, quantity, *rest, **options):
+        return fails() if quantity.name == "peak_force" else drawn(x, others, quantity, *rest, **options)
 
     monkeypatch.setattr(scan_figures, "_curves", some)
     left = {path.stem for path in scan_figures.draw_scan_figures(scan, pdf=False)}
