@@ -8,31 +8,12 @@ from collections.abc import Iterator, Sequence
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import reached_targets
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.studies.protection.runs import (
-    ENERGY,
-    FORCE,
-    GROUND,
-    GROUND_REDUCTION,
-    IMPULSE,
-    LOCAL,
-    MOMENTUM,
-    MOVED,
-    REDUCTION,
-    UNPROTECTED,
-    TargetRun,
-    impacts,
-    names,
-    table,
-)
+from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, table
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.titles import impact_title
 
 _MOST = 12  # curves of a figure
-_QUANTITIES = (
-    FORCE, LOCAL, UNPROTECTED, REDUCTION, GROUND,
-    GROUND_REDUCTION, IMPULSE, MOMENTUM, ENERGY, MOVED,
-)  # fmt: skip
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
@@ -57,7 +38,7 @@ def text(runs: Sequence[TargetRun]) -> str:
 
 def tables(runs: Sequence[TargetRun]) -> list[Table]:
     """All runs."""
-    return [table("What reaches the target, by bottom", runs, _QUANTITIES)]
+    return [table("What reaches the target, by bottom", runs, "B")]
 
 
 def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
@@ -78,7 +59,7 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
     known = [run for run in plain if math.isfinite(run.value("peak_reduction"))]
     if known:
         yield from _of_forces(known)
-    gained = [MOMENTUM.value(run) for run in plain]
+    gained = [run.value("impulse_over_momentum") for run in plain]
     if all(map(math.isfinite, gained)):
         yield (
             f"The impulse on the target is {number(min(gained))} to {number(max(gained))} times the "
@@ -86,8 +67,8 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
             "rebound add to it."
         )
     if moving := [run for run in plain if run.moves]:
-        most = max(moving, key=ENERGY.value)
-        share = number(100 * ENERGY.value(most))
+        most = max(moving, key=lambda run: run.value("energy_over_input"))
+        share = number(100 * most.value("energy_over_input"))
         yield f"Of the energy at most {share} % reach the target ({most.bottom})."
 
 
@@ -109,11 +90,11 @@ def _plain(runs: Sequence[TargetRun]) -> list[TargetRun]:
 
 def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
     """Make the rows of runs with a known reduction: that of the force, and the force of a single sphere."""
-    most, least = (pick(runs, key=REDUCTION.value) for pick in (max, min))
+    most, least = (pick(runs, key=lambda run: run.value("peak_reduction")) for pick in (max, min))
     mass, height = (number(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
     layers = f"{most.layers} layer{'s' if most.layers > 1 else ''}"
     yield f"{layers} ({mass} kg, {height} m) cut the peak force on the target {_cut(least)} to {_cut(most)}."
-    shares = {run: run.largest_of_one / run.value("unprotected_peak_force_N") for run in runs}
+    shares = {run: run.value("largest_of_one_N") / run.value("unprotected_peak_force_N") for run in runs}
     worst = max(runs, key=lambda run: shares[run])
     if math.isfinite(shares[worst]):
         yield (

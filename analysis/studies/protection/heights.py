@@ -11,23 +11,7 @@ from granwave.analysis.document.model import Table
 from granwave.analysis.figures.packings import Heights, reductions
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import power
-from granwave.analysis.studies.protection.runs import (
-    ENERGY,
-    FORCE,
-    GAIN_PER_MASS,
-    HEIGHT,
-    IMPULSE,
-    MASS,
-    PER_HEIGHT,
-    PER_MASS,
-    REDUCTION,
-    UNPROTECTED,
-    TargetRun,
-    impacts,
-    names,
-    series,
-    table,
-)
+from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series, table
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture
 from granwave.analysis.studies.titles import impact_title
@@ -39,10 +23,6 @@ TEXT = (
     "directly on the target over that on the target below the packing; also over the mass of the packing and over "
     "its height. What a kilogram adds: the reduction less 1, which is that of no packing, over the mass."
 )
-_QUANTITIES = (
-    HEIGHT, MASS, FORCE, UNPROTECTED, REDUCTION,
-    PER_MASS, PER_HEIGHT, GAIN_PER_MASS, IMPULSE, ENERGY,
-)  # fmt: skip
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[list[TargetRun]]]:
@@ -62,14 +42,14 @@ def title(found: AllSeries) -> str:
 
 def tables(found: AllSeries) -> list[Table]:
     """All runs."""
-    return [table("Peak reduction by height", [run for one in found for run in one], _QUANTITIES)]
+    return [table("Peak reduction by height", [run for one in found for run in one], "H")]
 
 
 def verdict(found: AllSeries) -> Iterator[str]:
     """The reduction of each series."""
     for runs in found:
         first, last = runs[0], runs[-1]
-        gained = [GAIN_PER_MASS.value(run) for run in runs]
+        gained = [run.value("gain_per_kg") for run in runs]
         reduction, layers = np.array([(run.value("peak_reduction"), run.layers) for run in runs]).T
         friction = f", friction {first.friction:g}" if first.case.has_friction else ""
         yield (
@@ -82,22 +62,15 @@ def verdict(found: AllSeries) -> Iterator[str]:
 
 def pictures(found: AllSeries) -> Iterator[Picture]:
     """Reduction, and what a kilogram adds, against layers."""
-    labels = names([runs[-1] for runs in found])
+    shown = []
+    for runs, label in zip(found, names([runs[-1] for runs in found]), strict=True):
+        last, name = runs[-1], label.replace(f", {runs[-1].layers} layers", "")
+        values = ("peak_reduction", "gain_per_kg", "packing_mass_kg")
+        columns = [np.array([float(run.layers) for run in runs])]
+        columns += [np.array([run.value(key) for run in runs]) for key in values]
+        shown.append(Heights(name, last.bottom, last.friction, *columns))
     caption = (
         "Peak force without the packing over that with it, and what a kilogram adds to it, against the number of "
         "layers. Above 1 the packing protects; where the right-hand curve is highest, its mass pays most"
     )
-    yield Picture("", caption, reductions([_heights(runs, name) for runs, name in zip(found, labels, strict=True)]))
-
-
-def _heights(runs: Sequence[TargetRun], name: str) -> Heights:
-    last = runs[-1]
-    return Heights(
-        name.replace(f", {last.layers} layers", ""),
-        last.bottom,
-        last.friction,
-        np.array([float(run.layers) for run in runs]),
-        REDUCTION.shown(runs),
-        GAIN_PER_MASS.shown(runs),
-        MASS.shown(runs),
-    )
+    yield Picture("", caption, reductions(shown))

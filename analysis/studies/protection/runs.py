@@ -1,31 +1,60 @@
-"""Runs of the same impact on packings of other heights and on other bottoms: what reaches the target in each.
-
-Numbers of runs with targets, as columns of a table.
-"""
+"""Runs of the same impact on packings of other heights and on other bottoms: what reaches the target in each."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
 
+from granwave.analysis.document.cells import BLANK
 from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but, rising
-from granwave.analysis.studies.tables import Quantity, of_summary, values_table
+from granwave.analysis.studies.tables import numeric, table_of
 from granwave.analysis.studies.titles import bottom_label
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
 FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom
+_DIGITS = 4
+#: Numbers of a run: heading and unit, what SI values are multiplied by for it, and the tables: by Height, by Bottom.
+QUANTITIES: dict[str, tuple[str, str, float, str]] = {
+    "packing_height_m": ("Height", "mm", 1e3, "H"),
+    "packing_mass_kg": ("Mass", "kg", 1.0, "H"),
+    "wall_peak_force_N": ("Peak force on the target", "N", 1.0, "HB"),
+    "largest_of_one_N": ("Largest of one sphere", "N", 1.0, "B"),
+    "unprotected_peak_force_N": ("Without the packing", "N", 1.0, "HB"),
+    "peak_reduction": ("Peak reduction", "", 1.0, "HB"),
+    "peak_reduction_per_kg": ("Reduction per mass", "1/kg", 1.0, "H"),
+    "peak_reduction_per_m": ("Reduction per height", "1/m", 1.0, "H"),
+    "gain_per_kg": ("What a kilogram adds", "1/kg", 1.0, "H"),
+    "ground_peak_force_N": ("Peak force on the ground", "N", 1.0, "B"),
+    "ground_peak_reduction": ("Reduction on the ground", "", 1.0, "B"),
+    "wall_impulse_Ns": ("Impulse", "mN s", 1e3, "HB"),
+    "impulse_over_momentum": ("Impulse over the impactor's momentum", "", 1.0, "B"),
+    "energy_over_input": ("Most energy at the target", "% of input", 100.0, "HB"),
+    "target_peak_displacement_m": ("Largest displacement", "µm", 1e6, "B"),
+}
 
 
 class TargetRun(FinishedRun):
     """A finished run of a packing between an impact and a bottom that bears it."""
+
+    def value(self, name: str) -> float:
+        """A number of the summary, or one of the further `QUANTITIES`; NaN where it does not apply."""
+        if name == "largest_of_one_N":
+            return self._read[2]
+        if name == "gain_per_kg":
+            return (self.value("peak_reduction") - 1) / self.value("packing_mass_kg")
+        if name == "impulse_over_momentum":
+            return self.value("wall_impulse_Ns") / self.momentum if self.momentum else math.nan
+        if name == "energy_over_input":
+            return float(self.energy[1].max()) / self.value("energy_input_J") if self.moves else math.nan
+        return super().value(name)
 
     @property
     def layers(self) -> int:
@@ -82,13 +111,9 @@ class TargetRun(FinishedRun):
         moved = self.reached.displacement
         return np.zeros_like(self.reached.time) if moved is None else moved
 
-    @property
-    def largest_of_one(self) -> float:
-        """Largest force of a single sphere on the bottom, N; NaN where a last layer is held in place of one."""
-        return self._read[2]
-
     @cached_property
     def _read(self) -> tuple[Reached, tuple[Array, Array], float]:
+        """Record of the bottom, its energy, and the largest force of a single sphere; NaN where a layer is held."""
         with Result(self.directory) as result:
             found = reached(result)
             assert found is not None  # `impacts` takes no run without a bottom
@@ -149,49 +174,23 @@ def _order(run: TargetRun) -> tuple:
     return kind, -mass, -stiffness, run.bottom, run.friction, run.layers
 
 
-_DIGITS = 4
+def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
+    """A row for each run: bottom, layers, friction, and the quantities of a kind of table that any of the runs has."""
+    named = {name: (heading, unit, size) for name, (heading, unit, size, kinds) in QUANTITIES.items() if kind in kinds}
+    shown = {name: entry for name, entry in named.items() if any(math.isfinite(run.value(name)) for run in runs)}
+    heads = (Column("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
+    rows = [
+        (
+            run.bottom,
+            run.layers,
+            Cell(f"{run.friction:g}", run.friction),
+            *(_cell(size * run.value(name)) for name, (_, _, size) in shown.items()),
+        )
+        for run in runs
+    ]
+    columns = (*heads, *numeric(*((heading, unit) for heading, unit, _ in shown.values())))
+    return table_of(caption, columns, rows, sortable=True)
 
 
-def _gain_per_mass(run: TargetRun) -> float:
-    return (run.value("peak_reduction") - 1) / run.value("packing_mass_kg")
-
-
-def _momentum(run: TargetRun) -> float:
-    return run.value("wall_impulse_Ns") / run.momentum if run.momentum else math.nan
-
-
-def _energy(run: TargetRun) -> float:
-    return float(run.energy[1].max()) / run.value("energy_input_J") if run.moves else math.nan
-
-
-def _shown(key: str, heading: str, unit: str = "", per_unit: float = 1.0) -> Quantity:
-    return Quantity(key, heading, unit, of_summary(key), per_unit)
-
-
-FORCE = _shown("wall_peak_force_N", "Peak force on the target", "N")
-LOCAL = Quantity("largest_of_one_N", "Largest of one sphere", "N", lambda run: run.largest_of_one)
-UNPROTECTED = _shown("unprotected_peak_force_N", "Without the packing", "N")
-REDUCTION = _shown("peak_reduction", "Peak reduction")
-PER_MASS = _shown("peak_reduction_per_kg", "Reduction per mass", "1/kg")
-GAIN_PER_MASS = Quantity("gain_per_kg", "What a kilogram adds", "1/kg", _gain_per_mass)
-PER_HEIGHT = _shown("peak_reduction_per_m", "Reduction per height", "1/m")
-MASS = _shown("packing_mass_kg", "Mass", "kg")
-HEIGHT = _shown("packing_height_m", "Height", "mm", 1e3)
-GROUND = _shown("ground_peak_force_N", "Peak force on the ground", "N")
-GROUND_REDUCTION = _shown("ground_peak_reduction", "Reduction on the ground")
-IMPULSE = _shown("wall_impulse_Ns", "Impulse", "mN s", 1e3)
-MOMENTUM = Quantity("impulse_over_momentum", "Impulse over the impactor's momentum", "", _momentum)
-ENERGY = Quantity("energy_over_input", "Most energy at the target", "% of input", _energy, 100.0)
-MOVED = _shown("target_peak_displacement_m", "Largest displacement", "µm", 1e6)
-
-_KEYS: tuple[tuple[Column, Callable[[TargetRun], Cell]], ...] = (
-    (Column("Bottom", key=True), lambda run: Cell(run.bottom, run.bottom)),
-    (Column("Layers", numeric=True, key=True), lambda run: Cell(str(run.layers), run.layers)),
-    (Column("Friction", numeric=True), lambda run: Cell(f"{run.friction:g}", run.friction)),
-)
-
-
-def table(caption: str, runs: Sequence[TargetRun], quantities: Sequence[Quantity]) -> Table:
-    """A row for each run: bottom, layers, friction, and the quantities that any of them has."""
-    shown = [one for one in quantities if any(math.isfinite(one.value(run)) for run in runs)]
-    return values_table(caption, runs, shown, _KEYS, lambda value: Cell(f"{value:.{_DIGITS}g}", value))
+def _cell(value: float) -> Cell:
+    return Cell(f"{value:.{_DIGITS}g}", value) if math.isfinite(value) else Cell(BLANK)
