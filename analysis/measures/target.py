@@ -27,7 +27,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granwave.analysis.measures.signals import Array
-from granwave.lammps_inputs.case.boundary import NodeConstants
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import BAR
@@ -217,14 +216,14 @@ def target_of(case: Case) -> Target | None:
     """
     support, material = case.boundary.bottom_support, case.boundary.bottom_material
     if support is not None:
-        behind = support.constants(material, footprint_radius(assemble(case)))
-        if isinstance(behind, NodeConstants):
+        behind = support.backing(material, footprint_radius(assemble(case)))
+        if not behind.elements:
             return Target(material, np.array([behind.mass]), 0.0, behind.stiffness, behind.damping)
         masses = np.full(behind.elements + 1, behind.mass / behind.elements)
         masses[[0, -1]] /= 2
         if behind.end == "fixed":
             return Target(material, masses[:-1], behind.stiffness, behind.stiffness)
-        return Target(material, masses, behind.stiffness, 0.0, 0.0 if behind.end == "free" else behind.end)
+        return Target(material, masses, behind.stiffness, 0.0, 0.0 if isinstance(behind.end, str) else behind.end)
     if case.boundary.bottom != "free":
         return Target(material, np.empty(0))
     bar = next((bar for bar in assemble(case).bars if bar.name == BAR), None)

@@ -14,7 +14,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.material import Material, read_material
@@ -85,44 +85,28 @@ class SupportBar:
 
 
 @dataclasses.dataclass(frozen=True)
-class NodeConstants:
-    """Constants of a node on a spring and a damper, along the normal of the plane.
+class Backing:
+    """What is behind a plane, along its normal: a node on a spring and a damper, or a bar of lumped masses.
 
     Attributes
     ----------
     mass
-        Mass of the node, kg; 0 for a surface without inertia.
+        Mass of the node, 0 for a surface without inertia, or of the whole bar, kg.
     stiffness
-        Stiffness of the spring, N/m.
+        Stiffness of the spring, or of an element of the bar, N/m.
     damping
         Damping constant, N s/m.
-    """
-
-    mass: float
-    stiffness: float
-    damping: float
-
-
-@dataclasses.dataclass(frozen=True)
-class BarConstants:
-    """Constants of an elastic bar of lumped masses, along the normal of the plane.
-
-    Attributes
-    ----------
     elements
-        Number of elements.
-    mass
-        Mass of the whole bar, kg.
-    stiffness
-        Stiffness of an element, N/m.
+        Number of elements of a bar; 0 for a node.
     end
-        Far end: ``free``, ``fixed``, or the impedance of a non-reflecting end, N s/m.
+        Far end of a bar: ``free``, ``fixed``, or the impedance of a non-reflecting end, N s/m.
     """
 
-    elements: int
     mass: float
     stiffness: float
-    end: float | Literal["free", "fixed"]
+    damping: float = 0.0
+    elements: int = 0
+    end: float | str = "free"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -144,7 +128,7 @@ class Support:
         """True if the support can bear a static load, by a spring to the ground or as a damper."""
         return self.bar is None or self.bar.end == "fixed"
 
-    def constants(self, material: Material | None, footprint: float) -> NodeConstants | BarConstants:
+    def backing(self, material: Material | None, footprint: float) -> Backing:
         """Return the mass, stiffness and damping behind the plane.
 
         Parameters
@@ -155,19 +139,17 @@ class Support:
             Radius of the packing's footprint, m.
         """
         if self.plate:
-            return NodeConstants(self.plate.mass, self.plate.stiffness, self.plate.damping)
+            return Backing(self.plate.mass, self.plate.stiffness, self.plate.damping)
         if self.damper:
-            return NodeConstants(0.0, 0.0, self.damper.damping)
+            return Backing(0.0, 0.0, self.damper.damping)
         assert material is not None
         if self.half_space:
             radius = self.half_space.radius or footprint
-            stiffness, damping = self.half_space.stiffness(material, radius), self.half_space.damping(material, radius)
-            return NodeConstants(0.0, stiffness, damping)
+            return Backing(0.0, self.half_space.stiffness(material, radius), self.half_space.damping(material, radius))
         assert self.bar is not None
         impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
-        end: float | Literal["free", "fixed"] = "fixed" if self.bar.end == "fixed" else "free"
-        end = impedance if self.bar.end == "infinite" else end
-        return BarConstants(self.bar.elements, self.bar.mass(material), self.bar.stiffness(material), end)
+        end = impedance if self.bar.end == "infinite" else self.bar.end
+        return Backing(self.bar.mass(material), self.bar.stiffness(material), elements=self.bar.elements, end=end)
 
     def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
         """Return the longest timestep that resolves the motion of the support, s.
@@ -175,20 +157,19 @@ class Support:
         Parameters
         ----------
         material, footprint
-            As in `constants`.
+            As in `backing`.
         contacts
             Sum of the stiffnesses of all contacts with the plane, N/m.
         """
-        behind = self.constants(material, footprint)
-        if isinstance(behind, NodeConstants):
-            if not behind.mass:
-                return _OF_DECAY * behind.damping / contacts
-            return PLATE_OSCILLATION * math.sqrt(behind.mass / (behind.stiffness + contacts))
-        element = behind.mass / behind.elements
-        return min(
-            BAR_COURANT_NUMBER * math.sqrt(element / behind.stiffness),
-            PLATE_OSCILLATION * math.sqrt(element / 2 / (behind.stiffness + contacts)),
-        )
+        behind = self.backing(material, footprint)
+        if not behind.mass:
+            return _OF_DECAY * behind.damping / contacts
+        front = behind.mass / behind.elements / 2 if behind.elements else behind.mass
+        oscillation = PLATE_OSCILLATION * math.sqrt(front / (behind.stiffness + contacts))
+        if self.bar is None or material is None:
+            return oscillation
+        element = self.bar.length / self.bar.elements
+        return min(BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus), oscillation)
 
 
 _BEARS_ITSELF = ("plate", "damper", "tube")  # need no material

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from granwave.lammps_inputs.case.boundary import NodeConstants
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.material import Material
@@ -294,10 +293,10 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
     if wall.support is None or material != materials_of_last_layer(assembly)[0]:
         return []
-    constants = wall.support.constants(wall.material, footprint_radius(assembly))
+    behind = wall.support.backing(wall.material, footprint_radius(assembly))
     if wall.support.damper:
         return ["support", "damper", num(wall.support.damper.damping)]
-    if isinstance(constants, NodeConstants):
-        return ["support", *(num(value) for value in (constants.mass, constants.stiffness, constants.damping))]
-    end = constants.end if isinstance(constants.end, str) else num(constants.end)
-    return ["support", "bar", str(constants.elements), num(constants.mass), num(constants.stiffness), end]
+    if not behind.elements:
+        return ["support", *map(num, (behind.mass, behind.stiffness, behind.damping))]
+    end = behind.end if isinstance(behind.end, str) else num(behind.end)
+    return ["support", "bar", str(behind.elements), num(behind.mass), num(behind.stiffness), end]
