@@ -15,13 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter, map_coordinates
 
 _OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
 _AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.16
 _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
-_SHARPNESS = 5  # binary logarithm of the exponent of the gloss
+_SHARPNESS = 32  # exponent of the gloss
 _BLUR = 4  # pixels to a radius when averaging the surroundings
 _BLOCK = 16384  # pixels that are shaded at a time, whose numbers fit into the processor's cache
 _LINES = 8  # of the picture that are coloured at a time, likewise
@@ -133,19 +134,16 @@ def lit_surface(
     margin = 0.1 * float(radii.max())
     low = (seen[:, :2] - reach).min(axis=0) - margin
     high = (seen[:, :2] + reach).max(axis=0) + margin
-    coarse = _painted_grains(seen, radii, halves, low, high, 2 * float(np.median(radii)) / _COARSE).front
+    grains = _Grains(seen, radii, halves, low, high)
+    coarse = grains.front(2 * float(np.median(radii)) / _COARSE)
     visible = np.unique(coarse[coarse >= 0]).astype(np.int64)
     pitch = (high[0] - low[0]) / (width * _OVERSAMPLING)
-    found = _painted_grains(seen[visible], radii[visible], halves[visible], low, high, pitch)
-    found = found.cropped(found.front.shape[0] // _OVERSAMPLING * _OVERSAMPLING, width * _OVERSAMPLING)
-    fine = found.front
+    grains = _Grains(seen[visible], radii[visible], halves[visible], low, high)
+    fine = grains.front(pitch)
+    fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
     top = low[1] + fine.shape[0] * pitch
     extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
-    rows, columns = (place.astype(np.int32) for place in np.nonzero(fine >= 0))
-    brightness, gloss = np.zeros((2, *fine.shape), dtype=np.float32)
-    lit = _light(found, rows, columns, seen[visible], radii[visible], low, pitch)
-    brightness[rows, columns], gloss[rows, columns] = lit
-    return Surface(fine, brightness, gloss, visible, extent)
+    return Surface(fine, *_light(grains, fine, pitch), visible, extent)
 
 
 def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
@@ -176,84 +174,72 @@ def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class _Grains:
-    """Grains as they are painted, before they are lit.
+    """Spheres and cylinders as the camera sees them.
 
     Attributes
     ----------
-    front
-        Row of the grain that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up.
-    depth, normal
-        Distance towards the viewer, m, and direction of the surface, where a cylinder is shown: (n_rows, n_columns) and
-        (n_rows, n_columns, 3); None without cylinders.
-    is_cylinder
-        True for cylinders: (n_grains,).
+    seen, radius, halves
+        Centres, radii, and vectors from the centres to the ends of cylinders, 0 for spheres: to the right, up and
+        towards the viewer; (n, 3), (n,) and (n, 3), m.
+    low, high
+        Corners of the picture, m.
     """
 
-    front: NDArray[np.int32]
-    depth: NDArray[np.float32] | None
-    normal: NDArray[np.float32] | None
-    is_cylinder: NDArray[np.bool_]
+    seen: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    halves: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
 
-    def cropped(self, n_rows: int, n_columns: int) -> _Grains:
-        """Return the first rows and columns."""
-        depth, normal = (None if one is None else one[:n_rows, :n_columns] for one in (self.depth, self.normal))
-        return _Grains(self.front[:n_rows, :n_columns], depth, normal, self.is_cylinder)
-
-
-def _painted_grains(
-    seen: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    halves: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    pitch: float,
-) -> _Grains:
-    """Paint spheres, and then cylinders where they are nearer to the viewer."""
-    is_cylinder: NDArray[np.bool_] = np.asarray(halves.any(axis=1))
-    spheres = np.flatnonzero(~is_cylinder)
-    front = _front(seen[spheres], radius[spheres], low, high, pitch)
-    if len(spheres) == len(seen):
-        return _Grains(front, None, None, is_cylinder)
-    front = np.where(front >= 0, spheres.astype(np.int32)[front] if len(spheres) else -1, -1).astype(np.int32)
-    depth = np.full(front.shape, -np.inf, dtype=np.float32)
-    normal = np.zeros((*front.shape, 3), dtype=np.float32)
-    rows, columns = np.nonzero(front >= 0)
-    sphere = front[rows, columns]
-    across = (low + (np.stack([columns, rows], axis=1) + 0.5) * pitch - seen[sphere, :2]) ** 2
-    depth[rows, columns] = seen[sphere, 2] + np.sqrt(np.maximum(radius[sphere] ** 2 - across.sum(axis=1), 0.0))
-    for grain in np.flatnonzero(is_cylinder):
-        reach = radius[grain] + np.abs(halves[grain, :2])
-        first = np.maximum(np.floor((seen[grain, :2] - reach - low) / pitch).astype(int), 0)
-        last = np.ceil((seen[grain, :2] + reach - low) / pitch).astype(int) + 1
-        box = slice(first[1], last[1]), slice(first[0], last[0])
-        y, x = (low[way] + (np.arange(front.shape[1 - way])[box[1 - way]] + 0.5) * pitch for way in (1, 0))
-        found, direction = surface_of_cylinder(seen[grain], halves[grain], radius[grain], x, y)
-        nearer = found > depth[box]
-        front[box][nearer], depth[box][nearer], normal[box][nearer] = grain, found[nearer], direction[nearer]
-    return _Grains(front, depth, normal, is_cylinder)
-
-
-def _front(
-    seen: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
-    pitch: float,
-) -> NDArray[np.int32]:
-    """Return the row of the sphere that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
-    shape = tuple(math.ceil(extent) + 1 for extent in (high[::-1] - low[::-1]) / pitch)
-    order = np.argsort(seen[:, 2], kind="stable").astype(np.int32)  # the farthest first
-    place = (seen[order, :2] - low) / pitch - 0.5  # in pixels; integers are centres of pixels
-    reach = radius[order] / pitch
-    front = np.full(shape, -1, dtype=np.int32)
-    if not len(order):
+    def front(self, pitch: float) -> NDArray[np.int32]:
+        """Return the row of the grain that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
+        shape = tuple(math.ceil(extent) + 1 for extent in (self.high[::-1] - self.low[::-1]) / pitch)
+        front, lying = np.full(shape, -1, dtype=np.int32), self.halves.any(axis=1)
+        spheres = np.flatnonzero(~lying)
+        order = spheres[np.argsort(self.seen[spheres, 2], kind="stable")].astype(np.int32)  # the farthest first
+        place = (self.seen[order, :2] - self.low) / pitch - 0.5  # in pixels; integers are centres of pixels
+        reach = self.radius[order] / pitch
+        if len(order):
+            paint = _paint_by_sphere if len(order) < 4 * np.median(reach) ** 2 else _paint_by_pixel
+            paint(front, place, reach)
+            front[front >= 0] = order[front[front >= 0]]
+        if lying.any():  # cylinders, where they are nearer to the viewer
+            depth = np.full(shape, -np.inf, dtype=np.float32)
+            rows, columns = np.nonzero(front >= 0)
+            depth[rows, columns] = self.surface(front, rows, columns, pitch)[0]
+        for grain in np.flatnonzero(lying):
+            reach = self.radius[grain] + np.abs(self.halves[grain, :2])
+            first = np.maximum(np.floor((self.seen[grain, :2] - reach - self.low) / pitch).astype(int), 0)
+            last = np.ceil((self.seen[grain, :2] + reach - self.low) / pitch).astype(int) + 1
+            box = slice(first[1], last[1]), slice(first[0], last[0])
+            rows, columns = np.mgrid[
+                box[0].start : min(box[0].stop, shape[0]), box[1].start : min(box[1].stop, shape[1])
+            ]
+            found = self._of_cylinder(grain, rows, columns, pitch)[0]
+            nearer = found > depth[box]
+            front[box][nearer], depth[box][nearer] = grain, found[nearer]
         return front
-    if len(order) < 4 * np.median(reach) ** 2:
-        _paint_by_sphere(front, place, reach)
-    else:
-        _paint_by_pixel(front, place, reach)
-    front[front >= 0] = order[front[front >= 0]]
-    return front
+
+    def surface(
+        self, front: NDArray[np.int32], rows: NDArray[np.int64], columns: NDArray[np.int64], pitch: float
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the place towards the viewer and the normal of what is seen in pixels: (n,), m, and (n, 3)."""
+        grain = front[rows, columns]
+        radius, normal = self.radius[grain], np.empty((len(grain), 3), dtype=np.float32)
+        for axis, pixels in enumerate((columns, rows)):
+            normal[:, axis] = (self.low[axis] + (pixels + 0.5) * pitch - self.seen[grain, axis]) / radius
+        normal[:, 2] = np.sqrt(np.clip(1 - normal[:, 0] ** 2 - normal[:, 1] ** 2, 0.0, 1.0))
+        depth = (self.seen[grain, 2] + radius * normal[:, 2]).astype(np.float32)
+        for one in np.unique(grain[self.halves.any(axis=1)[grain]]):
+            own = grain == one
+            depth[own], normal[own] = self._of_cylinder(one, rows[own], columns[own], pitch)
+        return depth, normal
+
+    def _of_cylinder(
+        self, grain: int, rows: NDArray[np.int64], columns: NDArray[np.int64], pitch: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        x, y = (self.low[axis] + (pixels + 0.5) * pitch for axis, pixels in enumerate((columns, rows)))
+        return surface_of_cylinder(self.seen[grain], self.halves[grain], self.radius[grain], x, y)
 
 
 def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
@@ -281,88 +267,29 @@ def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach:
         flat[pixel] = np.maximum(flat[pixel], number[inside])
 
 
-def _light(
-    found: _Grains,
-    rows: NDArray[np.int32],
-    columns: NDArray[np.int32],
-    seen: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    low: NDArray[np.float64],
-    pitch: float,
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return brightness and gloss of the pixels at rows and columns: (n_pixels,) each."""
+def _light(grains: _Grains, front: NDArray[np.int32], pitch: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return brightness and gloss of all pixels: (n_rows, n_columns) each."""
+    rows, columns = (place.astype(np.int32) for place in np.nonzero(front >= 0))
     blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
-    front = found.front
     normal = np.empty((len(rows), 3), dtype=np.float32)
-    depth = np.full(front.shape, float(seen[:, 2].min()), dtype=np.float32)
+    depth = np.full(front.shape, float(grains.seen[:, 2].min()), dtype=np.float32)
     for block in blocks:
-        row, column, one = rows[block], columns[block], normal[block]
-        sphere = front[row, column]
-        own = radius[sphere]
-        one[:, 0] = (low[0] + (column + 0.5) * pitch - seen[sphere, 0]) / own
-        one[:, 1] = (low[1] + (row + 0.5) * pitch - seen[sphere, 1]) / own
-        one[:, 2] = np.sqrt(np.clip(1 - one[:, 0] ** 2 - one[:, 1] ** 2, 0.0, 1.0))
-        depth[row, column] = seen[sphere, 2] + own * one[:, 2]
-        if found.normal is not None and found.depth is not None:
-            cylinder = found.is_cylinder[sphere]
-            row, column = row[cylinder], column[cylinder]
-            one[cylinder], depth[row, column] = found.normal[row, column], found.depth[row, column]
+        depth[rows[block], columns[block]], normal[block] = grains.surface(front, rows[block], columns[block], pitch)
     light = (_LIGHT / np.linalg.norm(_LIGHT)).astype(np.float32)
     half = light + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     half /= np.linalg.norm(half)
-    usual = float(np.median(radius))
-    around = _Surroundings(depth, usual / pitch)
-    brightness, gloss = np.empty(len(rows), dtype=np.float32), np.empty(len(rows), dtype=np.float32)
+    usual = float(np.median(grains.radius))
+    step = max(1, int(usual / pitch / _BLUR))  # large spheres take fewer pixels
+    around = gaussian_filter(depth[::step, ::step], usual / pitch / step, mode="nearest")
+    brightness, gloss = np.zeros((2, *front.shape), dtype=np.float32)
     for block in blocks:
         row, column, one = rows[block], columns[block], normal[block]
         bright = _AMBIENT + _DIFFUSE * np.clip(one @ light, 0.0, None)
-        covered = around.at(row, column) - depth[row, column]
-        bright *= 1 - _OCCLUSION * np.clip(covered / (2 * usual), 0.0, 1.0)
-        shine = np.clip(one @ half, 0.0, None)
-        for _ in range(_SHARPNESS):
-            shine *= shine
-        brightness[block], gloss[block] = bright, shine * _GLOSS
+        mean = map_coordinates(around, [row / step, column / step], order=1, mode="nearest")
+        bright *= 1 - _OCCLUSION * np.clip((mean - depth[row, column]) / (2 * usual), 0.0, 1.0)
+        shine = np.clip(one @ half, 0.0, None) ** _SHARPNESS
+        brightness[row, column], gloss[row, column] = bright, shine * _GLOSS
     return brightness, gloss
-
-
-class _Surroundings:
-    """Mean depth around pixels, weighed by a Gaussian function, at a coarser resolution for larger spheres.
-
-    Parameters
-    ----------
-    depth
-        Depth of all pixels: (n_rows, n_columns), m.
-    reach
-        Standard deviation of the Gaussian function, pixels.
-    """
-
-    def __init__(self, depth: NDArray[np.float32], reach: float) -> None:
-        self.step = max(1, int(reach / _BLUR))
-        coarse = depth[:: self.step, :: self.step]
-        n_rows, n_columns = coarse.shape
-        blurred = _weights(n_rows, reach / self.step) @ coarse @ _weights(n_columns, reach / self.step).T
-        place = np.minimum(np.arange(depth.shape[0], dtype=np.float32) / self.step, n_rows - 1)
-        base = np.minimum(place.astype(np.int64), max(n_rows - 2, 0))
-        part = (place - base)[:, None]
-        above = np.minimum(base + 1, n_rows - 1)
-        self.along_rows: NDArray[np.float32] = blurred[base] * (1 - part) + blurred[above] * part
-
-    def at(self, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> NDArray[np.float32]:
-        """Return the mean depth at pixels."""
-        if self.step == 1:
-            return self.along_rows[rows, columns]
-        last = self.along_rows.shape[1] - 1
-        base = np.minimum(columns // self.step, max(last - 1, 0))
-        part = np.minimum((columns - base * self.step) / np.float32(self.step), 1.0).astype(np.float32)
-        left, right = self.along_rows[rows, base], self.along_rows[rows, np.minimum(base + 1, last)]
-        return left + (right - left) * part
-
-
-def _weights(n: int, reach: float) -> NDArray[np.float32]:
-    """Return the weights of all places for the mean at each place: (n, n)."""
-    place = np.arange(n, dtype=np.float32)
-    weights = np.exp(-0.5 * ((place[:, None] - place) / np.float32(reach)) ** 2)
-    return weights / weights.sum(axis=1, keepdims=True)
 
 
 _ALONG = 1e-6  # component of the axis towards the viewer, or across, below which there is none
@@ -387,17 +314,17 @@ def surface_of_cylinder(
     radius
         Radius, m.
     x, y
-        Places to the right and upwards: (n_x,) and (n_y,), m.
+        Places to the right and upwards: arrays of one shape, m.
 
     Returns
     -------
     depth, normal
-        Place towards the viewer, minus infinity beside the cylinder: (n_y, n_x), m; and unit vectors off the surface:
-        (n_y, n_x, 3).
+        Place towards the viewer, minus infinity beside the cylinder, m; and unit vectors off the surface, with a last
+        axis of 3.
     """
     length = float(np.linalg.norm(half))
     axis = half / length if half[2] >= 0 else -half / length  # from the centre to the end that can be seen
-    across, up = np.meshgrid(x - centre[0], y - centre[1])
+    across, up = x - centre[0], y - centre[1]
     depth = np.full(across.shape, -np.inf)
     normal = np.zeros((*across.shape, 3))
     along = across * axis[0] + up * axis[1]  # at the depth of the centre
