@@ -6,7 +6,10 @@ Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts 
                with s = k mod 3 (fcc, impact along [111]) or k mod 2 (hcp)
     bcc        (001) layers of pitch a = 2/sqrt(3), a/2 apart, odd layers shifted by (a/2, a/2)
     sc         x = i, y = j, z = k;     square is its one layer in x-y, chain its one column along z
-    hexagonal, centred-square           crystals in x-z, see `granwave.lammps_inputs.plane_lattices`
+    hexagonal, centred-square           crystals in x-z, whose straight rows are layers: y = 0
+
+Rows of a crystal in x-z alternate between n and n - 1 grains, so that both sides are straight, or all have n; the long
+ones begin at x = 0, the short ones (or every second row of n) half a pitch further.
 
 No array over the whole packing is stored, so that a lattice of any size takes no memory.
 """
@@ -18,6 +21,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +30,8 @@ TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many di
 _REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
+_IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images are far apart
+ROWS = ("long", "short", "equal")  # choices of `packing.top_row`
 
 Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
 Offset = tuple[int, int, int]
@@ -217,6 +223,11 @@ def section_planes(kind: str) -> tuple[Plane, ...]:
     return Plane((float(x), float(y), 0.0), _Z), Plane((-float(y), float(x), 0.0), _Z)
 
 
+def is_plane_crystal(kind: str) -> bool:
+    """Return True for a kind of packing in the x-z plane."""
+    return kind in KINDS and KINDS[kind].axes == "xz"
+
+
 @dataclasses.dataclass(frozen=True)
 class Lattice:
     """A finite lattice of identical spheres.
@@ -226,18 +237,21 @@ class Lattice:
     kind
         A key of `KINDS`.
     size
-        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny, nz), (nx, ny) or
-        (n,).
+        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny, nz), (nx, ny),
+        (nx, nz) or (n,).
     diameter
         Diameter of the spheres, m.
     periodic
         True if the packing is periodic along x and y.
+    top_row
+        Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all rows have nx.
     """
 
     kind: str
     size: tuple[int, ...]
     diameter: float
     periodic: bool = False
+    top_row: str = "equal"
 
     @property
     def rule(self) -> Kind:
@@ -253,7 +267,7 @@ class Lattice:
     @property
     def n_spheres(self) -> int:
         """Number of spheres."""
-        return math.prod(self.size)
+        return int(self._before(self.n_layers))
 
     @property
     def n_layers(self) -> int:
@@ -263,49 +277,48 @@ class Lattice:
     @property
     def top_layer(self) -> NDArray[np.int64]:
         """Ids of the spheres of the struck layer, in rising order."""
-        return np.arange(1, self._in_layer + 1)
+        return np.arange(1, self._before(1) + 1)
 
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the spheres of the last layer, in rising order."""
-        return np.arange(self.n_spheres - self._in_layer + 1, self.n_spheres + 1)
-
-    @property
-    def _in_layer(self) -> int:
-        return self.shape[0] * self.shape[1]
+        return np.arange(self._before(self.n_layers - 1) + 1, self.n_spheres + 1)
 
     @property
     def lengths(self) -> tuple[float, float]:
-        """Periods of a periodic packing along x and y, m."""
-        nx, ny, _ = self.shape
-        return nx * self.rule.pitch[0] * self.diameter, ny * self.rule.pitch[1] * self.diameter
+        """Periods of a periodic packing along x and y, or else the width of a crystal in x-z and a diameter, m."""
+        (nx, ny, _), (x, y) = self.shape, self.rule.pitch
+        if not is_plane_crystal(self.kind):
+            return nx * x * self.diameter, ny * y * self.diameter
+        width, depth = (nx * x, _IMAGE) if self.periodic else ((nx - 1) * x + 1, 1.0)
+        return width * self.diameter, depth * self.diameter
 
     @cached_property
     def n_contacts(self) -> int:
         """Number of touching pairs, counted without listing them."""
-        nx, ny, nz = self.shape
+        _, ny, nz = self.shape
         total = 0
-        for k, j in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
-            layers, rows = range(k, nz, self.rule.layer_period), range(j, ny, self.rule.row_period)
-            for di, dj, dk in self._offsets(j, k):
-                across = len(rows) if self.periodic else _still_inside(rows, dj)
-                total += _still_inside(layers, dk) * across * (nx if self.periodic else max(nx - abs(di), 0))
+        for k0, j0, offsets in self._places():
+            k, j = np.arange(k0, nz, self.rule.layer_period), np.arange(j0, ny, self.rule.row_period)
+            for di, dj, dk in offsets:
+                k_of = k[(k + dk >= 0) & (k + dk < nz)]
+                along, across = self._row(k_of), j.size
+                if not self.periodic:
+                    along = np.maximum(np.minimum(along, self._row(k_of + dk) - di) - max(0, -di), 0)
+                    across = np.count_nonzero((j + dj >= 0) & (j + dj < ny))
+                total += int(across * along.sum())
         return total // 2
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
-        nx, ny, _ = self.shape
-        index = np.arange(first - 1, last)
-        result = np.empty((index.size, 3))
-        for axis, values in enumerate(self.rule.site(index % nx, index // nx % ny, index // (nx * ny))):
-            np.multiply(values, self.diameter, out=result[:, axis])
-        return result
+        return self._centres(np.arange(first - 1, last))
 
     def bounds(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of centres along x, y, z: (2, 3), m."""
-        nx, ny, nz = self.shape
-        i, j, k = np.meshgrid(np.array([0, nx - 1]), _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period))
-        sites = np.stack([values.ravel() for values in self.rule.site(i, j, k)], axis=1) * self.diameter
+        _, ny, nz = self.shape
+        rows, layers = _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period)
+        corners = [self._before(k) + self._row(k) * j + i for k in layers for j in rows for i in (0, self._row(k) - 1)]
+        sites = self._centres(np.array(corners))
         return np.stack([sites.min(axis=0), sites.max(axis=0)])
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
@@ -313,15 +326,15 @@ class Lattice:
         nx, ny, nz = self.shape
         i = np.arange(nx)
         layers_at_once = max(1, _BATCH // (nx * ny))
-        for k0, j0 in itertools.product(range(min(nz, self.rule.layer_period)), range(self.rule.row_period)):
+        for k0, j0, offsets in self._places():
             j = np.arange(j0, ny, self.rule.row_period)[:, None]
             layers = np.arange(k0, nz, self.rule.layer_period)
             for start in range(0, layers.size, layers_at_once):
                 k = layers[start : start + layers_at_once, None, None]
-                own = 1 + i + nx * (j + ny * k)
-                for offset in self._offsets(j0, k0):
+                own, there = self._shifted(i, j, k, (0, 0, 0))
+                for offset in offsets:
                     other, exists = self._shifted(i, j, k, offset)
-                    keep = exists & (own < other)
+                    keep = there & exists & (own < other)
                     yield np.stack([own[keep], other[keep]], axis=1)
 
     def neighbours(self, sphere: int) -> list[int]:
@@ -334,8 +347,8 @@ class Lattice:
     def at_sides(self, ids: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return True for the spheres at the ends of rows and layers that are not periodic: (n,)."""
         nx, ny, _ = self.shape
-        places = (((ids - 1) % nx, nx), ((ids - 1) // nx % ny, ny))
-        ends = [(place == 0) | (place == n - 1) for place, n in places if n > 1]
+        i, j, k = self._indices(ids - 1)
+        ends = [(place == 0) | (place == n - 1) for place, n, most in ((i, self._row(k), nx), (j, ny, ny)) if most > 1]
         return np.any(ends, axis=0) if ends else np.zeros(ids.shape, dtype=bool)
 
     def layer_of(self, sphere: int) -> int:
@@ -344,26 +357,65 @@ class Lattice:
 
     def indices(self, sphere: int) -> tuple[int, int, int]:
         """Return (i, j, k) of the sphere with this id."""
+        i, j, k = self._indices(sphere - 1)
+        return int(i), int(j), int(k)
+
+    @property
+    def _start(self) -> int:
+        """Layer of the stacking that is struck: that of short rows begins half a pitch further."""
+        return int(self.top_row == "short")
+
+    def _row(self, k: Any) -> Any:
+        """Return the number of spheres of the rows of layers k."""
+        return self.shape[0] - (k + self._start) % 2 * (self.top_row != "equal")
+
+    def _before(self, k: Any) -> Any:
+        """Return the number of spheres before layers k."""
         nx, ny, _ = self.shape
-        index = sphere - 1
-        return index % nx, index // nx % ny, index // (nx * ny)
+        return nx * ny * k - (k + self._start) // 2 * (self.top_row != "equal")
+
+    def _indices(self, index: Any) -> tuple[Any, Any, Any]:
+        """Return (i, j, k) of spheres, counted from 0."""
+        nx, ny, _ = self.shape
+        if self.top_row == "equal":
+            return index % nx, index // nx % ny, index // (nx * ny)
+        two_rows, i = np.divmod(index + self._start * nx, 2 * nx - 1)
+        second = i >= nx
+        return i - nx * second, 0 * i, 2 * two_rows + second - self._start
+
+    def _centres(self, index: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the centres of spheres, counted from 0: (n, 3), m."""
+        i, j, k = self._indices(index)
+        x, y, z = self.rule.site(i, j, k + self._start)
+        if self._start:
+            z = self.rule.site(i, j, k)[2]
+        result = np.empty((index.size, 3))
+        for axis, values in enumerate((x, y, z)):
+            np.multiply(values, self.diameter, out=result[:, axis])
+        return result
 
     def _shifted(
         self, i: NDArray, j: NDArray, k: NDArray, offset: Offset
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        nx, ny, nz = self.shape
+        """Return the ids of the spheres an offset away, and where there are any."""
+        _, ny, nz = self.shape
         i, j, k = i + offset[0], j + offset[1], k + offset[2]
-        exists = (k >= 0) & (k < nz)
+        row, exists = self._row(k), (k >= 0) & (k < nz)
         if self.periodic:
-            i, j = i % nx, j % ny
+            i, j = i % row, j % ny
             exists = exists & np.ones(np.broadcast(i, j).shape, dtype=bool)
         else:
-            exists = exists & (i >= 0) & (i < nx) & (j >= 0) & (j < ny)
-        return 1 + i + nx * (j + ny * k), exists
+            exists = exists & (i >= 0) & (i < row) & (j >= 0) & (j < ny)
+        return 1 + self._before(k) + i + row * j, exists
+
+    def _places(self) -> list[tuple[int, int, list[Offset]]]:
+        """Return the first layer and row of each kind, with the steps to the neighbours there."""
+        layers, rows = range(min(self.n_layers, self.rule.layer_period)), range(self.rule.row_period)
+        return [(k, j, self._offsets(j, k)) for k, j in itertools.product(layers, rows)]
 
     def _offsets(self, j: int, k: int) -> list[Offset]:
         table = _offset_table(self.kind, tuple(n > 1 for n in self.shape))
-        return table[k % self.rule.layer_period, j % self.rule.row_period]
+        return table[(k + self._start) % self.rule.layer_period, j % self.rule.row_period]
 
 
 @cache
@@ -400,12 +452,6 @@ def _by_angle(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sort unit vectors by their angle about z, from x."""
     angle = np.round(np.arctan2(directions[:, 1], directions[:, 0]) % (2 * np.pi), 9)
     return directions[np.lexsort((directions[:, 2], angle))]
-
-
-def _still_inside(places: range, shift: int) -> int:
-    """Count the indices in ``places`` that stay within 0 to ``places.stop`` when shifted."""
-    first = places.start + max(0, -((places.start + shift) // places.step)) * places.step
-    return len(range(first, min(places.stop, places.stop - shift), places.step))
 
 
 def _ends(n: int, period: int) -> NDArray[np.int64]:

@@ -49,7 +49,6 @@ lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/directories
 lammps_inputs/ownership
-lammps_inputs/plane_lattices
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots
 lammps_inputs/errors

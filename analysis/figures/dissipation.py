@@ -40,8 +40,8 @@ from granwave.analysis.measures.waves import (
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding, packing_zone
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second

@@ -24,8 +24,7 @@ from granwave.lammps_inputs.case.material import (
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
-from granwave.lammps_inputs.plane_lattices import ROWS, PlaneLattice, is_plane_crystal
+from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, is_plane_crystal, kind_of
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
@@ -156,9 +155,8 @@ class PackingSection:
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
-        if is_plane_crystal(self.kind):
-            return PlaneLattice(self.kind, self.size, self.diameter, periodic, self.top_row)
-        return Lattice(self.kind, self.size, self.diameter, periodic)
+        top_row = self.top_row if is_plane_crystal(self.kind) else "equal"
+        return Lattice(self.kind, self.size, self.diameter, periodic, top_row)
 
     @property
     def n_spheres(self) -> int:

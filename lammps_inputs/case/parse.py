@@ -26,8 +26,7 @@ from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import ErrorList, read_list, read_name, read_table, refuse_unknown, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
-from granwave.lammps_inputs.lattices import FILE
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")

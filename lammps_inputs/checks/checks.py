@@ -21,7 +21,7 @@ from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.lattices import is_plane_crystal
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer, materials_on_top, walls
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
+from granwave.lammps_inputs.lattices import is_plane_crystal
 
 _TABLE = "precompression"
 _UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end

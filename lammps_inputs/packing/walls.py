@@ -12,11 +12,10 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.lattices import TOUCHING, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.sites import Sites
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
 PLATE = "plate"  # name of the wall that is a plate on the free top, and of its fix

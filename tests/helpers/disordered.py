@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import Packing
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 
 LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
 

@@ -12,10 +12,10 @@ from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
-from granwave.lammps_inputs.plane_lattices import is_plane_crystal
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.plan import Plan
 
