@@ -302,10 +302,10 @@ class Lattice:
             k, j = np.arange(k0, nz, self.rule.layer_period), np.arange(j0, ny, self.rule.row_period)
             for di, dj, dk in offsets:
                 k_of = k[(k + dk >= 0) & (k + dk < nz)]
-                along, across = self._row(k_of), j.size
+                along, across = self._row(k_of), int(j.size)
                 if not self.periodic:
                     along = np.maximum(np.minimum(along, self._row(k_of + dk) - di) - max(0, -di), 0)
-                    across = np.count_nonzero((j + dj >= 0) & (j + dj < ny))
+                    across = int(np.count_nonzero((j + dj >= 0) & (j + dj < ny)))
                 total += int(across * along.sum())
         return total // 2
 
