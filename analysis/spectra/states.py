@@ -139,7 +139,7 @@ def _slab_state(source: Case | Path) -> State:
     bodies = _whole(assembly)
     _refuse_no_slab(source, bodies.periods)
     lattice = assembly.lattice
-    if isinstance(lattice, Lattice) and assembly.sites is None and not holds_some(source):
+    if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(source):
         nx, ny, nz = lattice.shape
         periods = vectors_of_layer(lattice.rule) * lattice.diameter
         bodies = _part(bodies, np.arange(nz) * nx * ny, periods)

@@ -231,8 +231,9 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
     """Return the yielding contacts of spheres, walls and bars with a small gap at the start, by pair of materials."""
     case = assembly.case
     ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
-    kind = _materials(assembly)
     materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
+    numbers = [materials.index(species.material) for species in assembly.species if species.role == "sphere"]
+    kind = np.array(numbers)[assembly.body[assembly.present]]
     reach = _INSIDE * min(case.boundary.forget_gap, _REACH) * case.packing.diameter
     found = []
 
@@ -313,16 +314,6 @@ def _near(
         step[:, :2] -= box[:2] * np.round(step[:, :2] / box[:2])
     near = np.linalg.norm(step, axis=1) - radii[one] - radii[two] <= reach
     return one[near], two[near], step[near]
-
-
-def _materials(assembly: Assembly) -> NDArray[np.int64]:
-    """Return the index of the material of each sphere, in the order of the LAMMPS types: (n_spheres,)."""
-    kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    own, sites = np.zeros(assembly.lattice.n_spheres, dtype=np.int64), assembly.sites
-    if sites is not None:
-        own = np.array([kinds.index(one) for one in sites.materials])[sites.kind[sites.present]]
-    strikers = [kinds.index(striker.material or assembly.material) for striker, _ in assembly.strikers]
-    return np.append(own, np.array(strikers, dtype=np.int64))
 
 
 def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:

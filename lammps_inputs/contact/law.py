@@ -326,20 +326,9 @@ def dashpot_factor(restitution: float) -> float:
 
 def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None) -> int:
     """Return the id of the grain of a material, and one of these shapes if they are given, with the median diameter."""
-    sites, first_striker = assembly.sites, assembly.lattice.n_spheres + 1
-    if sites is None:
-        ids = np.array([1] if material == assembly.material else [], dtype=int)
-    else:
-        kinds = [kind for kind, one in enumerate(sites.materials) if one == material]
-        ids = np.flatnonzero(sites.present & np.isin(sites.kind, kinds)) + 1
-    strikers = range(first_striker, assembly.last_sphere + 1)
-    found = [ids, np.array([one for one in strikers if assembly.material_of(one) == material], dtype=int)]
-    if shapes is not None and len(assembly.shapes) > 1:
-        found = [np.array([one for one in group.tolist() if assembly.shape_of(one) in shapes], dtype=int)
-                 for group in found]  # fmt: skip
-    group = next((group for group in found if len(group)), np.array([1]))
-    if sites is not None and group[-1] < first_striker:
-        diameters = sites.diameter[group - 1]
-    else:
-        diameters = np.array([assembly.diameter_of(one) for one in group.tolist()])
-    return int(group[np.argsort(diameters, kind="stable")[(len(group) - 1) // 2]])
+    fits = [one.material == material and (shapes is None or len(assembly.shapes) == 1 or one.shape in shapes)
+            for one in assembly.species]  # fmt: skip
+    ids = 1 + np.flatnonzero(assembly.present & np.array(fits)[assembly.body])
+    own = ids[ids <= assembly.lattice.n_spheres]
+    group = own if len(own) else ids if len(ids) else np.array([1])
+    return int(group[np.argsort(assembly.diameter[group - 1], kind="stable")[(len(group) - 1) // 2]])

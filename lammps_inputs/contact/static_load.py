@@ -153,7 +153,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     outside = index[((index < 0) | (index >= np.array(lattice.shape))).any(axis=1)]
     missing = np.stack(lattice.rule.site(*outside.T), axis=1)
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    if sites is not None and not sites.present.all():
+    if not sites.present.all():
         missing = np.concatenate([missing, _open_to(missing, own[~sites.present])])
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 

@@ -92,12 +92,12 @@ def row_of(assembly: Assembly) -> Row | None:
         return None
     if case.packing.kind != "chain":
         cosines = lattice.rule.supports[:, 2]
-        if assembly.sites is not None or not len(cosines):
+        if not assembly.sites.uniform or not len(cosines):
             return None
         along = static_stiffness(assembly) * float(np.sum(cosines**2))
         return Row(np.array([case.sphere_mass]), np.array([along]))
     force, n, sites = force_on_top(assembly), lattice.n_spheres, assembly.sites
-    if sites is None:
+    if sites.uniform:
         return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
     if not sites.present.all():
         return None
@@ -108,7 +108,7 @@ def row_of(assembly: Assembly) -> Row | None:
     behind = np.empty(len(beads))
     for row, one in enumerate(beads.tolist()):
         pair = (one, one + 1) if one < n else (one - 1, one)
-        key = tuple((float(sites.diameter[bead - 1]), int(sites.kind[bead - 1])) for bead in pair)
+        key = tuple((float(sites.diameter[bead - 1]), int(sites.body[bead - 1])) for bead in pair)
         if key not in known:
             known[key] = _stiffness(pair_contact(assembly, *pair), force)
         behind[row] = known[key]

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Material, Shape, density_as_sphere
+from granwave.lammps_inputs.case.material import density_as_sphere
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.commands import joined, num
@@ -45,8 +46,7 @@ def write_data(assembly: Assembly, path: Path) -> None:
     """
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(_header(assembly))
-        for rows in _sphere_rows(assembly):
-            file.write("".join(rows))
+        file.writelines(_sphere_rows(assembly))
         for bar in assembly.bars:
             file.write("".join(_node_rows(assembly, bar)))
         if moving := own_velocities(assembly):
@@ -58,59 +58,34 @@ def write_data(assembly: Assembly, path: Path) -> None:
             file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
 
 
-def _sphere_rows(assembly: Assembly) -> Iterator[list[str]]:
-    n = assembly.lattice.n_spheres
+def _sphere_rows(assembly: Assembly) -> Iterator[str]:
+    """Iterate over the rows of the grains in batches, then of the strikers."""
+    n, present = assembly.lattice.n_spheres, assembly.sites.present
     for first in range(1, n + 1, _BATCH):
         last = min(first + _BATCH - 1, n)
-        yield _like_rows(assembly, first, last) if assembly.sites is None else _own_rows(assembly, first, last)
-    yield [
-        _row(assembly, assembly.material_of(number), f"{assembly.diameter_of(number):.17g}", assembly.shape_of(number))
-        % (number, *centre)
-        for number, (_, centre) in enumerate(assembly.strikers, start=n + 1)
-    ]
+        here = np.flatnonzero(present[first - 1 : last])
+        yield _rows(assembly, here + first, assembly.lattice_positions(first, last)[here].tolist())
+    centres = [centre.tolist() for _, centre in assembly.strikers]
+    yield _rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres)
 
 
-def _like_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Return the rows of the sites with these ids, for equal spheres."""
-    row = _row(assembly, assembly.material, f"{assembly.lattice.diameter:.17g}", assembly.case.packing.of_grain)
-    columns = assembly.lattice_positions(first, last).T.tolist()
-    return [row % line for line in zip(range(first, last + 1), *columns, strict=True)]
+def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: list[list[float]]) -> str:
+    bodies = list(zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True))
+    constants = {one: _constants(assembly.species[one[0]], one[1]) for one in dict.fromkeys(bodies)}
+    form = "%d %d {1} {0} 0\n" if assembly.bars else "%d %d {0} {1}\n"
+    form = form.format("%s", "%.17g %.17g %.17g")
+    words = (([*centre, constants[body]] if assembly.bars else [constants[body], *centre])
+             for centre, body in zip(centres, bodies, strict=True))  # fmt: skip
+    each = zip(ids.tolist(), bodies, words, strict=True)
+    return "".join([form % (number, body + 1, *rest) for number, (body, _), rest in each])
 
 
-def _own_rows(assembly: Assembly, first: int, last: int) -> list[str]:
-    """Return the rows of the sites with these ids, for spheres of different materials and diameters."""
-    sites = assembly.sites
-    assert sites is not None
-    here = np.flatnonzero(sites.present[first - 1 : last]) + first - 1
-    place = assembly.lattice_positions(first, last)[here - first + 1].T.tolist()
-    diameter = sites.diameter[here].tolist()
-    columns = [*place, diameter] if assembly.bars else [diameter, *place]
-    if assembly.has_cylinders:
-        return [
-            _row(assembly, material, f"{size:.17g}", shape) % (number, *centre)
-            for number, size, centre, (material, shape) in zip(
-                (here + 1).tolist(),
-                diameter,
-                assembly.lattice_positions(first, last)[here - first + 1].tolist(),
-                [sites.bodies[body] for body in sites.body[here].tolist()],
-                strict=True,
-            )
-        ]
-    rows = [_row(assembly, material) for material in sites.materials]
-    lines = zip((here + 1).tolist(), *columns, strict=True)
-    return [rows[kind] % line for kind, line in zip(sites.kind[here].tolist(), lines, strict=True)]
-
-
-def _row(assembly: Assembly, material: Material, diameter: str = "%.17g", shape: Shape = None) -> str:
-    """Return the format of a grain's row, to be filled with id, x, y and z; in a hybrid style diameter follows z.
-
-    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
-    """
-    density = material.density if shape is None else density_as_sphere(material.density, float(diameter), shape)
-    kind, constants = assembly.type_of(material, shape), f"{diameter} {density:.17g}"
-    if assembly.bars:
-        return f"%d {kind} %.17g %.17g %.17g {constants} 0\n"
-    return f"%d {kind} {constants} %.17g %.17g %.17g\n"
+def _constants(species: Species, diameter: float) -> str:
+    """Return the diameter and the density of a grain; LAMMPS reads that of a sphere of this diameter and mass."""
+    density = species.material.density
+    if species.shape is not None:
+        density = density_as_sphere(density, diameter, species.shape)
+    return f"{diameter:.17g} {density:.17g}"
 
 
 def _node_rows(assembly: Assembly, bar: PlacedBar) -> list[str]:

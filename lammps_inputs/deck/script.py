@@ -118,7 +118,7 @@ def _bars(assembly: Assembly) -> list[str]:
     """Return the groups and bond coefficients of elastic bars: linear elements between lumped masses."""
     case = assembly.case
     lines, bars = [], assembly.bars
-    largest = max([case.packing.diameter, *assembly.diameters.values()])
+    largest = max(case.packing.diameter, float(assembly.sites.diameter[assembly.sites.present].max()))
     reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # ghost cutoff
     for kind, bar in enumerate(bars, start=1):
         lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")

@@ -62,7 +62,7 @@ class Assembly:
     material
         Material of spheres that are not replaced.
     sites
-        Diameters, materials and vacancies by site; None if all spheres are equal and none is missing.
+        Diameters, materials and vacancies by site.
     strikers
         Strikers, each with its centre (3,), m.
     bars
@@ -74,7 +74,7 @@ class Assembly:
     case: Case
     lattice: Layout
     material: Material
-    sites: Sites | None
+    sites: Sites
     strikers: tuple[tuple[Striker, NDArray[np.float64]], ...]
     bars: tuple[PlacedBar, ...]
     species: tuple[Species, ...]
@@ -82,7 +82,7 @@ class Assembly:
     @property
     def n_spheres(self) -> int:
         """Number of spheres, strikers included."""
-        return (self.lattice.n_spheres if self.sites is None else self.sites.count) + len(self.strikers)
+        return self.sites.count + len(self.strikers)
 
     @property
     def last_sphere(self) -> int:
@@ -92,9 +92,7 @@ class Assembly:
     @property
     def ids(self) -> NDArray[np.int64]:
         """Ids of the spheres, in rising order: (n_spheres,)."""
-        if self.sites is None:
-            return np.arange(1, self.n_spheres + 1)
-        return np.append(self.sites.ids, np.arange(self.lattice.n_spheres + 1, self.last_sphere + 1))
+        return 1 + np.flatnonzero(self.present)
 
     @property
     def n_particles(self) -> int:
@@ -104,50 +102,48 @@ class Assembly:
     @property
     def plain(self) -> bool:
         """True if there are only equal spheres, without vacancies, strikers or bars."""
-        return self.sites is None and not (self.strikers or self.bars)
+        return self.sites.uniform and not (self.strikers or self.bars)
 
     @property
     def like(self) -> bool:
         """True if all bodies are spheres of one material and nominal diameter; there may be vacancies and scatter."""
-        return (self.sites is None or self.sites.like) and not (self.strikers or self.bars)
+        return self.sites.like and not (self.strikers or self.bars)
 
     @property
     def n_contacts(self) -> int:
         """Number of pairs of spheres that touch at the start."""
-        return (self.lattice if self.sites is None else self.sites).n_contacts + len(self.striker_contacts)
+        return self.sites.n_contacts + len(self.striker_contacts)
 
     @property
     def n_neighbours(self) -> int:
         """Number of pairs of spheres that touch or are at neighbouring sites."""
-        return (self.lattice.n_contacts if self.sites is None else self.sites.n_neighbours) + len(self.striker_contacts)
+        return self.sites.n_neighbours + len(self.striker_contacts)
 
     @cached_property
-    def diameters(self) -> dict[int, float]:
-        """Diameters of the spheres of the lattice that differ from the nominal one, by id, m."""
-        if self.sites is None:
-            return {}
-        odd = np.flatnonzero((self.sites.diameter != self.lattice.diameter) & self.sites.present)
-        return dict(zip((odd + 1).tolist(), self.sites.diameter[odd].tolist(), strict=True))
+    def present(self) -> NDArray[np.bool_]:
+        """True for ids that a sphere has: (last_sphere,)."""
+        return self._with_strikers(self.sites.present, [True] * len(self.strikers))
 
     @cached_property
-    def materials(self) -> dict[int, Material]:
-        """Materials of the spheres of the lattice that have another one than the packing, by id."""
-        if self.sites is None:
-            return {}
-        odd = np.flatnonzero(self.sites.kind)
-        return {site + 1: self.sites.materials[self.sites.kind[site]] for site in odd.tolist()}
+    def diameter(self) -> NDArray[np.float64]:
+        """Diameters by id, nominal ones where no sphere is: (last_sphere,), m."""
+        return self._with_strikers(
+            self.sites.diameter, [one.diameter or self.lattice.diameter for one, _ in self.strikers]
+        )
+
+    @cached_property
+    def body(self) -> NDArray[np.int16]:
+        """LAMMPS types by id, from 0: (last_sphere,)."""
+        bodies = [self.type_of(one.material or self.material, one.body) - 1 for one, _ in self.strikers]
+        return self._with_strikers(self.sites.body, bodies)
 
     def diameter_of(self, sphere: int) -> float:
         """Return the diameter of the sphere with this id, m."""
-        if sphere > self.lattice.n_spheres:
-            return self._striker(sphere)[0].diameter or self.lattice.diameter
-        return self.lattice.diameter if self.sites is None else float(self.sites.diameter[sphere - 1])
+        return float(self.diameter[sphere - 1])
 
     def material_of(self, sphere: int) -> Material:
         """Return the material of the sphere with this id."""
-        if sphere > self.lattice.n_spheres:
-            return self._striker(sphere)[0].material or self.material
-        return self.material if self.sites is None else self.sites.materials[self.sites.kind[sphere - 1]]
+        return self.species[self.body[sphere - 1]].material
 
     def mass_of(self, sphere: int) -> float:
         """Return the mass of the sphere with this id, kg."""
@@ -155,23 +151,17 @@ class Assembly:
 
     def shape_of(self, sphere: int) -> Shape:
         """Return the shape of the grain or striker with this id."""
-        if sphere > self.lattice.n_spheres:
-            return self._striker(sphere)[0].body
-        return self.case.packing.of_grain if self.sites is None else self.sites.shape_of(sphere - 1)
+        return self.species[self.body[sphere - 1]].shape
 
-    @cached_property
+    @property
     def shapes(self) -> tuple[Shape, ...]:
         """Shapes of the grains of the packing, each once."""
-        if self.sites is None:
-            return (self.case.packing.of_grain,)
-        if self.sites.shape is None:
-            return self.sites.shapes
-        return tuple(self.sites.shapes[k] for k in np.unique(self.sites.shape[self.sites.present]))
+        return tuple(dict.fromkeys(shape for _, shape in self.sites.bodies))
 
     @property
     def has_cylinders(self) -> bool:
         """True if any grain or striker is a cylinder."""
-        return any(self.shapes) or any(striker.body for striker in self.case.striker)
+        return any(one.shape for one in self.species)
 
     @cached_property
     def n_cylinders(self) -> int:
@@ -185,11 +175,7 @@ class Assembly:
 
     def grain_shapes(self) -> list[Shape]:
         """Return the shapes of all grains and strikers: n_spheres of them."""
-        if self.sites is None or self.sites.shape is None:
-            shapes = [self.shapes[0]] * (self.n_spheres - len(self.strikers))
-        else:
-            shapes = [self.sites.shapes[k] for k in self.sites.shape[self.sites.present]]
-        return [*shapes, *(striker.body for striker, _ in self.strikers)]
+        return [self.species[k].shape for k in self.body[self.present].tolist()]
 
     @property
     def plane_strain(self) -> bool:
@@ -198,24 +184,15 @@ class Assembly:
 
     def sphere_diameters(self) -> NDArray[np.float64]:
         """Return the diameters of all spheres: (n_spheres,), m."""
-        return self._by_sphere(
-            np.full(self.lattice.n_spheres, self.lattice.diameter) if self.sites is None else self.sites.diameter,
-            [self.diameter_of(striker) for striker in self._striker_ids],
-        )
+        return self.diameter[self.present]
 
     def sphere_masses(self) -> NDArray[np.float64]:
         """Return the masses of all spheres: (n_spheres,), kg."""
-        density: float | NDArray[np.float64] = self.material.density
-        if self.sites is not None:
-            density = np.array([material.density for material in self.sites.materials])[self.sites.kind]
-        densities = self._by_sphere(
-            np.broadcast_to(density, self.lattice.n_spheres),
-            [self.material_of(striker).density for striker in self._striker_ids],
-        )
-        radii = self.sphere_diameters() / 2
+        body, radii = self.body[self.present], self.sphere_diameters() / 2
+        densities = np.array([one.material.density for one in self.species])[body]
         masses = densities * 4 / 3 * math.pi * radii**3
         if self.has_cylinders:
-            lengths = np.array([one.length if one else 0.0 for one in self.grain_shapes()])
+            lengths = np.array([one.shape.length if one.shape else 0.0 for one in self.species])[body]
             masses = np.where(lengths > 0, densities * math.pi * radii**2 * lengths, masses)
         return masses
 
@@ -225,21 +202,23 @@ class Assembly:
 
     def lattice_positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the sites with ids ``first`` to ``last``, including vacant ones: (n, 3), m."""
-        return (self.lattice if self.sites is None else self.sites).positions(first, last)
+        return self.sites.positions(first, last)
 
     def positions(self) -> NDArray[np.float64]:
         """Return the centres of all spheres: (n_spheres, 3), m."""
-        own = self.lattice_positions(1, self.lattice.n_spheres)
-        return self._by_sphere(own, [centre for _, centre in self.strikers])
+        own = self.sites.positions(1, self.lattice.n_spheres)
+        own = own if self.sites.count == len(own) else own[self.sites.present]
+        return self._with_strikers(own, [centre for _, centre in self.strikers])
 
     def bounds(self) -> NDArray[np.float64]:
         """Return the bounds of all spheres and nodes along x, y, z: (2, 3), m."""
         low, high = self.lattice_bounds()
-        largest = 0.0 if self.sites is None else float(self.sites.diameter[self.sites.present].max())
+        sites = self.sites
+        largest = 0.0 if sites.uniform else float(sites.diameter[sites.present].max())
         radius = max(self.lattice.diameter, largest) / 2
         corners = [low - radius, high + radius]
-        for number, (_, centre) in zip(self._striker_ids, self.strikers, strict=True):
-            corners += [centre - self.diameter_of(number) / 2, centre + self.diameter_of(number) / 2]
+        for (_, centre), diameter in zip(self.strikers, self.diameter[self.lattice.n_spheres :], strict=True):
+            corners += [centre - diameter / 2, centre + diameter / 2]
         for bar in self.bars:
             corners += [np.array([low[0], low[1], z]) for z in (bar.position[0], bar.position[-1])]
         return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
@@ -247,7 +226,7 @@ class Assembly:
     def lattice_bounds(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of sites along x, y, z: (2, 3), m."""
         bounds = self.lattice.bounds()
-        if self.sites is not None and self.sites.stacked is not None:
+        if self.sites.stacked is not None:
             bounds[1, 2] = self.sites.stacked[-1]
         return bounds
 
@@ -261,14 +240,13 @@ class Assembly:
     @property
     def wall_radius(self) -> float:
         """Distance of side planes from the outermost sites, m: the nominal radius, in a chain the largest one."""
-        if self.sites is None or self.lattice.kind != "chain":
-            return self.lattice.diameter / 2
-        return max(self.lattice.diameter, float(self.sites.nominal.max())) / 2
+        largest = float(self.sites.nominal.max()) if self.lattice.kind == "chain" else 0.0
+        return max(self.lattice.diameter, largest) / 2
 
     @property
     def top_radius(self) -> float:
         """Nominal radius of the first bead of a chain, next to the incident bar, m."""
-        return (self.lattice.diameter if self.sites is None else float(self.sites.nominal[0])) / 2
+        return float(self.sites.nominal[0]) / 2
 
     def bottom(self) -> float:
         """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m.
@@ -277,9 +255,7 @@ class Assembly:
         """
         if isinstance(self.lattice, Places):
             return float(self.lattice.faces()[1, 2])
-        last = self.lattice.diameter
-        if self.sites is not None and self.lattice.kind == "chain":
-            last = float(self.sites.nominal[-1])
+        last = float(self.sites.nominal[-1]) if self.lattice.kind == "chain" else self.lattice.diameter
         return float(self.lattice_bounds()[1, 2]) + last / 2
 
     def top(self) -> float:
@@ -290,7 +266,7 @@ class Assembly:
 
     def contacts(self) -> NDArray[np.int64]:
         """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
-        pairs = list(self.lattice.pairs() if self.sites is None else self.sites.contacts())
+        pairs = list(self.lattice.pairs() if self.sites.uniform else self.sites.contacts())
         if self.striker_contacts:
             pairs.append(np.array(self.striker_contacts))
         return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
@@ -302,7 +278,7 @@ class Assembly:
         They are those that the case names, but for gaps that scattered diameters or a misaligned striker leave.
         """
         found = []
-        for number, (striker, centre) in zip(self._striker_ids, self.strikers, strict=True):
+        for number, (striker, centre) in enumerate(self.strikers, start=self.lattice.n_spheres + 1):
             for touched in sorted(set(striker.touches)):
                 reach = (self.diameter_of(touched) + self.diameter_of(number)) / 2
                 if abs(np.linalg.norm(self.centre_of(touched) - centre) - reach) <= TOUCHING * self.lattice.diameter:
@@ -312,21 +288,14 @@ class Assembly:
     def centre_of(self, sphere: int) -> NDArray[np.float64]:
         """Return the centre of the sphere with this id: (3,), m."""
         if sphere > self.lattice.n_spheres:
-            return self._striker(sphere)[1]
+            return self.strikers[sphere - self.lattice.n_spheres - 1][1]
         return np.asarray(self.lattice_positions(sphere, sphere)[0])
 
-    def _striker(self, sphere: int) -> tuple[Striker, NDArray[np.float64]]:
-        return self.strikers[sphere - self.lattice.n_spheres - 1]
-
-    @property
-    def _striker_ids(self) -> range:
-        return range(self.lattice.n_spheres + 1, self.last_sphere + 1)
-
-    def _by_sphere(self, of_sites: NDArray[np.float64], of_strikers: Sequence[Any]) -> NDArray[np.float64]:
-        """Join the values of occupied sites and of strikers."""
-        if self.sites is not None:
-            of_sites = of_sites[self.sites.present]
-        return np.concatenate([of_sites, of_strikers]) if len(of_strikers) else of_sites
+    def _with_strikers(self, of_sites: NDArray[Any], of_strikers: Sequence[Any]) -> NDArray[Any]:
+        """Append the values of strikers."""
+        if not of_strikers:
+            return of_sites
+        return np.concatenate([of_sites, np.asarray(of_strikers, dtype=of_sites.dtype)])
 
 
 def assemble(case: Case | Assembly) -> Assembly:
@@ -344,13 +313,8 @@ def assemble(case: Case | Assembly) -> Assembly:
 def _assemble(case: Case) -> Assembly:
     lattice = lattice_of(case)
     sites = sites_of(case, lattice)
-    if sites is None:
-        bodies = [(case.material, case.packing.of_grain)]
-    else:
-        there = np.unique(sites.body) if sites.shape is not None else range(len(sites.bodies))
-        bodies = [sites.bodies[number] for number in there]
-    grains = dict.fromkeys([*bodies, *((striker.material or case.material, striker.body) for striker in case.striker)])
-    species = tuple(Species(material, shape=shape) for material, shape in grains)
+    strikers = [(striker.material or case.material, striker.body) for striker in case.striker]
+    species = tuple(Species(material, shape=shape) for material, shape in dict.fromkeys([*sites.bodies, *strikers]))
     assembly = Assembly(case, lattice, case.material, sites, (), (), species)
     if case.striker:
         middle = assembly.lattice_positions(1, lattice.n_spheres).mean(axis=0)

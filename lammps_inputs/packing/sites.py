@@ -36,29 +36,26 @@ class Sites:
         Nominal diameters, without the scatter, m.
     diameter
         Diameters, m.
-    kind
-        Index of the material in ``materials``.
-    materials
-        Materials, that of the packing first.
+    body
+        Index of material and shape in ``bodies``.
+    bodies
+        Materials and shapes, those of the packing first.
     present
         True for sites with a sphere.
     leaning
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
-    shapes
-        Shapes of the grains, each once.
-    shape
-        Index of the shape in ``shapes``; None: all have the first.
+    uniform
+        True if all spheres are equal and none is missing: arrays of one value, which take no memory.
     """
 
     lattice: Layout
     nominal: NDArray[np.float64]
     diameter: NDArray[np.float64]
-    kind: NDArray[np.int16]
-    materials: tuple[Material, ...]
+    body: NDArray[np.int16]
+    bodies: tuple[tuple[Material, Shape], ...]
     present: NDArray[np.bool_]
     leaning: NDArray[np.float64] | None = None
-    shapes: tuple[Shape, ...] = (None,)
-    shape: NDArray[np.int16] | None = None
+    uniform: bool = False
 
     def period_of_chain(self, *, whole: bool = False) -> int | None:
         """Return the fewest beads that a chain repeats at least twice; None if it repeats none.
@@ -68,43 +65,28 @@ class Sites:
         whole
             True for sequences that fill the chain without a rest.
         """
-        beads, n = np.stack([self.diameter, self.nominal, self.kind], axis=1), len(self.kind)
+        beads, n = np.stack([self.diameter, self.nominal, self.body], axis=1), len(self.body)
         periods = (p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all())
         return next((p for p in periods if not (whole and n % p)), None)
 
-    def shape_of(self, row: int) -> Shape:
-        """Return the shape of the grain at a site, counted from 0."""
-        return self.shapes[0 if self.shape is None else self.shape[row]]
-
-    @cached_property
-    def body(self) -> NDArray[np.int64]:
-        """Index of material and shape in `bodies`: (n_sites,)."""
-        return self.kind.astype(np.int64) if self.shape is None else self.kind * np.int64(len(self.shapes)) + self.shape
-
-    @property
-    def bodies(self) -> list[tuple[Material, Shape]]:
-        """Pairs of a material and a shape, among them all of the packing."""
-        return [(material, shape) for material in self.materials for shape in self.shapes]
+    def made_of(self, *materials: Material) -> NDArray[np.bool_]:
+        """Select the spheres of these materials: (n_sites,)."""
+        return self.present & np.isin(self.body, [n for n, (one, _) in enumerate(self.bodies) if one in materials])
 
     @cached_property
     def count(self) -> int:
         """Number of spheres."""
-        return int(np.count_nonzero(self.present))
-
-    @property
-    def ids(self) -> NDArray[np.int64]:
-        """Ids of the spheres, in rising order: (count,)."""
-        return np.flatnonzero(self.present) + 1
+        return len(self.present) if self.uniform else int(np.count_nonzero(self.present))
 
     @cached_property
     def like(self) -> bool:
         """True if all spheres are of the first material and the nominal diameter of the lattice."""
-        return len(self.shapes) == 1 and not self.kind.any() and bool((self.nominal == self.lattice.diameter).all())
+        return self.uniform or (not self.body.any() and bool((self.nominal == self.lattice.diameter).all()))
 
     @cached_property
     def stacked(self) -> NDArray[np.float64] | None:
         """Positions along z of the beads of a chain with different nominal diameters: (n_sites,), m; None otherwise."""
-        if self.lattice.kind != "chain" or (self.nominal == self.lattice.diameter).all():
+        if self.uniform or self.lattice.kind != "chain" or (self.nominal == self.lattice.diameter).all():
             return None
         radii = self.nominal / 2
         return np.concatenate([[0.0], np.cumsum(radii[1:] + radii[:-1])])
@@ -112,7 +94,7 @@ class Sites:
     @property
     def least_reach(self) -> float:
         """Smallest over all materials of their largest diameter, m: the shortest contact distance of such spheres."""
-        return min(float(self.diameter[self.present & (self.kind == k)].max()) for k in np.unique(self.kind))
+        return min(float(self.diameter[self.present & (self.body == k)].max()) for k in np.unique(self.body))
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the sites with ids ``first`` to ``last``: (n, 3), m."""
@@ -143,7 +125,7 @@ class Sites:
     def _counts(self) -> tuple[int, int]:
         """Numbers of neighbouring and of touching pairs."""
         stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
-        if self.count == len(self.present) and (self.diameter == stacked).all():
+        if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
         n_neighbours, n_touching = 0, len(self._contacts_of_larger())
         for pairs, gaps in self.neighbours():
@@ -202,7 +184,7 @@ class Sites:
     @cached_property
     def larger(self) -> NDArray[np.bool_]:
         """True for spheres larger than the lattice spacing: (n_sites,); none in a chain and among grains of a file."""
-        if self.lattice.kind in ("chain", FILE):
+        if self.uniform or self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
 
@@ -218,20 +200,24 @@ class Sites:
         return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
 
-def sites_of(case: Case, lattice: Layout) -> Sites | None:
-    """Return the sites of the lattice of a case; None if all spheres are equal and none is missing.
+def sites_of(case: Case, lattice: Layout) -> Sites:
+    """Return the sites of the lattice of a case.
 
     Raises
     ------
     ValueError
         A share of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
     """
-    packing = case.packing
+    packing, n = case.packing, lattice.n_spheres
     if isinstance(lattice, Places):
         return _sites_of_grains(case, lattice)
+    like = np.broadcast_to(packing.diameter, n)
+    uniform = Sites(
+        lattice, like, like, np.broadcast_to(np.int16(0), n), ((case.material, packing.of_grain),),
+        np.broadcast_to(True, n), uniform=True,
+    )  # fmt: skip
     if not (packing.diameter_scatter or packing.vacancies or case.replace):
-        return None
-    n = lattice.n_spheres
+        return uniform
     kept = named_spheres(lattice, case.load, case.replace, case.striker, case.sensor, case.output)
     present = np.ones(n, dtype=bool)
     present[vacant_sites(packing, n, set(kept))] = False
@@ -250,24 +236,22 @@ def sites_of(case: Case, lattice: Layout) -> Sites | None:
     leaning = None
     if packing.tilt is not None and (diameter < packing.diameter).any():
         leaning = lean(packing.size, packing.diameter, diameter, packing.tilt)
-    shapes = (packing.of_grain,)
-    found = Sites(lattice, nominal, diameter, kind, tuple(materials[k] for k in used), present, leaning, shapes)
-    return None if found.like and diameter is nominal and present.all() else found
+    bodies = tuple((materials[k], packing.of_grain) for k in used)
+    found = Sites(lattice, nominal, diameter, kind, bodies, present, leaning)
+    return uniform if found.like and diameter is nominal and present.all() else found
 
 
 def _sites_of_grains(case: Case, places: Places) -> Sites:
-    """Return the sites of grains of a file, each with a diameter and a material of its own."""
+    """Return the sites of grains of a file, each with a diameter, a material and a shape of its own."""
     grains = places.grains
     found = {name: case.named_material(name) for name in dict.fromkeys(grains.material)}
-    materials = list(dict.fromkeys([case.material, *found.values()]))
-    number = {name: materials.index(material) for name, material in found.items()}
-    kind = np.array([number[name] for name in grains.material], dtype=np.int16)
-    present = np.ones(len(grains), dtype=bool)
-    shapes = list(dict.fromkeys(grains.shape))
-    shape = np.array([shapes.index(one) for one in grains.shape], dtype=np.int16) if len(shapes) > 1 else None
-    return Sites(
-        places, grains.diameter, grains.diameter, kind, tuple(materials), present, shapes=tuple(shapes), shape=shape
-    )
+    each = list(zip(grains.material, grains.shape, strict=True))
+    distinct, shapes = {(name, shape): (found[name], shape) for name, shape in each}, dict.fromkeys(grains.shape)
+    order = [(material, shape) for material in dict.fromkeys([case.material, *found.values()]) for shape in shapes]
+    bodies = [one for one in order if len(shapes) == 1 or one in distinct.values()]
+    number = {key: bodies.index(one) for key, one in distinct.items()}
+    body = np.array([number[key] for key in each], dtype=np.int16)
+    return Sites(places, grains.diameter, grains.diameter, body, tuple(bodies), np.ones(len(grains), dtype=bool))
 
 
 def named_spheres(

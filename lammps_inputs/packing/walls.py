@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case.boundary import Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING, is_plane_crystal
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.sites import Sites
 
@@ -114,7 +114,7 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
     """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how deep, m."""
     found: list[tuple[str, int, float]] = []
-    if assembly.case.boundary.sides_touch is None or assembly.sites is None:
+    if assembly.case.boundary.sides_touch is None:
         return found
     sites, moved = assembly.sites, assembly.case.precompression.moves if assembly.case.precompression else {}
     for wall in walls(assembly):
@@ -124,7 +124,7 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
         others = np.flatnonzero(sites.present & ~chosen)
         if not len(others):
             continue
-        shapes = [sites.shape_of(row) for row in others.tolist()]
+        shapes = [assembly.shape_of(one) for one in (others + 1).tolist()]
         reach = sites.diameter[others] / 2 if wall.tube else extents(sites.diameter[others] / 2, shapes)[:, wall.axis]
         gaps = wall.gaps(sites.positions(1, len(sites.present))[others], reach)
         deepest = int(np.argmin(gaps))
@@ -134,15 +134,10 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
     return found
 
 
-def touched(case: Case, sites: Sites | None, only: Touched) -> NDArray[np.bool_]:
+def touched(case: Case, sites: Sites, only: Touched) -> NDArray[np.bool_]:
     """Select the sites of the packing with these materials or groups: (n_sites,)."""
     grains = case.packing.grains
-    chosen = np.zeros(lattice_of(case).n_spheres, dtype=bool)
-    if sites is not None:
-        known = [number for number, material in enumerate(sites.materials) if material.name in only.material]
-        chosen |= np.isin(sites.kind, known) & sites.present
-    elif case.material.name in only.material:
-        chosen[:] = True
+    chosen = sites.made_of(*(material for material, _ in sites.bodies if material.name in only.material))
     if grains is not None:
         chosen |= np.isin(np.array(grains.group, dtype=object), only.group)
     return chosen
@@ -151,11 +146,11 @@ def touched(case: Case, sites: Sites | None, only: Touched) -> NDArray[np.bool_]
 def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
     """Return the coordinates of the two planes across an axis, which touch the outermost spheres that they act on."""
     only, sites = assembly.case.boundary.sides_touch, assembly.sites
-    if only is None or sites is None:
+    if only is None:
         low, high = assembly.faces()[:, axis].tolist()
         return low, high
     chosen = touched(assembly.case, assembly.sites, only)
-    shapes = [sites.shape_of(row) for row in np.flatnonzero(chosen).tolist()]
+    shapes = [assembly.shape_of(one) for one in (1 + np.flatnonzero(chosen)).tolist()]
     place, reach = sites.positions(1, len(chosen))[chosen, axis], extents(sites.diameter[chosen] / 2, shapes)[:, axis]
     return float((place - reach).min()), float((place + reach).max())
 
@@ -193,10 +188,8 @@ def plane_fixes(assembly: Assembly) -> list[str]:
 def touched_groups(assembly: Assembly, chosen: NDArray[np.bool_]) -> list[tuple[str, Material, NDArray[np.int64]]]:
     """Return the groups of chosen spheres, one for each material: name, material and ids."""
     sites = assembly.sites
-    if sites is None:
-        return [("touched1", assembly.material, 1 + np.flatnonzero(chosen))]
-    found = [(material, 1 + np.flatnonzero(chosen & (sites.kind == number)))
-             for number, material in enumerate(sites.materials)]  # fmt: skip
+    materials = dict.fromkeys(material for material, _ in sites.bodies)
+    found = [(material, 1 + np.flatnonzero(chosen & sites.made_of(material))) for material in materials]
     found = [(material, ids) for material, ids in found if len(ids)]
     return [(f"touched{number}", material, ids) for number, (material, ids) in enumerate(found, start=1)]
 
@@ -219,11 +212,7 @@ def materials_on_top(assembly: Assembly) -> list[Material]:
 
 
 def _materials(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
-    sites = assembly.sites
-    if sites is None:
-        return [assembly.case.material]
-    rows = ids - 1
-    return list(dict.fromkeys(sites.materials[kind] for kind in sites.kind[rows][sites.present[rows]]))
+    return list(dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist()))
 
 
 def moving_fix(assembly: Assembly) -> str | None:

@@ -102,7 +102,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
-    sites = (_SITE if assembly.sites is not None else 0.0) + (_PLACED_SITE if assembly.strikers else 0.0)
+    sites = (0.0 if assembly.sites.uniform else _SITE) + (_PLACED_SITE if assembly.strikers else 0.0)
     pair_on_disk = _DENT + (_INITIAL_FORCE if case.precompression else 0.0)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:

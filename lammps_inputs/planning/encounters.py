@@ -106,10 +106,7 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
 
 def kinds_of_last_layer(assembly: Assembly) -> list[int]:
     """Return a sphere of each kind in the last layer."""
-    sites = assembly.sites
-    if sites is None:
-        return [assembly.lattice.n_spheres]
-    of, example = kinds_of_grains(sites)
+    of, example = kinds_of_grains(assembly.sites)
     there = np.unique(of[assembly.lattice.last_layer - 1])
     return example[there[there >= 0]].tolist()
 
@@ -118,17 +115,15 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
-    if sites is None:
-        pairs += [(1, 1)] if assembly.lattice.n_spheres > 1 else []
-    else:
+    if not sites.uniform:
         of, example = kinds_of_grains(sites)
         n = len(example)
         codes = {int(code) for near, _ in sites.neighbours() for code in np.unique(of[near - 1] @ np.array([n, 1]))}
         if isinstance(assembly.lattice, Places):  # any two grains may meet
             codes = {first * n + second for first in range(n) for second in range(first, n)}
         pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
-        plain = np.flatnonzero(sites.present & (sites.kind == 0) & (sites.diameter == assembly.lattice.diameter)) + 1
-        pairs += [(int(plain[0]), int(plain[0]))] if len(plain) > 1 else []
+    plain = np.flatnonzero(sites.made_of(assembly.material) & (sites.diameter == assembly.lattice.diameter))
+    pairs += [(int(plain[0]) + 1,) * 2] if len(plain) > 1 else []
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
     alike = {
@@ -259,8 +254,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
     case = assembly.case
     striking, velocity = case.sphere_mass, case.load.velocity
-    sites = assembly.sites
-    smallest = 1 if sites is None else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
+    smallest = int(np.where(assembly.present, assembly.diameter, np.inf).argmin()) + 1
     law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
     loss = _loss(assembly, assembly.material, assembly.material)
     found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
@@ -296,7 +290,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in kinds_of_last_layer(assembly)]
     if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
-        kinds = [1] if assembly.sites is None else kinds_of_grains(assembly.sites)[1].tolist()
+        kinds = kinds_of_grains(assembly.sites)[1].tolist()
         flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)

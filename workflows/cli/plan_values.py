@@ -40,7 +40,7 @@ def _coordination(case: Case) -> dict[str, Any] | None:
 def _size(assembly: Assembly) -> dict[str, Any]:
     """Return mass, height and widths along x and y of a packing as its grains are placed; without strikers and bars."""
     case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
-    if sites is None:
+    if sites.uniform:
         reach = extents(np.array([lattice.diameter / 2]), [case.packing.of_grain])
         low, high = lattice.bounds() + np.concatenate([-reach, reach])
         mass = lattice.n_spheres * case.sphere_mass
@@ -88,7 +88,7 @@ def _held_by_first_rank(assembly: Assembly) -> list[str]:
     """Return what makes the first rank hold all sites of a large packing at once; empty if nothing does."""
     if assembly.n_spheres <= ANALYSED_AT_ONCE:
         return []
-    causes = {"unlike or missing spheres": assembly.sites is not None, "strikers": bool(assembly.strikers)}
+    causes = {"unlike or missing spheres": not assembly.sites.uniform, "strikers": bool(assembly.strikers)}
     return [cause for cause, holds in causes.items() if holds]
 
 

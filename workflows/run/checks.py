@@ -132,13 +132,13 @@ def expected_neighbours(case: Case) -> tuple[int, float] | None:
     """
     packing, assembly = case.packing, assemble(case)
     sites = assembly.sites
-    unlike = sites is not None and (sites.stacked is not None or packing.grains is not None)
+    unlike = sites.stacked is not None or packing.grains is not None
     if assembly.strikers or assembly.bars or unlike:
         return None  # one cutoff does not tell contacts of unlike bodies
     # The sites are one diameter apart, whatever the diameters of the spheres there.
     forget_gap = case.boundary.forget_gap
     reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
-    if sites is not None and sites.least_reach + forget_gap * packing.diameter < reach:
+    if sites.least_reach + forget_gap * packing.diameter < reach:
         return None  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
     return assembly.n_neighbours, reach
 
