@@ -326,6 +326,8 @@ def dashpot_factor(restitution: float) -> float:
 
 def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None) -> int:
     """Return the id of the grain of a material, and one of these shapes if they are given, with the median diameter."""
+    if assembly.sites.uniform and material == assembly.material:
+        return 1
     fits = [one.material == material and (shapes is None or len(assembly.shapes) == 1 or one.shape in shapes)
             for one in assembly.species]  # fmt: skip
     ids = 1 + np.flatnonzero(assembly.present & np.array(fits)[assembly.body])

@@ -64,28 +64,31 @@ def _sphere_rows(assembly: Assembly) -> Iterator[str]:
     for first in range(1, n + 1, _BATCH):
         last = min(first + _BATCH - 1, n)
         here = np.flatnonzero(present[first - 1 : last])
-        yield _rows(assembly, here + first, assembly.lattice_positions(first, last)[here].tolist())
-    centres = [centre.tolist() for _, centre in assembly.strikers]
-    yield _rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres)
+        yield _rows(assembly, here + first, assembly.lattice_positions(first, last)[here])
+    if assembly.strikers:
+        centres = np.array([centre for _, centre in assembly.strikers])
+        yield _rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres)
 
 
-def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: list[list[float]]) -> str:
+def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
     bodies = list(zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True))
-    constants = {one: _constants(assembly.species[one[0]], one[1]) for one in dict.fromkeys(bodies)}
-    form = "%d %d {1} {0} 0\n" if assembly.bars else "%d %d {0} {1}\n"
-    form = form.format("%s", "%.17g %.17g %.17g")
-    words = (([*centre, constants[body]] if assembly.bars else [constants[body], *centre])
-             for centre, body in zip(centres, bodies, strict=True))  # fmt: skip
-    each = zip(ids.tolist(), bodies, words, strict=True)
-    return "".join([form % (number, body + 1, *rest) for number, (body, _), rest in each])
+    forms = {one: _row(assembly, *one) for one in dict.fromkeys(bodies)}
+    lines = zip(ids.tolist(), *centres.T.tolist(), strict=True)
+    return "".join([forms[body] % line for body, line in zip(bodies, lines, strict=True)])
 
 
-def _constants(species: Species, diameter: float) -> str:
-    """Return the diameter and the density of a grain; LAMMPS reads that of a sphere of this diameter and mass."""
+def _row(assembly: Assembly, body: int, diameter: float) -> str:
+    """Return the format of a grain's row, to be filled with id, x, y and z.
+
+    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
+    """
+    species = assembly.species[body]
     density = species.material.density
     if species.shape is not None:
         density = density_as_sphere(density, diameter, species.shape)
-    return f"{diameter:.17g} {density:.17g}"
+    constants = f"{diameter:.17g} {density:.17g}"
+    words = ("%.17g %.17g %.17g", constants, "0") if assembly.bars else (constants, "%.17g %.17g %.17g")
+    return f"%d {body + 1} {joined(words)}\n"
 
 
 def _node_rows(assembly: Assembly, bar: PlacedBar) -> list[str]:

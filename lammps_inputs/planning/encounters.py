@@ -94,6 +94,8 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
     example
         Id of a sphere of each kind.
     """
+    if sites.uniform:
+        return np.broadcast_to(0, len(sites.body)), np.ones(1, dtype=np.int64)
     diameters, size = np.unique(sites.diameter, return_inverse=True)
     if len(diameters) * len(sites.bodies) > _MOST_KINDS:
         size = (np.log(sites.diameter / diameters[0]) / math.log(_NEAR)).astype(np.int64)
@@ -115,15 +117,17 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
-    if not sites.uniform:
+    if sites.uniform:
+        pairs += [(1, 1)] * (sites.count > 1)
+    else:
         of, example = kinds_of_grains(sites)
         n = len(example)
         codes = {int(code) for near, _ in sites.neighbours() for code in np.unique(of[near - 1] @ np.array([n, 1]))}
         if isinstance(assembly.lattice, Places):  # any two grains may meet
             codes = {first * n + second for first in range(n) for second in range(first, n)}
         pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
-    plain = np.flatnonzero(sites.made_of(assembly.material) & (sites.diameter == assembly.lattice.diameter))
-    pairs += [(int(plain[0]) + 1,) * 2] if len(plain) > 1 else []
+        like = sites.made_of(assembly.material) & (sites.diameter == assembly.lattice.diameter)
+        pairs += [(int(like.argmax()) + 1,) * 2] * bool(np.count_nonzero(like) > 1)
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
     alike = {
@@ -254,7 +258,8 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
     case = assembly.case
     striking, velocity = case.sphere_mass, case.load.velocity
-    smallest = int(np.where(assembly.present, assembly.diameter, np.inf).argmin()) + 1
+    sites = assembly.sites
+    smallest = 1 if sites.uniform else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
     law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
     loss = _loss(assembly, assembly.material, assembly.material)
     found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
