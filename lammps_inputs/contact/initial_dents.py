@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.cylinders import nearest_image
 from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
@@ -74,68 +76,23 @@ class NearContacts:
         """Overlaps at first yield: (n,), m."""
         return self.law.elastic_limit * self.effective_radius / self.law.effective_radius
 
+    def inside(self, region: Dents) -> NDArray[np.bool_]:
+        """Return True for each contact that lies in a region: (n,)."""
+        low = -np.inf if region.low is None else np.array(region.low)
+        high = np.inf if region.high is None else np.array(region.high)
+        return ((self.place >= low) & (self.place <= high)).all(axis=1)
+
+    def dents(self, region: Dents) -> NDArray[np.float64]:
+        """Return the largest overlaps so far, as a region gives them: (n,), m."""
+        if region.force is not None:
+            return self.overlap_at(region.force) if region.force else np.zeros(len(self.second))
+        return np.full(len(self.second), region.overlap or 0.0)
+
     def rows(self, peak: NDArray[np.float64]) -> list[str]:
         """Return the lines of the table of dents, given the largest overlaps (n,), m."""
         dented = peak > self.yields_from
         columns = (column[dented].tolist() for column in (self.first, self.second, peak))
         return [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
-
-
-_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Earlier:
-    """Spheres and contacts of an earlier run, from its result.h5.
-
-    Ids (n,), centres (n, 3), m, and radii (n,), m, of the spheres; ids and largest overlaps, m, of contacts between
-    spheres: (m,) each; names of walls, ids of spheres and largest overlaps, m, of contacts with walls: (k,) each.
-    """
-
-    id: NDArray[np.int64]
-    position: NDArray[np.float64]
-    radius: NDArray[np.float64]
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    peak: NDArray[np.float64]
-    wall: list[str]
-    wall_sphere: NDArray[np.int64]
-    wall_peak: NDArray[np.float64]
-
-    @classmethod
-    def read(cls, path: Path) -> _Earlier:
-        """Read a result.h5; raise one of `_UNREADABLE` for other or damaged files."""
-        import h5py  # takes longer to load than most commands need
-
-        with h5py.File(path, "r") as file:
-
-            def column(name: str, kind: type, *width: int) -> NDArray:
-                values: NDArray = np.asarray(file[name][()], dtype=kind)
-                if values.shape[1:] != width or values.ndim != 1 + len(width):
-                    raise ValueError(f"{name}: found the shape {values.shape}")
-                if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):
-                    raise ValueError(f"{name}: found values that are not finite, or negative")
-                return values
-
-            found = cls(
-                id=column("spheres/id", np.int64),
-                position=column("spheres/position", np.float64, 3),
-                radius=column("spheres/radius", np.float64),
-                first=column("contacts/i", np.int64),
-                second=column("contacts/j", np.int64),
-                peak=column("contacts/peak_overlap", np.float64),
-                wall=file["wall_contacts/wall"].asstr()[()].tolist(),
-                wall_sphere=column("wall_contacts/id", np.int64),
-                wall_peak=column("wall_contacts/peak_overlap", np.float64),
-            )
-        for name, *lengths in (
-            ("spheres", len(found.id), len(found.position), len(found.radius)),
-            ("contacts", len(found.first), len(found.second), len(found.peak)),
-            ("wall_contacts", len(found.wall), len(found.wall_sphere), len(found.wall_peak)),
-        ):
-            if len(set(lengths)) > 1:
-                raise ValueError(f"{name}: found columns of {' and '.join(map(str, lengths))} rows")
-        return found
 
 
 def dents_table(assembly: Assembly) -> str:
@@ -149,11 +106,11 @@ def dents_table(assembly: Assembly) -> str:
     case = assembly.case
     rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
     path = earlier_result(case)
-    known = None if path is None else _read_result(assembly, path)
+    known = None if path is None else dents_of_result(assembly, path)
     for near in contacts_at_start(assembly):
         peak = np.zeros(len(near.second))
         for region in _regions(case) if known is None else ():
-            peak = np.where(_inside(near, region), _size(near, region), peak)
+            peak = np.where(near.inside(region), near.dents(region), peak)
         if known is not None:
             keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
             peak = np.array([known.get(key, 0.0) for key in keys])
@@ -185,7 +142,7 @@ def error_in_dents(assembly: Assembly) -> str:
     boxes = [region for region in _regions(case) if region.low or region.high]
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
-        if not any(_inside(near, box).any() for near in there):
+        if not any(near.inside(box).any() for near in there):
             bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
@@ -201,9 +158,9 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
         return _deepest(case, law)
     try:
         earlier = _read_earlier(path)
-    except _UNREADABLE:  # reported by `check_earlier_result`
+    except _UNREADABLE:  # reported by `dents_of_result`
         return 0.0
-    return float(max(earlier.peak.max(initial=0.0), earlier.wall_peak.max(initial=0.0)))
+    return float(max(earlier[name]["peak_overlap"].max(initial=0.0) for name in ("contacts", "wall_contacts")))
 
 
 def earlier_result(case: Case) -> Path | None:
@@ -212,19 +169,6 @@ def earlier_result(case: Case) -> Path | None:
         return None
     path = Path(case.contact.initial_overlap)
     return path / _RESULT if path.is_dir() else path
-
-
-def check_earlier_result(assembly: Assembly) -> None:
-    """Check that the dents of an earlier run can be read, if the case names one.
-
-    Raises
-    ------
-    InputError
-        The result.h5 is missing, damaged or of another packing.
-    """
-    path = earlier_result(assembly.case)
-    if path is not None:
-        _read_result(assembly, path)
 
 
 def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
@@ -270,27 +214,11 @@ def _regions(case: Case) -> tuple[Dents, ...]:
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)
 
 
-def _inside(near: NearContacts, region: Dents) -> NDArray[np.bool_]:
-    """Return True for each contact that lies in a region: (n,)."""
-    inside = np.ones(len(near.second), dtype=bool)
-    if region.low is not None:
-        inside &= (near.place >= np.array(region.low)).all(axis=1)
-    if region.high is not None:
-        inside &= (near.place <= np.array(region.high)).all(axis=1)
-    return inside
-
-
 def _deepest(case: Case, law: ContactLaw) -> float:
     """Return the largest dent given by value, for contacts of one law, m."""
     one = np.array([law.effective_radius])
     near = NearContacts(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
-    return max(float(_size(near, region)[0]) for region in _regions(case))
-
-
-def _size(near: NearContacts, region: Dents) -> NDArray[np.float64]:
-    if region.force is not None:
-        return near.overlap_at(region.force) if region.force else np.zeros(len(near.second))
-    return np.full(len(near.second), region.overlap or 0.0)
+    return max(float(near.dents(region)[0]) for region in _regions(case))
 
 
 def _near(
@@ -299,72 +227,98 @@ def _near(
     """Return the pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the vectors between centres."""
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-    box, origin = None, positions.min(axis=0)
-    if assembly.lattice.periodic:
-        box = np.array([*assembly.lattice.lengths, 0.0])
-        box[2] = 2 * (np.ptp(positions[:, 2]) + 4 * radii.max())
-        origin = np.array([0.0, 0.0, origin[2]])
-        tree = KDTree(np.mod(positions - origin, box), boxsize=box)
-    else:
-        tree = KDTree(positions)
-    pairs = tree.query_pairs(2 * radii.max() + reach, output_type="ndarray")
+    period = assembly.lattice.lengths if assembly.lattice.periodic else None
+    box = None if period is None else np.array([*period, 2 * (np.ptp(positions[:, 2]) + 4 * radii.max())])
+    places = positions if box is None else np.mod(positions - [0.0, 0.0, positions[:, 2].min()], box)
+    pairs = KDTree(places, boxsize=box).query_pairs(2 * radii.max() + reach, output_type="ndarray")
     one, two = pairs.min(axis=1), pairs.max(axis=1)
-    step = positions[two] - positions[one]
-    if box is not None:
-        step[:, :2] -= box[:2] * np.round(step[:, :2] / box[:2])
+    step = nearest_image(positions[two] - positions[one], period)
     near = np.linalg.norm(step, axis=1) - radii[one] - radii[two] <= reach
     return one[near], two[near], step[near]
 
 
-def _read_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
-    """Return the dents left by an earlier run, m; keys are two ids, or the fix of a wall and an id."""
+_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file
+_COLUMNS: dict[str, dict[str, tuple[type, int]]] = {  # by group: type and width; widths of 0 are columns of numbers
+    "spheres": {"id": (np.int64, 0), "position": (np.float64, 3), "radius": (np.float64, 0)},
+    "contacts": {"i": (np.int64, 0), "j": (np.int64, 0), "peak_overlap": (np.float64, 0)},
+    "wall_contacts": {"wall": (str, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
+}
+
+
+def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
+    """Return the dents left by an earlier run, m; keys are two ids, or the fix of a wall and an id.
+
+    Raises
+    ------
+    InputError
+        The result.h5 is missing, damaged or of another packing.
+    """
     case = assembly.case
-    source = f"{case.name}: {KEY}"
+    source = f"{case.name}: {KEY}: {path}"
     try:
         earlier = _read_earlier(path)
     except FileNotFoundError:
         hint = "expected the result.h5 of a run, or its directory"
-        raise InputError(f"{source}: {path}: there is no such file; {hint}") from None
+        raise InputError(f"{source}: there is no such file; {hint}") from None
     except _UNREADABLE as error:
-        raise InputError(f"{source}: {path}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
-    if fault := _other_packing(assembly, earlier):
-        raise InputError(f"{source}: {path}: is of another packing: {fault}")
-    pairs = zip(earlier.first.tolist(), earlier.second.tolist(), strict=True)
-    found: dict[tuple[int | str, int], float] = dict(zip(pairs, earlier.peak.tolist(), strict=True))
+        raise InputError(f"{source}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
+    if fault := _other_packing(assembly, earlier["spheres"]):
+        raise InputError(f"{source}: is of another packing: {fault}")
+    first, second, peaks = (column.tolist() for column in earlier["contacts"].values())
+    found: dict[tuple[int | str, int], float] = dict(zip(zip(first, second, strict=True), peaks, strict=True))
     faces = {bar.name: bar.face for bar in assembly.bars}
     fixes = {(wall.name, material): name for wall in walls(assembly) if not wall.held_layer
              for name, _, material in wall_fixes(assembly, wall)}  # fmt: skip
-    walls_hit = zip(earlier.wall, earlier.wall_sphere.tolist(), earlier.wall_peak.tolist(), strict=True)
-    for wall, sphere, peak in walls_hit:
+    for wall, sphere, peak in zip(*(column.tolist() for column in earlier["wall_contacts"].values()), strict=True):
         what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
     return found
 
 
-def _read_earlier(path: Path) -> _Earlier:
-    """Read a result.h5 as `_Earlier.read` does, but cache it until the file changes."""
+def _read_earlier(path: Path) -> dict[str, dict[str, NDArray]]:
+    """Read `_COLUMNS` of a result.h5, once until the file changes; raise one of `_UNREADABLE` for other files."""
     state = path.stat()
     return _read_once(path, state.st_mtime_ns, state.st_size)
 
 
 @lru_cache(maxsize=1)
-def _read_once(path: Path, _changed: int, _size: int) -> _Earlier:
-    return _Earlier.read(path)
+def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDArray]]:
+    import h5py  # takes longer to load than most commands need
+
+    found: dict[str, dict[str, NDArray]] = {}
+    with h5py.File(path, "r") as file:
+        for group, columns in _COLUMNS.items():
+            found[group] = {name: _column(file, f"{group}/{name}", *of) for name, of in columns.items()}
+            lengths = [len(values) for values in found[group].values()]
+            if len(set(lengths)) > 1:
+                raise ValueError(f"{group}: found columns of {' and '.join(map(str, lengths))} rows")
+    return found
 
 
-def _other_packing(assembly: Assembly, earlier: _Earlier) -> str:
-    """Describe the difference to the packing of an earlier result; empty if none."""
+def _column(file: Any, name: str, kind: type, width: int) -> NDArray:
+    if kind is str:
+        return np.asarray(file[name].asstr()[()], dtype=object)
+    values: NDArray = np.asarray(file[name][()], dtype=kind)
+    if values.shape[1:] != (width,) * bool(width) or not values.ndim:
+        raise ValueError(f"{name}: found the shape {values.shape}")
+    if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):
+        raise ValueError(f"{name}: found values that are not finite, or negative")
+    return values
+
+
+def _other_packing(assembly: Assembly, earlier: dict[str, NDArray]) -> str:
+    """Describe the difference to the spheres of an earlier result; empty if none."""
     limit = TOUCHING * assembly.case.packing.diameter
-    if len(earlier.id) != assembly.n_spheres:
-        return f"found {len(earlier.id)} spheres, expected {assembly.n_spheres}"
-    missing = np.setdiff1d(assembly.ids, earlier.id)
+    if len(earlier["id"]) != assembly.n_spheres:
+        return f"found {len(earlier['id'])} spheres, expected {assembly.n_spheres}"
+    missing = np.setdiff1d(assembly.ids, earlier["id"])
     if missing.size:
         return f"found no sphere {missing[0]}"
-    away = np.linalg.norm(earlier.position - assembly.positions(), axis=1)
+    away = np.linalg.norm(earlier["position"] - assembly.positions(), axis=1)
     if away.max() > limit:
         return f"found sphere {assembly.ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
-    other = np.abs(2 * earlier.radius - assembly.sphere_diameters())
+    other = np.abs(2 * earlier["radius"] - assembly.sphere_diameters())
     if other.max() > limit:
         return f"found sphere {assembly.ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
     return ""

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.initial_dents import check_earlier_result
+from granwave.lammps_inputs.contact.initial_dents import dents_of_result, earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
@@ -211,8 +211,9 @@ def check_run(
     InputError
         The run cannot be made; the message lists all faults.
     """
-    checks: list[tuple[bool, Callable[[], None]]] = [
-        (files, lambda: check_earlier_result(assemble(case))),
+    earlier = earlier_result(case)
+    checks: list[tuple[bool, Callable[[], object]]] = [
+        (files and earlier is not None, lambda: dents_of_result(assemble(case), earlier)),  # type: ignore[arg-type]
         (memory, lambda: check_memory(expected)),
         (directory is not None, lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve)),  # type: ignore[arg-type]
     ]
