@@ -25,6 +25,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
+from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
@@ -186,7 +187,11 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
         if contact.yields and len(row):
             found.append(NearContacts(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
 
-    one, two, step = _near(assembly, positions, radii, reach)
+    period = assembly.lattice.lengths if assembly.lattice.periodic else None
+    one, two = near_pairs(positions, radii, reach, period).T
+    step = nearest_image(positions[two] - positions[one], period)
+    near = np.linalg.norm(step, axis=1) - radii[one] - radii[two] <= reach
+    one, two, step = one[near], two[near], step[near]
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
     radius = radii[one] * radii[two] / (radii[one] + radii[two])
     for n, first in enumerate(materials):
@@ -219,22 +224,6 @@ def _deepest(case: Case, law: ContactLaw) -> float:
     one = np.array([law.effective_radius])
     near = NearContacts(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
     return max(float(near.dents(region)[0]) for region in _regions(case))
-
-
-def _near(
-    assembly: Assembly, positions: NDArray[np.float64], radii: NDArray[np.float64], reach: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Return the pairs of rows (i < j) whose surfaces are at most ``reach`` apart, and the vectors between centres."""
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
-
-    period = assembly.lattice.lengths if assembly.lattice.periodic else None
-    box = None if period is None else np.array([*period, 2 * (np.ptp(positions[:, 2]) + 4 * radii.max())])
-    places = positions if box is None else np.mod(positions - [0.0, 0.0, positions[:, 2].min()], box)
-    pairs = KDTree(places, boxsize=box).query_pairs(2 * radii.max() + reach, output_type="ndarray")
-    one, two = pairs.min(axis=1), pairs.max(axis=1)
-    step = nearest_image(positions[two] - positions[one], period)
-    near = np.linalg.norm(step, axis=1) - radii[one] - radii[two] <= reach
-    return one[near], two[near], step[near]
 
 
 _UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file

@@ -44,17 +44,27 @@ def reaches(grains: Grains) -> NDArray[np.float64]:
 
 
 def distances(
-    grains: Grains, pairs: NDArray[np.int64], period: tuple[float, float] | None = None
+    position: NDArray[np.float64],
+    diameter: NDArray[np.float64],
+    shapes: Sequence[Shape],
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    period: tuple[float, float] | None = None,
 ) -> NDArray[np.float64]:
-    """Return the distances from which the overlaps of pairs of ids (n, 2) with cylinders count: (n,), m.
+    """Return the distances of pairs of rows from which overlaps count, those of centres or axes: (n,), m.
 
     Beyond the end of a cylinder they are the distances of the centres, if grains there do not overlap with it.
+
+    Parameters
+    ----------
+    period
+        Periods along x and y, m.
     """
-    first, second = pairs.T - 1
-    distance, beyond = separations(grains.position, grains.shape, first, second, period)
-    centres = np.linalg.norm(nearest_image(grains.position[second] - grains.position[first], period), axis=1)
-    radii = grains.diameter[pairs - 1].sum(axis=1) / 2
-    return np.where(beyond > 0, np.maximum(centres, radii * 2), distance)
+    centres = np.linalg.norm(nearest_image(position[second] - position[first], period), axis=1)
+    if not any(shapes):
+        return np.asarray(centres)
+    distance, beyond = separations(position, shapes, first, second, period)
+    return np.where(beyond > 0, np.maximum(centres, diameter[first] + diameter[second]), distance)
 
 
 def nearest_image(step: NDArray[np.float64], period: tuple[float, float] | None) -> NDArray[np.float64]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.cylinders import separations
+from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
 
@@ -108,19 +108,10 @@ class Packing:
 
     def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the gaps between the surfaces of pairs (n, 2) of ids, nearest images if periodic: (n,), m."""
-        result, radii = np.empty(len(pairs)), self.atoms.get_array("diameters") / 2
-        for start in range(0, len(pairs), 1_000_000):
-            part = slice(start, start + 1_000_000)
-            first, second = self.rows(pairs[part]).T
-            step = self.positions[second] - self.positions[first]
-            if self.lattice.periodic:
-                for axis, length in enumerate(self.lattice.lengths):
-                    step[:, axis] -= length * np.round(step[:, axis] / length)
-            result[part] = np.sqrt(np.einsum("ij,ij->i", step, step)) - (radii[first] + radii[second])
-            if self.assembly.has_cylinders:
-                apart, _ = separations(self.positions, self.assembly.grain_shapes(), first, second)
-                result[part] = apart - (radii[first] + radii[second])
-        return result
+        first, second = self.rows(pairs).T
+        period, diameter = self.lattice.lengths if self.lattice.periodic else None, self.assembly.sphere_diameters()
+        apart = distances(self.positions, diameter, self.assembly.grain_shapes(), first, second, period)
+        return apart - (diameter[first] + diameter[second]) / 2
 
 
 def build_packing(case: Case | Assembly) -> Packing:

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Kind, Lattice, kind_of
-from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
+from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -109,22 +109,9 @@ class Places:
         yield self._touching
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m.
-
-        They are those of the centres of spheres, and of the axes of cylinders.
-        """
-        first, second = pairs.T - 1
-        step = nearest_image(self.grains.position[second] - self.grains.position[first], self.period)
-        apart = np.linalg.norm(step, axis=1)
-        if any(self.grains.shape):
-            rows = self._shaped[first] | self._shaped[second]
-            apart[rows] = distances(self.grains, pairs[rows], self.period)
-        return apart
-
-    @cached_property
-    def _shaped(self) -> NDArray[np.bool_]:
-        """True for cylinders: (n,)."""
-        return np.array([one is not None for one in self.grains.shape])
+        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see `distances`."""
+        grains = self.grains
+        return distances(grains.position, grains.diameter, grains.shape, *(pairs.T - 1), period=self.period)
 
     def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and overlaps (n,), m."""
@@ -146,29 +133,8 @@ class Places:
     @cached_property
     def _near(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Touching and overlapping pairs, sorted: ids (n, 2), i < j, and gaps (n,), m."""
-        from scipy.spatial import KDTree  # takes longer to load than most commands need
-
-        centres, radius, box = self.grains.position, reaches(self.grains), None
-        if self.period is not None:
-            box = np.array([*self.period, 0.0])  # 0: not periodic along z
-            centres = centres.copy()
-            centres[:, :2] = np.mod(centres[:, :2], self.period)
-            centres[:, :2][centres[:, :2] >= self.period] = 0.0  # as rounding of the remainder may leave it
         slack = TOUCHING * self.diameter
-        found = [np.empty((0, 2), dtype=np.int64)]
-        # Classes of size keep the search short where a few grains are much larger than the rest.
-        classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
-        members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
-        trees = {one: KDTree(centres[rows], boxsize=box) for one, rows in members.items()}
-        for one, other in ((a, b) for a in members for b in members if a <= b):
-            reach = radius[members[one]].max() + radius[members[other]].max() + slack
-            if one == other:
-                near = trees[one].query_pairs(reach, output_type="ndarray")
-            else:
-                table = trees[one].sparse_distance_matrix(trees[other], reach, output_type="coo_matrix")
-                near = np.stack([table.row, table.col], axis=1)
-            found.append(np.stack([members[one][near[:, 0]], members[other][near[:, 1]]], axis=1))
-        pairs = np.sort(np.concatenate(found).astype(np.int64), axis=1) + 1
+        pairs = 1 + near_pairs(self.grains.position, reaches(self.grains), slack, self.period)
         gaps = self.apart(pairs) - self.grains.diameter[pairs - 1].sum(axis=1) / 2
         close = gaps <= slack
         pairs, gaps = pairs[close], gaps[close]
@@ -181,6 +147,43 @@ class Places:
 
     def _at(self, distance: NDArray[np.float64]) -> NDArray[np.int64]:
         return 1 + np.flatnonzero(distance <= TOUCHING * self.diameter)
+
+
+def near_pairs(
+    position: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    slack: float,
+    period: tuple[float, float] | None = None,
+) -> NDArray[np.int64]:
+    """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2), i < j.
+
+    Classes of size keep the search short where a few grains are much larger than the rest.
+
+    Parameters
+    ----------
+    period
+        Periods along x and y, m.
+    """
+    from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+    box = None
+    if period is not None:
+        box, position = np.array([*period, 0.0]), position.copy()  # 0: not periodic along z
+        position[:, :2] = np.mod(position[:, :2], period)
+        position[:, :2][position[:, :2] >= period] = 0.0  # as rounding of the remainder may leave it
+    found = [np.empty((0, 2), dtype=np.int64)]
+    classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
+    members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
+    trees = {one: KDTree(position[rows], boxsize=box) for one, rows in members.items()}
+    for one, other in ((a, b) for a in members for b in members if a <= b):
+        reach = radius[members[one]].max() + radius[members[other]].max() + slack
+        if one == other:
+            near = trees[one].query_pairs(reach, output_type="ndarray")
+        else:
+            table = trees[one].sparse_distance_matrix(trees[other], reach, output_type="coo_matrix")
+            near = np.stack([table.row, table.col], axis=1)
+        found.append(np.stack([members[one][near[:, 0]], members[other][near[:, 1]]], axis=1))
+    return np.sort(np.concatenate(found).astype(np.int64), axis=1)
 
 
 Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
