@@ -29,7 +29,7 @@ from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 #: Columns that the ledger of a run without friction may lack; they are set to 0.
-FRICTION_COLUMNS = columns.names((*columns.ROTATION, *columns.TANGENTIAL))
+FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
 
 Table = dict[str, NDArray[np.float64]]
 _RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types

@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.deck import columns as written
+from granwave.lammps_inputs.deck.columns import CONTACTS, LEDGER, MOVING_WALL, WALL_CONTACTS
 from granwave.lammps_inputs.files import naming, replacing
 from granwave.lammps_inputs.interrupts import held_back
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
@@ -94,11 +94,7 @@ _DERIVED = {
     "kg": "mass",
     "N s": "impulse",
 }
-_WRITTEN = (
-    written.LEDGER, written.TIMESTEP, written.SUPPORT, written.ROTATION, written.TANGENTIAL, written.HOLDER,
-    written.ABSORBED, written.FREE_PLATE, written.VISCOUS, written.MOVING_WALL, written.WALL_CONTACTS, written.CONTACTS,
-)  # fmt: skip
-_UNITS = {column.name: column.unit for columns in _WRITTEN for column in columns}
+_UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)}
 _UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 

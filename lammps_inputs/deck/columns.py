@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-FRICTION, DENTS, LOSS = "friction", "dents", "loss"  # columns of cases with friction; initial dents; viscous losses
-TURNING = "turning"  # of cases with rotation
-FORCES_OF_ALL = "forces"  # columns of cases that record the contact forces of every snapshot
+# Conditions of columns: friction, initial dents, viscous losses, rotation; a record of the forces at every snapshot
+FRICTION, DENTS, LOSS, TURNING, FORCES_OF_ALL = "friction", "dents", "loss", "turning", "forces"
+# a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an automatic timestep
+PLATE, HOLDER, ABSORB, SUPPORT, ADAPTIVE = "plate", "holder", "absorb", "support", "adaptive"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Column:
     unit
         SI unit; "1" if dimensionless.
     when
-        `FRICTION`, `DENTS` or `LOSS` for a column of such cases only; empty: of all cases.
+        Condition, such as `FRICTION`, for a column of such cases only; empty: of all cases.
     """
 
     name: str
@@ -57,7 +58,7 @@ def of_compute(
     )
 
 
-#: dumps/energy.txt, after the step.
+#: dumps/energy.txt, after the step. Those of the timestep are by variables, since its fix comes later.
 LEDGER = (
     Column("time", "v_time", "s"),
     Column("kinetic", "c_kinetic", "J"),
@@ -72,15 +73,21 @@ LEDGER = (
         first=2,
     ),
     Column("struck_velocity", "v_struck_velocity", "m s-1"),
-)
-
-#: dumps/energy.txt, of an automatic timestep: the vector of fix gran/timestep, by variables, since the fix comes later.
-TIMESTEP = (
-    Column("timestep", "v_timestep", "s"),
-    Column("expected_error", "v_expected_error"),
-    Column("timesteps", "v_timesteps"),
-    Column("smallest_timestep", "v_smallest_timestep", "s"),
-    Column("largest_timestep", "v_largest_timestep", "s"),
+    Column("rotational", "c_rotational", "J", TURNING),
+    Column("plate", "f_plate[12]", "J", PLATE),  # part of the kinetic energy
+    Column("elastic_tangential", "v_elastic_tangential", "J", FRICTION),
+    Column("friction", "v_friction", "J", FRICTION),
+    Column("viscous", "v_viscous", "J", LOSS),
+    Column("holder", "f_holder", "J", HOLDER),
+    Column("absorbed", "v_absorbed", "J", ABSORB),
+    Column("support", "f_{}[12]", "J", SUPPORT),  # energy of the support, that of its damper, work done on it
+    Column("support_lost", "f_{}[13]", "J", SUPPORT),
+    Column("target", "f_{}[15]", "J", SUPPORT),
+    Column("timestep", "v_timestep", "s", ADAPTIVE),
+    Column("expected_error", "v_expected_error", "1", ADAPTIVE),
+    Column("timesteps", "v_timesteps", "1", ADAPTIVE),
+    Column("smallest_timestep", "v_smallest_timestep", "s", ADAPTIVE),
+    Column("largest_timestep", "v_largest_timestep", "s", ADAPTIVE),
 )
 
 #: dumps/spheres.dump.
@@ -155,33 +162,10 @@ MOVING_WALL = (
     Column("ground_force", "f_{}[14]", "N"),
 )
 
-#: dumps/energy.txt, for a moving plane: energy of its support, energy dissipated by its damper, work done on it.
-SUPPORT = (
-    Column("support", "f_{}[12]", "J"),
-    Column("support_lost", "f_{}[13]", "J"),
-    Column("target", "f_{}[15]", "J"),
-)
 
-#: dumps/energy.txt, of a load by a plate: its kinetic energy, part of the kinetic energy.
-FREE_PLATE = (Column("plate", "f_{}[12]", "J"),)
-
-#: dumps/energy.txt, of cases with rotation or friction.
-ROTATION = (Column("rotational", "c_rotational", "J"),)
-TANGENTIAL = (Column("elastic_tangential", "v_elastic_tangential", "J"), Column("friction", "v_friction", "J"))
-
-#: dumps/energy.txt, of cases with viscous losses.
-VISCOUS = (Column("viscous", "v_viscous", "J"),)
-
-#: dumps/energy.txt, of chains that rub against their holder.
-HOLDER = (Column("holder", "f_holder", "J"),)
-
-#: dumps/energy.txt, of cases with spheres that absorb waves.
-ABSORBED = (Column("absorbed", "v_absorbed", "J"),)
-
-
-def names(table: Iterable[Column]) -> tuple[str, ...]:
-    """Return the names of the columns that all cases have."""
-    return tuple(column.name for column in table if not column.when)
+def names(table: Iterable[Column], *having: str) -> tuple[str, ...]:
+    """Return the names of the columns that all cases have, and of those with the given conditions."""
+    return tuple(column.name for column in table if not column.when or column.when in having)
 
 
 def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, str]:
@@ -190,7 +174,7 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
     Parameters
     ----------
     having
-        `FRICTION`, `DENTS` and `LOSS`, as far as they apply to the case.
+        Conditions that apply to the case.
     of
         Name of the fix, inserted for ``{}``.
     """
@@ -198,11 +182,16 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
 
 
 def recorded(case: Case) -> tuple[str, ...]:
-    """Return the conditions that select the columns of the contacts of a case."""
+    """Return the conditions that select the columns of a case."""
     there = {
         FRICTION: case.has_friction,
         DENTS: case.has_initial_dents,
         LOSS: case.has_loss,
+        TURNING: case.has_rotation,
         FORCES_OF_ALL: case.output.contact_forces,
+        PLATE: case.load.plate,
+        HOLDER: case.has_holder_friction,
+        ABSORB: case.absorb,
+        SUPPORT: case.boundary.bottom_support,
     }
     return tuple(name for name, recorded in there.items() if recorded)

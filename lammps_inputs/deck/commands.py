@@ -69,12 +69,54 @@ def time_series(name: str, every: int, file: str, title: str, columns: dict[str,
     )
 
 
-def first_or_append(resumed: bool) -> str:
-    """Return the arguments of dump_modify: a snapshot at the first step, or appended to earlier ones."""
-    return "append yes first no" if resumed else "first yes"
+def dump(
+    name: str,
+    style: str,
+    every: int,
+    file: str,
+    columns: dict[str, str],
+    resumed: bool,
+    *,
+    form: str = "",
+    group: str = "all",
+    one_line: bool = False,
+) -> list[str]:
+    """Return the commands of a dump, appended to if a run is resumed.
+
+    Parameters
+    ----------
+    style
+        ``custom``: of particles, or ``local``: of contacts.
+    columns
+        Sources by name.
+    form
+        Format of a line.
+    one_line
+        True for one command with all names.
+    """
+    start, custom = f"dump            {name} {group} {style} {every} {DUMPS}/{file}", style == "custom"
+    first = "append yes first no" if resumed else "first yes"
+    modify, names = f"dump_modify     {name}", _column_names(columns)
+    return [
+        *(command(start, *columns.values()) if custom else [f"{start} {joined(columns.values())}"]),
+        f"{modify} {first}{' sort id' if custom else ''}" + (f' format line "{form}"' if form else ""),
+        *(command(modify, *names) if one_line else (f"{modify} {one}" for one in names)),
+    ]
 
 
-def column_names(columns: dict[str, str]) -> list[str]:
+def write_dump(style: str, file: str, columns: dict[str, str], above: str = "") -> list[str]:
+    """Return the command that writes the present state; ``above``: of particles for which this source is positive."""
+    of_id, select = ([], "") if style == "local" else (["%d"], f" sort id thresh {above} > 0.0")
+    return command(
+        f"write_dump      all {style} {DUMPS}/{file}{' id' if of_id else ''}",
+        *columns.values(),
+        f"modify{select} format line",
+        f'"{joined([*of_id, *["%.17g"] * len(columns)])}"',
+        *_column_names(columns),
+    )
+
+
+def _column_names(columns: dict[str, str]) -> list[str]:
     """Return the arguments of dump_modify that name the columns, given their sources by name."""
     return [f"colname {source} {name}" for name, source in columns.items() if name != source]
 

@@ -6,19 +6,7 @@ import math
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
-from granwave.lammps_inputs.deck.columns import (
-    ABSORBED,
-    FREE_PLATE,
-    HOLDER,
-    LEDGER,
-    ROTATION,
-    SUPPORT,
-    TANGENTIAL,
-    TIMESTEP,
-    VISCOUS,
-    names,
-    sources,
-)
+from granwave.lammps_inputs.deck.columns import ADAPTIVE, LEDGER, recorded, sources
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_series
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR, PlacedBar
@@ -197,60 +185,49 @@ STATIC = "v_static"  # elastic and potential energy at the start of the run
 
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands of the energy ledger, which also counts yielded contacts."""
-    case = assembly.case
-    planes = plane_fixes(assembly)
-    bars = [bar.name for bar in assembly.bars]
+    case, planes, bars = assembly.case, plane_fixes(assembly), [bar.name for bar in assembly.bars]
+    conditions = [*recorded(case), *([ADAPTIVE] if schedule.adaptive else [])]
     columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
-    # contacts with faces of bars belong to the pair style
-    stored, lost = ([f"f_{name}[{n}]" for name in planes] for n in (4, 5))
-    at_bars = [[f"c_on_{name}[{n}]" for name in bars] for n in (4, 5)]
-    elastic, dissipated = ["c_contact", *stored], ["c_contact[1]", *lost]
-    lines = []
-    moving = ["c_kinetic"]
+    columns |= sources(LEDGER, *conditions, of=moving_fix(assembly) or "")
+    lines, moving = [], ["c_kinetic"]
+
+    def on_walls(*numbers: int) -> list[str]:
+        return [f"f_{name}[{number}]" for number in numbers for name in planes]
+
+    def at_bars(*numbers: int) -> list[str]:  # their contacts belong to the pair style
+        return [f"c_on_{name}[{number}]" for number in numbers for name in bars]
+
+    stored, lost = [4], [5]
+    elastic, dissipated = ["c_contact", *on_walls(4)], ["c_contact[1]", *on_walls(5)]
     if case.has_rotation:
-        columns |= sources(ROTATION)
-        columns |= {"rotational": "v_rotational"} if assembly.has_cylinders else {}
         lines.append("compute         rotational all erotate/sphere")
         if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
+            columns["rotational"] = "v_rotational"
             lines.append("variable        rotational equal c_rotational+f_cylinders")
-        moving.append("v_rotational" if assembly.has_cylinders else "c_rotational")
+        moving.append(columns["rotational"])
     if case.load.plate is not None:
-        columns |= sources(FREE_PLATE, of=PLATE)
-        moving += sources(FREE_PLATE, of=PLATE).values()
+        moving.append(columns["plate"])
     if case.moves_otherwise:
         columns["kinetic"] = "v_motion"
         lines.append(f"variable        motion equal {_sum(moving)}")
     if case.has_friction:
-        stretched, rubbed = ([f"f_{name}[{n}]" for name in planes] for n in (8, 9))
-        columns |= sources(TANGENTIAL)
-        lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *stretched])}")
-        lines.append(f"variable        friction equal {_sum(['c_contact[7]', *rubbed])}")
-        stored, lost = [*stored, *stretched], [*lost, *rubbed]
+        lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *on_walls(8)])}")
+        lines.append(f"variable        friction equal {_sum(['c_contact[7]', *on_walls(9)])}")
+        stored, lost = [*stored, 8], [*lost, 9]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
     if case.has_loss:
-        damped = [f"f_{name}[16]" for name in planes]
-        columns |= sources(VISCOUS)
-        viscous = ["c_contact[8]", *damped]  # a variable within another has 15 digits
+        viscous = ["c_contact[8]", *on_walls(16)]  # a variable within another has 15 digits
         lines.append(f"variable        viscous equal {_sum(viscous)}")
-        lost = [*lost, *damped]
-        at_bars[1] += [f"c_on_{name}[8]" for name in bars]
+        lost = [*lost, 16]
         dissipated += viscous
-    if case.has_holder_friction:
-        columns |= sources(HOLDER)
-        dissipated.append(columns["holder"])
     if case.absorb:
-        columns |= sources(ABSORBED)
-        layers = [f"f_absorb{number}" for number in range(1, len(case.absorb) + 1)]
-        lines.append(f"variable        absorbed equal {_sum(layers)}")
-        dissipated.append(columns["absorbed"])
-    if support := moving_fix(assembly):
-        columns |= sources(SUPPORT, of=support)
-        elastic.append(columns["support"])
-        dissipated.append(columns["support_lost"])
+        lines.append(f"variable        absorbed equal {_sum([f'f_absorb{n}' for n, _ in enumerate(case.absorb, 1)])}")
+    dissipated += [columns[name] for name in ("holder", "absorbed", "support_lost") if name in columns]
+    elastic += [columns["support"]] if "support" in columns else []
     if schedule.adaptive:
-        columns |= sources(TIMESTEP)
-        lines += [f"variable        {name} equal f_step[{n}]" for n, name in enumerate(names(TIMESTEP), start=1)]
+        timestep = [column.name for column in LEDGER if column.when == ADAPTIVE]
+        lines += [f"variable        {name} equal f_step[{n}]" for n, name in enumerate(timestep, start=1)]
     elastic += [f"c_elastic_{name}" for name in bars]
     if case.precompression:
         elastic += [POTENTIAL, f"-{STATIC}"]
@@ -261,8 +238,8 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         f"variable        time equal step*{num(schedule.timestep) if schedule.adaptive else 'dt'}",
         *(line for bar in assembly.bars for line in _bar_energy(bar)),
         *lines,
-        f"variable        elastic_wall equal {_sum(stored + at_bars[0])}",
-        f"variable        dissipated_wall equal {_sum(lost + at_bars[1])}",
+        f"variable        elastic_wall equal {_sum(on_walls(*stored) + at_bars(4))}",
+        f"variable        dissipated_wall equal {_sum(on_walls(*lost) + at_bars(5, *([8] if case.has_loss else [])))}",
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
         "variable        struck_velocity equal vcm(struck,z)",

@@ -16,14 +16,13 @@ from granwave.lammps_inputs.deck.columns import (
     LINES,
     MOVING_WALL,
     SNAPSHOT,
-    TURNING,
     WALL_CONTACTS,
     WALL_FORCES,
     names,
     recorded,
     sources,
 )
-from granwave.lammps_inputs.deck.commands import column_names, command, first_or_append, id_ranges, joined, time_series
+from granwave.lammps_inputs.deck.commands import command, dump, id_ranges, joined, time_series, write_dump
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, wall_fixes, walls
@@ -109,8 +108,7 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
     if case.output.contact_forces:
         force = names(WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
         columns |= {f"wall_{fix}": f"f_{fix}[{force}]" for fix in plane_fixes(assembly)}
-    form = f' format line "{_FRAME_FORMAT}{" %.9g" * (len(columns) - len(names(SNAPSHOT)))}"'
-    text = case.output.dump_format == "text"
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -118,35 +116,25 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
             *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
             "dump_modify     frames every v_frame",
         ]
+    forces = []
+    if case.output.contact_forces:
+        at_frames = sources(FORCES_AT_FRAMES, FORCES_OF_ALL)
+        forces = [
+            "# The forces of all contacts at every snapshot.",
+            *dump("contact_forces", "local", every, run_directory.FRAME_FORCES_FILE, at_frames, bool(restart_from),
+                  form=joined(["%.17g"] * len(at_frames))),
+            *(["dump_modify     contact_forces every v_frame"] if chosen else []),
+        ]  # fmt: skip
     return [
         "# Snapshots of all spheres.",
         *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *command(
-            "dump            frames all custom",
-            f"{every} {DUMPS}/{frames_file(assembly, restart_from)}",
-            *columns.values(),
-        ),
-        f"dump_modify     frames {first_or_append(bool(restart_from))} sort id{form if text else ''}",
-        *command("dump_modify     frames", *column_names(columns)),
+        *dump("frames", "custom", every, frames_file(assembly, restart_from), columns, bool(restart_from),
+              form=form if case.output.dump_format == "text" else "", one_line=True),
         *chosen,
-        *(_forces_of_all(every, bool(chosen), bool(restart_from)) if case.output.contact_forces else []),
-    ]
-
-
-def _forces_of_all(every: int, chosen: bool, resumed: bool) -> list[str]:
-    """Return the commands for the contact forces at every snapshot; ``chosen``: its steps come from a list."""
-    columns = sources(FORCES_AT_FRAMES, FORCES_OF_ALL)
-    form = f'"{joined(["%.17g"] * len(columns))}"'
-    return [
-        "# The forces of all contacts at every snapshot.",
-        f"dump            contact_forces all local {every} {DUMPS}/{run_directory.FRAME_FORCES_FILE} "
-        f"{joined(columns.values())}",
-        f"dump_modify     contact_forces {first_or_append(resumed)} format line {form}",
-        *(f"dump_modify     contact_forces {renamed}" for renamed in column_names(columns)),
-        *(["dump_modify     contact_forces every v_frame"] if chosen else []),
-    ]
+        *forces,
+    ]  # fmt: skip
 
 
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
@@ -181,18 +169,13 @@ def _next_frame(steps: tuple[int, ...]) -> str:
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands for the history of a chain: displacements and velocities of all particles, contact forces."""
-    every = schedule.history_every
-    if not every:
+    if not schedule.history_every:
         return []
-    moved, forces = sources(HISTORY), sources(FORCES)
+    every, moved, forces = schedule.history_every, run_directory.HISTORY_FILE, run_directory.FORCES_FILE
     return [
         "# The chain in time.",
-        *command(f"dump            history all custom {every} {DUMPS}/{run_directory.HISTORY_FILE}", *moved.values()),
-        f'dump_modify     history {first_or_append(resumed)} sort id format line "%d %.17g %.17g"',
-        *(f"dump_modify     history {renamed}" for renamed in column_names(moved)),
-        f"dump            forces all local {every} {DUMPS}/{run_directory.FORCES_FILE} {joined(forces.values())}",
-        f'dump_modify     forces {first_or_append(resumed)} format line "%.9g %.9g %.17g"',
-        *(f"dump_modify     forces {renamed}" for renamed in column_names(forces)),
+        *dump("history", "custom", every, moved, sources(HISTORY), resumed, form="%d %.17g %.17g"),
+        *dump("forces", "local", every, forces, sources(FORCES), resumed, form="%.9g %.9g %.17g"),
     ]
 
 
@@ -201,18 +184,14 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
     case = assembly.case
     if not case.line:
         return []
-    columns = sources(LINES, *([TURNING] if case.has_rotation else []))
+    columns = sources(LINES, *recorded(case))
     return [
         "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
         "compute         sums all gran/hysteretic/sums",
         *command("group           lines id", id_ranges(all_line_ids(assembly))),
-        *command(
-            f"dump            lines lines custom {schedule.line_every} {DUMPS}/{run_directory.LINES_FILE}",
-            *columns.values(),
-        ),
-        f'dump_modify     lines {first_or_append(resumed)} sort id format line "%d{" %.12g" * (len(columns) - 1)}"',
-        *command("dump_modify     lines", *column_names(columns)),
-    ]
+        *dump("lines", "custom", schedule.line_every, run_directory.LINES_FILE, columns, resumed, group="lines",
+              form="%d" + " %.12g" * (len(columns) - 1), one_line=True),
+    ]  # fmt: skip
 
 
 def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
@@ -222,34 +201,21 @@ def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -
 
 def dumps_at_end(assembly: Assembly) -> list[str]:
     """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
-    case = assembly.case
-    contacts = sources(CONTACTS, *recorded(case))
+    case, parts = assembly.case, written_in_parts(assembly)
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
         *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
-        *(count_commands() if written_in_parts(assembly) else []),
+        *(count_commands() if parts else []),
         "run             0 post no",
         "",
         "# Every contact there was, and every sphere that touched a wall.",
-        *command(
-            f"write_dump      all local {DUMPS}/{contacts_file(assembly)}",
-            *contacts.values(),
-            "modify format line",
-            f'"{joined(["%.17g"] * len(contacts))}"',
-            *column_names(contacts),
-        ),
-        *([count_written(run_directory.COUNT_FILE)] if written_in_parts(assembly) else []),
+        *write_dump("local", contacts_file(assembly), sources(CONTACTS, *recorded(case))),
+        *([count_written(run_directory.COUNT_FILE)] if parts else []),
     ]
     for fix in plane_fixes(assembly):
         columns = sources(WALL_CONTACTS, *recorded(case), of=fix)
-        lines += command(
-            f"write_dump      all custom {DUMPS}/{run_directory.WALL_CONTACTS_FILE.format(fix)} id",
-            *columns.values(),
-            f"modify sort id thresh {columns['peak_overlap']} > 0.0 format line",
-            f'"%d {joined(["%.17g"] * len(columns))}"',
-            *column_names(columns),
-        )
+        lines += write_dump("custom", run_directory.WALL_CONTACTS_FILE.format(fix), columns, columns["peak_overlap"])
     return lines
 
 
@@ -284,33 +250,13 @@ def contacts_of_stage(assembly: Assembly) -> list[str]:
 
 def initial_forces(assembly: Assembly) -> list[str]:
     """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
-    columns = sources(FORCES)
-    lines = command(
-        f"write_dump      all local {DUMPS}/{contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)}",
-        *columns.values(),
-        "modify format line",
-        f'"{joined(["%.17g"] * len(columns))}"',
-        *_names(columns),
-    )
-    lines += [count_written(run_directory.INITIAL_COUNT_FILE)] if written_in_parts(assembly) else []
+    parts, file = written_in_parts(assembly), contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
+    lines = ["# The forces of all contacts under the static load.", *write_dump("local", file, sources(FORCES))]
+    lines += [count_written(run_directory.INITIAL_COUNT_FILE)] if parts else []
     for fix in plane_fixes(assembly):
         columns = sources(WALL_FORCES, of=fix)
-        lines += command(
-            f"write_dump      all custom {DUMPS}/{run_directory.INITIAL_WALL_FORCES_FILE.format(fix)} id",
-            *columns.values(),
-            f'modify sort id thresh {columns["force"]} > 0.0 format line "%d %.17g"',
-            *_names(columns),
-        )
-    return [
-        "# The forces of all contacts under the static load.",
-        *lines,
-        *(f"uncompute       {name}" for name in (*(_COMPUTES if written_in_parts(assembly) else ()), "contacts")),
-    ]
-
-
-def _names(columns: dict[str, str]) -> list[str]:
-    """Return the names of columns, for a dump whose sources are none of them."""
-    return [f"colname {source} {name}" for name, source in columns.items()]
+        lines += write_dump("custom", run_directory.INITIAL_WALL_FORCES_FILE.format(fix), columns, columns["force"])
+    return [*lines, *(f"uncompute       {name}" for name in (*(_COMPUTES if parts else ()), "contacts"))]
 
 
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
