@@ -81,7 +81,7 @@ class NearContacts:
         """Return True for each contact that lies in a region: (n,)."""
         low = -np.inf if region.low is None else np.array(region.low)
         high = np.inf if region.high is None else np.array(region.high)
-        return ((self.place >= low) & (self.place <= high)).all(axis=1)
+        return np.asarray(((self.place >= low) & (self.place <= high)).all(axis=1))
 
     def dents(self, region: Dents) -> NDArray[np.float64]:
         """Return the largest overlaps so far, as a region gives them: (n,), m."""

@@ -110,8 +110,8 @@ class Places:
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see `distances`."""
-        grains = self.grains
-        return distances(grains.position, grains.diameter, grains.shape, *(pairs.T - 1), period=self.period)
+        grains, (first, second) = self.grains, pairs.T - 1
+        return distances(grains.position, grains.diameter, grains.shape, first, second, self.period)
 
     def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and overlaps (n,), m."""
