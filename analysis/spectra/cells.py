@@ -117,7 +117,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         return UnitCell(np.arange(n), np.array(case.packing.cell))
     if lattice.kind == "chain":
         return _of_chain(assembly, endless=endless)
-    if assembly.sites is None and not holds_some(case):
+    if assembly.sites.uniform and not holds_some(case):
         vectors, spheres = primitive_vectors(lattice.rule)
         nx, ny, nz = lattice.shape
         if nz < spheres and not endless:
@@ -126,7 +126,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             )
         return UnitCell(np.arange(spheres) * nx * ny, vectors * lattice.diameter)
     if not endless and not ("z" not in lattice.rule.axes and lattice.periodic):
-        what = "grains that are held" if assembly.sites is None else "spheres that differ, or vacancies"
+        what = "grains that are held" if assembly.sites.uniform else "spheres that differ, or vacancies"
         raise InputError(
             f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that does; with "
             'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell, and with '
@@ -139,14 +139,13 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             f"endless {lattice.kind}"
         )
     periods = np.diag([*lattice.lengths, nz * lattice.rule.layer_spacing * lattice.diameter])
-    present = np.ones(n, dtype=bool) if assembly.sites is None else assembly.sites.present
-    return UnitCell(np.arange(np.count_nonzero(present)), periods[[axis in lattice.rule.axes for axis in "xyz"]])
+    return UnitCell(np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]])
 
 
 def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
     case, n = assembly.case, assembly.lattice.n_spheres
     sites = assembly.sites
-    if sites is None:
+    if sites.uniform:
         return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
     if not sites.present.all():
         raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
@@ -237,11 +236,8 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
     inside = assembly.ids <= n
     ids = assembly.ids[inside]
     sites = assembly.sites
-    if sites is None:
-        kinds, kind = [(assembly.material, case.packing.of_grain)], np.zeros(len(ids), dtype=np.int64)
-    else:
-        there, kind = np.unique(sites.body[sites.present], return_inverse=True)
-        kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
+    there, kind = np.unique(sites.body[sites.present], return_inverse=True)
+    kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
     held = _no_turns([shape for _, shape in kinds], case)[kind]
     for entry in case.holds.values():
         chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
@@ -340,7 +336,7 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
             f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
             "expected precompression.pressure (Pa)"
         )
-    if assembly.sites is None:  # a force on each sphere of a layer, of which the cell has one in each of its layers
+    if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
         spheres = len(cell.rows) if n_periods == 3 else 1
         return {(2, 2): stage.force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
     nx, ny, _ = lattice.shape

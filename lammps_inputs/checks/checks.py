@@ -15,13 +15,12 @@ from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_siz
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
-from granwave.lammps_inputs.lattices import is_plane_crystal
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least

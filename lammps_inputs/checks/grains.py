@@ -213,7 +213,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
         return True
     grains = case.packing.grains
     sites = sites_of(case, lattice_of(case))
-    used = [case.material] if sites is None else [sites.materials[k] for k in np.unique(sites.kind[sites.present])]
+    used = dict.fromkeys(sites.bodies[k][0] for k in np.unique(sites.body[sites.present]))
     known = {
         "material": sorted({str(material.name) for material in used if material.name}),
         "group": sorted(set(grains.group) - {""}) if grains is not None else [],
@@ -232,13 +232,11 @@ def check_tube(case: Case, errors: ErrorList) -> None:
         return
     lattice = lattice_of(case)
     sites = sites_of(case, lattice)
-    diameter = np.full(lattice.n_spheres, lattice.diameter) if sites is None else sites.diameter
-    place = (lattice if sites is None else sites).positions(1, lattice.n_spheres)
-    reach = np.hypot(place[:, 0], place[:, 1]) + diameter / 2
+    place = sites.positions(1, lattice.n_spheres)
+    reach = np.hypot(place[:, 0], place[:, 1]) + sites.diameter / 2
     if case.boundary.sides_touch is not None:
         reach[~touched(case, sites, case.boundary.sides_touch)] = 0.0
-    if sites is not None:
-        reach[~sites.present] = 0.0
+    reach[~sites.present] = 0.0
     widest = int(np.argmax(reach))
     if reach[widest] > tube + TOUCHING * lattice.diameter:
         errors.add(

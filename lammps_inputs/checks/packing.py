@@ -115,8 +115,6 @@ def check_room(case: Case, errors: ErrorList) -> None:
     if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
         return
     sites = sites_of(case, lattice_of(case))
-    if sites is None:
-        return
     pairs, gaps = sites.near_larger()
     slack = -_OVERLAP * case.packing.diameter
     if gaps.min(initial=0.0) < slack:

@@ -14,12 +14,11 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_of_last_layer, materials_on_top, walls
-from granwave.lammps_inputs.lattices import is_plane_crystal
 
 _TABLE = "precompression"
 _UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end
