@@ -65,7 +65,7 @@ def infer(
     case_file
         File with [material] and [infer]; a run can do without.
     noise, frame_rate, position_noise, time
-        Measurements made of a run, as of `granwave.analysis.inference.plan.Camera`.
+        Measurements made of a run, as of `granwave.analysis.inference.plan.plan_experiment`.
     repeat
         Repetitions with noise; None: those of the case, of a run 10.
     progress
@@ -77,7 +77,7 @@ def infer(
         There is no such table or run, it or the case is wrong, or the equations do not determine the forces.
     """
     from granwave.analysis.inference.case import read_infer_case
-    from granwave.analysis.inference.plan import Camera, plan_experiment
+    from granwave.analysis.inference.plan import plan_experiment
 
     if not source.exists():
         raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
@@ -91,15 +91,16 @@ def infer(
         if case_file is None:
             raise InputError("--case: missing; expected a file with [material] and [infer] (granwave keys infer)")
         return _infer_table(source, case_file, repeat, progress=progress)
-    camera = Camera(
+    return plan_experiment(
+        source,
+        None if case_file is None else read_infer_case(case_file, of_run=True),
         noise=tuple(noise or (0.0,)),
         frame_rate=frame_rate,
         position_noise=position_noise or 0.0,
         time=time,
         repetitions=10 if repeat is None else max(repeat, 1),
+        progress=progress,
     )
-    case = None if case_file is None else read_infer_case(case_file, of_run=True)
-    return plan_experiment(source, case, camera, progress=progress)
 
 
 def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, progress: bool) -> Inferred:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from granwave.analysis.inference.grains import PAIRS, Array, Contacts, Grains
+from granwave.analysis.inference.grains import PAIRS, SCALES, Array, Contacts, Grains
 from granwave.lammps_inputs.errors import InputError
 
 Weights = Literal["equal", "white", "correlated"]
@@ -96,7 +96,7 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         else np.cross(arm[:, :, None], force, axis=1)
     )
     moment = moment.reshape(len(of), turns, d)
-    scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
+    scale = SCALES[d]
     dyads = [0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs]
     motion = matrix(np.concatenate([force, moment], axis=1), d + turns)
     stress = matrix(scale[:, None] * np.stack(dyads, axis=1), len(pairs))
@@ -200,8 +200,7 @@ def covariance(grains: Grains, noise: Noise) -> Covariance:
     of_turning = 2 * of_motion / grains.radius if turning is None else np.full(len(grains), turning)
     parts = [np.repeat((grains.mass * of_motion)[:, None], grains.dimension, axis=1)]
     parts.append(np.repeat((grains.inertia / grains.radius * of_turning)[:, None], grains.spin.shape[1], axis=1))
-    scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
-    per_length = (grains.volume / grains.radius)[:, None] * scale * (noise.of_tensor(grains) or 0.0)
+    per_length = (grains.volume / grains.radius)[:, None] * SCALES[grains.dimension] * (noise.of_tensor(grains) or 0.0)
     roots: NDArray = np.broadcast_to(np.eye(len(pairs)), (len(grains), len(pairs), len(pairs)))
     if grains.compliance is not None:
         roots = np.linalg.inv(grains.compliance)

@@ -30,6 +30,11 @@ TENSOR = {
     dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs) for dimension, pairs in PAIRS.items()
 }
 
+#: Factors of the components, by dimension: sums of squares do not depend on the axes then.
+SCALES = {dimension: np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs]) for dimension, pairs in PAIRS.items()}
+#: Number of components of rotations, by dimension.
+TURNS = {2: 1, 3: 3}
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Grains:
@@ -110,6 +115,12 @@ class Grains:
         return np.asarray(np.isfinite(self.stress).all(axis=1), dtype=bool)
 
     @property
+    def strain(self) -> Array:
+        """Average strains, where they were measured: (n, k)."""
+        assert self.compliance is not None
+        return np.asarray(np.einsum("nij,nj->ni", self.compliance, self.stress))
+
+    @property
     def inertia(self) -> Array:
         """Moments of inertia about an axis through the centre: (n,), kg m^2."""
         return (0.5 if self.dimension == 2 else 0.4) * self.mass * self.radius**2
@@ -140,17 +151,13 @@ def stiffness(modulus: Array, poisson_ratio: Array, state: State) -> Array:
     state
         Plane stress (a free face), plane strain (held along the axis), or space.
     """
-    n = len(modulus)
     twice_shear = modulus / (1 + poisson_ratio)
     if state == "plane-stress":
         first = modulus * poisson_ratio / (1 - poisson_ratio**2)
     else:
         first = modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
-    pairs = PAIRS[3 if state == "space" else 2]
-    diagonal = np.array([1.0 if a == b else 0.0 for a, b in pairs])
-    return first[:, None, None] * np.outer(diagonal, diagonal) + twice_shear[:, None, None] * np.broadcast_to(
-        np.eye(len(pairs)), (n, len(pairs), len(pairs))
-    )
+    diagonal = np.array([float(a == b) for a, b in PAIRS[3 if state == "space" else 2]])
+    return first[:, None, None] * np.outer(diagonal, diagonal) + twice_shear[:, None, None] * np.eye(len(diagonal))
 
 
 def volume_of(radius: Array, state: State, length: float) -> Array:

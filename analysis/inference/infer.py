@@ -213,8 +213,7 @@ def relative_noise(grains: Grains, share: float) -> Noise:
         turning = None  # grains that do not turn: what is left is rounding
     if grains.compliance is None:
         return Noise(None, size(grains.stress), motion, turning)
-    strain = np.einsum("nij,nj->ni", grains.compliance, grains.stress)
-    return Noise(size(strain), None, motion, turning)
+    return Noise(size(grains.strain), None, motion, turning)
 
 
 def _repeat(

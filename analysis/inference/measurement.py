@@ -14,7 +14,7 @@ from scipy.signal import savgol_coeffs
 from scipy.spatial import cKDTree
 
 from granwave.analysis.inference.case import FIND, InferCase
-from granwave.analysis.inference.grains import TENSOR, Array, Grains, stiffness, volume_of
+from granwave.analysis.inference.grains import TENSOR, TURNS, Array, Grains, stiffness, volume_of
 from granwave.analysis.inference.table import UNMEASURED, Table, raise_errors, read_table_of_grains
 from granwave.lammps_inputs.errors import InputError
 
@@ -101,13 +101,15 @@ def _check_rows(table: Table, case: InferCase) -> None:
         (strains, lambda x: ~(np.abs(x) > LARGEST_STRAIN), f"a strain below {LARGEST_STRAIN:g}; 1 % is 0.01"),
     ]
     errors = []
-    for name, right, expected in ((name, *rule) for names, *rule in allowed for name in names if name in table.columns):
-        values, words = table.each(name), f"{name}: found {{:g}}, expected {expected}"
-        errors += table.refuse(~right(values), lambda row, values=values, words=words: words.format(values[row]))
+    for names, right, expected in allowed:
+        for name in (name for name in names if name in table.columns):
+            values, words = table.each(name), f"{name}: found {{:g}}, expected {expected}"
+            errors += table.refuse(~right(values), lambda row, values=values, words=words: words.format(values[row]))
     for group in filter(table.has, UNMEASURED):
-        empty, names = np.isnan(table.take(group)), ", ".join(table.groups[group])
-        words = f"found some of {names} empty, expected all of them or none"
-        errors += table.refuse(empty.any(axis=1) & ~empty.all(axis=1), lambda _, words=words: words)
+        empty = np.isnan(table.take(group))
+        words = f"found some of {', '.join(table.groups[group])} empty, expected all of them or none"
+        partly = np.asarray(empty.any(axis=1) & ~empty.all(axis=1), dtype=bool)
+        errors += table.refuse(partly, lambda _, words=words: words)
     raise_errors(table.source, errors)
 
 
@@ -141,7 +143,7 @@ class _Reading:
 
     def __init__(self, table: Table, case: InferCase) -> None:
         self.table, self.case, self.notes = table, case, list[str]()
-        self.turns = 1 if case.dimension == 2 else 3
+        self.turns = TURNS[case.dimension]
         times = table.each("time_s")
         if "frame" in table.columns:
             if case.infer.frame_rate is None:
@@ -232,7 +234,7 @@ class _Reading:
             spin = frames("spin")
         else:
             self.notes.append("no rotations were measured: they are taken to be zero")
-        still, motion = np.zeros((len(ids[times[0]]), self.turns)), {}
+        still, motion = np.zeros((len(ids[times[0]]), self.turns)), _Motion()
         for number in range(half, len(times) - half):
             part = slice(number - half, number + half + 1)
             rates, turning = still, still

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +25,26 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
 
 
-@dataclasses.dataclass(frozen=True)
-class Camera:
-    """A measurement to be made of a run.
+def plan_experiment(
+    source: Path,
+    case: InferCase | None = None,
+    *,
+    noise: Sequence[float] = (0.0,),
+    frame_rate: float | None = None,
+    position_noise: float = 0.0,
+    time: float | None = None,
+    repetitions: int = 10,
+    seed: int = 1,
+    progress: bool = False,
+) -> Inferred:
+    """Make measurements of a run, infer the forces, and compare them with those of the run.
 
-    Attributes
+    Parameters
     ----------
+    source
+        Directory of a run whose snapshots hold contact forces.
+    case
+        Case of the inference; None: those of the run (friction, material).
     noise
         Errors of strains (and of accelerations, where these are not from frames) over their root mean squares.
     frame_rate
@@ -41,25 +55,6 @@ class Camera:
         Instant, s; None: that with the largest forces.
     repetitions
         Number of measurements with different errors.
-    """
-
-    noise: tuple[float, ...] = (0.0,)
-    frame_rate: float | None = None
-    position_noise: float = 0.0
-    time: float | None = None
-    repetitions: int = 10
-    seed: int = 1
-
-
-def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, progress: bool = False) -> Inferred:
-    """Make measurements of a run, infer the forces, and compare them with those of the run.
-
-    Parameters
-    ----------
-    source
-        Directory of a run whose snapshots hold contact forces.
-    case
-        Case of the inference; None: those of the run (friction, material).
     progress
         Show a bar on a terminal.
 
@@ -68,62 +63,79 @@ def plan_experiment(source: Path, case: InferCase | None, camera: Camera, *, pro
     InputError
         The run cannot be measured, or its forces are not determined.
     """
-    if camera.position_noise and camera.frame_rate is None:
+    if position_noise and frame_rate is None:
         raise InputError("--position-noise: found it without --frame-rate, which tells the frames that it falls on")
     with Result(source) as result:
-        run = Snapshots(result)
-        name = result.case.name
+        run, name = Snapshots(result), result.case.name
     state, settings = _settings(run, case)
-    number = _snapshot(run, camera)
+    if time is None:
+        number = run.largest_snapshot(0.0 if frame_rate is None else 1 / frame_rate)
+    elif run.times[0] <= time <= run.times[-1]:
+        number = int(np.argmin(np.abs(run.times - time)))
+    else:
+        raise InputError(f"--time {time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s")
     exact, true = run.state(number, settings.contact_tolerance)
     if not true.any():
         raise InputError(f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time")
-    poisson = (
-        run.poisson_ratio if case is None or case.material is None else np.full(len(exact), case.material.poisson_ratio)
-    )
+    material = None if case is None else case.material
+    poisson = run.poisson_ratio if material is None else np.full(len(exact), material.poisson_ratio)
     compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
     exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
     walls = run.walls(number)
-    kept_rows = find_contacts(exact, walls, settings.contact_tolerance).touched(len(exact))
-    exact, lonely = exact.take(kept_rows), int(np.count_nonzero(~kept_rows))
-    notes = [f"{lonely} of {len(kept_rows)} grains touch nothing and are left out"] if lonely else []
-    rng = np.random.default_rng(camera.seed)
-    means, deviations, off, kept = [], [], [], None
-    levels = sorted(camera.noise)
-    turns = sum(camera.repetitions if level or camera.position_noise else 1 for level in levels)
-    bar = progress_bar(progress, total=turns, desc="measurements", leave=False)
-    for level in levels:
-        errors = []
-        for repetition in range(camera.repetitions if level or camera.position_noise else 1):
-            measured, noise = _measure(run, number, exact, kept_rows, level, camera, rng)
-            off.append(_relative(measured.acceleration, exact.acceleration))
-            own = dataclasses.replace(settings, noise=noise, repetitions=0)
-            one = infer(measured, walls, own)
+    rows = find_contacts(exact, walls, settings.contact_tolerance).touched(len(exact))
+    exact, lonely = exact.take(rows), int(np.count_nonzero(~rows))
+    notes = [f"{lonely} of {len(rows)} grains touch nothing and are left out"] if lonely else []
+    rng, levels = np.random.default_rng(seed), sorted(noise)
+
+    def measure(level: float) -> tuple[Grains, Noise]:
+        """Return grains with errors, and the standard deviations of these as an experimenter would know them."""
+        errors = relative_noise(exact, level) if level else Noise()
+
+        def off(values: Array, size: float | None) -> Array:
+            return values + size * rng.normal(size=values.shape) if size else values
+
+        strain = off(exact.strain, errors.strain)
+        stress = np.asarray(np.linalg.solve(compliance[rows], strain[:, :, None])[:, :, 0], dtype=np.float64)
+        if frame_rate is None:
+            acceleration = off(exact.acceleration, errors.acceleration)
+            turning = off(exact.angular_acceleration, errors.angular_acceleration)
+        else:
+            seen = seen_by_camera(run, number, frame_rate, position_noise, rng)
+            acceleration, turning = (np.where(exact.has_motion[:, None], one[rows], np.nan) for one in seen)
+            # an experimenter knows the error of places, and sees the strains'; differences over too long frames stay
+            # unknown
+            size = math.sqrt(6) * position_noise * frame_rate**2
+            errors = Noise(strain=errors.strain, acceleration=size or None)
+        measured = dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning)
+        return measured, errors
+
+    turns = {level: repetitions if level or position_noise else 1 for level in levels}
+    errors: dict[float, list[float]] = {level: [] for level in levels}
+    off = []
+    with progress_bar(progress, total=sum(turns.values()), desc="measurements", leave=False) as bar:
+        for level, repetition in ((level, n) for level, n_turns in turns.items() for n in range(n_turns)):
+            measured, spread = measure(level)
             if repetition == 0:
-                kept = measured, noise
-            errors.append(_relative(one.force, true))
+                kept, known = measured, spread
+            one = infer(measured, walls, dataclasses.replace(settings, noise=spread, repetitions=0))
+            off.append(_relative(measured.acceleration, exact.acceleration))
+            errors[level].append(_relative(one.force, true))
             bar.update()
-        means.append(float(np.mean(errors)))
-        deviations.append(float(np.std(errors)))
-    bar.close()
-    assert kept is not None
-    own = dataclasses.replace(settings, noise=kept[1], repetitions=camera.repetitions)
-    found = infer(kept[0], walls, own, progress=progress)
-    time = float(run.times[number])
-    summary = summary_of(name, str(source), state, [found], [time], notes)
-    several = len(levels) > 1
-    summary |= {
+    found = infer(kept, walls, dataclasses.replace(settings, noise=known, repetitions=repetitions), progress=progress)
+    means, deviations = ([float(of(errors[level])) for level in levels] for of in (np.mean, np.std))
+    instant, several = float(run.times[number]), len(levels) > 1
+    summary = summary_of(name, str(source), state, [found], [instant], notes) | {
         "true_force_error": means if several else means[0],
         "noise": levels if several else levels[0],
-        "frame_rate_Hz": camera.frame_rate,
-        "position_noise_m": camera.position_noise if camera.frame_rate else None,
+        "frame_rate_Hz": frame_rate,
+        "position_noise_m": position_noise if frame_rate else None,
         "acceleration_error": float(np.mean(off)),
     }
     return Inferred(
         [found],
-        [time],
+        [instant],
         summary,
-        measurement=_columns(kept[0], run, kept_rows),
+        measurement=_columns(kept, run, rows),
         case=_case(run, state, found.settings, walls),
         true=true,
         noise=np.array([levels, means, deviations]) if several else None,
@@ -170,50 +182,6 @@ def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
     return case.infer.state, settings
 
 
-def _snapshot(run: Snapshots, camera: Camera) -> int:
-    if camera.time is None:
-        return run.largest_snapshot(0.0 if camera.frame_rate is None else 1 / camera.frame_rate)
-    if not run.times[0] <= camera.time <= run.times[-1]:
-        raise InputError(f"--time {camera.time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s")
-    return int(np.argmin(np.abs(run.times - camera.time)))
-
-
-def _measure(
-    run: Snapshots,
-    number: int,
-    exact: Grains,
-    rows: NDArray[np.bool_],
-    level: float,
-    camera: Camera,
-    rng: np.random.Generator,
-) -> tuple[Grains, Noise]:
-    """Return grains with errors, and the standard deviations of these as an experimenter would know them.
-
-    ``exact`` are the grains ``rows`` of the run.
-    """
-    scale = relative_noise(exact, level) if level else Noise()
-    assert exact.compliance is not None
-    strain = np.einsum("nij,nj->ni", exact.compliance, exact.stress)
-    if scale.strain:
-        strain = strain + scale.strain * rng.normal(size=strain.shape)
-    stress = np.linalg.solve(exact.compliance, strain[:, :, None])[:, :, 0]
-    if camera.frame_rate is None:
-        acceleration, turning = exact.acceleration, exact.angular_acceleration
-        if scale.acceleration:
-            acceleration = acceleration + scale.acceleration * rng.normal(size=acceleration.shape)
-        if scale.angular_acceleration:
-            turning = turning + scale.angular_acceleration * rng.normal(size=turning.shape)
-        return dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning), scale
-    seen = seen_by_camera(run, number, camera.frame_rate, camera.position_noise, rng)
-    acceleration, turning = seen[0][rows], seen[1][rows]
-    unseen = ~exact.has_motion
-    acceleration[unseen], turning[unseen] = np.nan, np.nan
-    # an experimenter knows the error of places, and sees the strains'; differences over too long frames stay unknown
-    known = math.sqrt(6) * camera.position_noise * camera.frame_rate**2
-    noise = Noise(strain=scale.strain, acceleration=known or None)
-    return dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning), noise
-
-
 def _relative(found: Array, true: Array) -> float:
     known = np.isfinite(true)
     size = float(np.linalg.norm(true[known]))
@@ -223,14 +191,13 @@ def _relative(found: Array, true: Array) -> float:
 def _columns(grains: Grains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
     """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer` reads them."""
     names = groups(grains.dimension)
-    assert grains.compliance is not None
     values = {
         "position": grains.position,
         "acceleration": grains.acceleration,
         "spin": grains.spin,
         "angular_acceleration": grains.angular_acceleration,
         "force": grains.known_force,
-        "strain": np.einsum("nij,nj->ni", grains.compliance, grains.stress),
+        "strain": grains.strain,
     }
     columns: dict[str, Any] = {"id": grains.ids, "radius_m": grains.radius}
     for group, table in values.items():

@@ -9,7 +9,17 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from granwave.analysis.inference.equations import make_equations
-from granwave.analysis.inference.grains import PAIRS, Array, Contacts, Grains, Wall, find_contacts, volume_of
+from granwave.analysis.inference.grains import (
+    PAIRS,
+    SCALES,
+    TURNS,
+    Array,
+    Contacts,
+    Grains,
+    Wall,
+    find_contacts,
+    volume_of,
+)
 from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
@@ -161,7 +171,7 @@ class Snapshots:
             The second: normal and tangential components, (n_contacts, d), N.
         """
         frame, forces = self.frames[number], self.forces[number]
-        n, turns = len(self.radius), 1 if self.dimension == 2 else 3
+        n, turns = len(self.radius), TURNS[self.dimension]
         mass = self.density * self.volume
         total = frame.vector("fx", "fy", "fz")
         nothing = np.zeros((n, len(PAIRS[self.dimension])))
@@ -187,8 +197,7 @@ class Snapshots:
         turning = sums[:, self.dimension :] * (self.radius / grains.inertia)[:, None]
         exact = (sums[:, : self.dimension] + known) / mass[:, None]
         moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(n, -1) * self.radius[:, None]
-        scale = np.array([1.0 if a == b else np.sqrt(2) for a, b in PAIRS[self.dimension]])
-        stress = moments / scale / self.volume[:, None]
+        stress = moments / SCALES[self.dimension] / self.volume[:, None]
         for values in (exact, turning, stress):
             values[held] = np.nan
         known[held] = 0.0
