@@ -1,15 +1,23 @@
-"""The pages as a reader goes through them: all their commands in order, and the scripts of the gallery."""
+"""The site: its pages of commands, notebooks, citation, links."""
 
 from __future__ import annotations
 
+import argparse
 import ast
 import importlib.util
+import json
+import re
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from granwave.analysis.exports.export import FORMATS
+from granwave.analysis.films import QUANTITIES, VIEWS
+from granwave.workflows.cli.parser import make_parser
 from tests.conftest import BIN, PLAIN
 from tests.documents.pages import ROOT, blocks, name_of, pages, write_files
 
@@ -70,3 +78,116 @@ def test_every_script_of_the_gallery_takes_less_than_a_minute(tmp_path, monkeypa
     monkeypatch.setattr(studies, "RUNS", Path(tmp_path))
     for script in studies.scripts():
         assert studies.run(script, "") < studies.LONGEST, script.name
+
+
+def test_no_description_begins_with_an_accepted_value():
+    """The page makes a sentence of it: a word that must be typed would get a capital."""
+    accepted = {*FORMATS, *QUANTITIES, *VIEWS}
+    (verbs,) = (action for action in make_parser()._actions if isinstance(action, argparse._SubParsersAction))
+    for name, verb in verbs.choices.items():
+        for action in verb._actions:
+            first = re.split(r"[ ,;:(]", action.help or "")[0]
+            words = accepted | set(map(str, action.choices or ()))
+            assert first and first not in words and not first.startswith((".", "-")), f"granwave {name}: {action.help}"
+
+
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+IN_EVERY_TEST = "own-material-and-fields"
+LONGEST = 60.0  # s, on a machine that does other things too; alone they take less than 10
+
+
+def cells(notebook: Path) -> list[dict]:
+    return json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+
+
+def run(notebook: Path, folder: Path) -> float:
+    """Run the code of a notebook as a script, and return the time that it took, s."""
+    code = ["".join(cell["source"]) for cell in cells(notebook) if cell["cell_type"] == "code"]
+    (folder / "notebook.py").write_text("\n".join(code), encoding="utf-8")
+    start = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "notebook.py"], cwd=folder, env=PLAIN | {"MPLBACKEND": "agg"}, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return time.monotonic() - start
+
+
+def test_notebooks_have_no_outputs():
+    """Each begins with a title; outputs are made anew with the site."""
+    assert len(NOTEBOOKS) >= 3 and IN_EVERY_TEST in [notebook.stem for notebook in NOTEBOOKS]
+    for notebook in NOTEBOOKS:
+        first, *rest = cells(notebook)
+        assert first["cell_type"] == "markdown" and "".join(first["source"]).startswith("# ")
+        assert not any(cell.get("outputs") or cell.get("execution_count") for cell in rest), notebook.name
+
+
+def test_notebooks_are_on_the_page_on_python():
+    page = (ROOT / "docs" / "howto" / "python.md").read_text(encoding="utf-8")
+    assert all(f"(../notebooks/{notebook.name})" in page for notebook in NOTEBOOKS)
+
+
+def test_fields_of_a_material(tmp_path):
+    assert run(ROOT / "docs" / "notebooks" / f"{IN_EVERY_TEST}.ipynb", tmp_path) < LONGEST
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("notebook", [n for n in NOTEBOOKS if n.stem != IN_EVERY_TEST], ids=lambda n: n.stem)
+def test_the_others(notebook, tmp_path):
+    pytest.importorskip("IPython", reason="a notebook shows a picture with it; make docs installs it")
+    assert run(notebook, tmp_path) < LONGEST
+
+
+yaml = pytest.importorskip("yaml")
+
+
+def extension(name: str) -> ModuleType:
+    """Load a module of the site's extensions."""
+    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def test_bibtex_has_all_works_and_authors():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    program = yaml.safe_load(citation)
+    entries = extension("bibtex").bibtex(citation).split("\n\n")
+    assert [re.match(r"@(\w+)\{(\w+),\n", entry).groups() for entry in entries] == [
+        ("software", "granwave"), ("article", "thompson2022"), ("phdthesis", "pal2015"),
+    ]  # fmt: skip
+    for work, entry in zip([program, *program["references"]], entries, strict=True):
+        fields = dict(re.findall(r"^  (\w+) *= \{(.*)\},$", entry, re.MULTILINE))
+        assert len(fields["author"].split(" and ")) == len(work["authors"])
+        assert fields["title"] == f"{{{work['title']}}}"
+        assert fields.get("doi") == work.get("doi") and fields.get("year") == (
+            str(work["year"]) if "year" in work else None
+        )
+        assert entry.count("{") == entry.count("}")
+    assert "school = {University of Illinois at Urbana-Champaign}" in entries[2]
+
+
+def test_bibtex_escapes_and_refuses():
+    module = extension("bibtex")
+    work = 'type: article\ntitle: "A & B, 5 %"\nauthors: [{family-names: "O_x", given-names: A.}]\nyear: 2000\n'
+    assert r"title  = {{A \& B, 5 \%}}" in module.bibtex(work) and r"O\_x, A." in module.bibtex(work)
+    with pytest.raises(ValueError, match="found type map, expected one of"):
+        module.bibtex(work.replace("article", "map"))
+
+
+def test_dead_links_are_told_from_those_that_cannot_be_checked():
+    def link(uri: str, status: str, info: str = "") -> dict[str, str]:
+        return {"filename": "page.md", "lineno": 3, "uri": uri, "status": status, "info": info}
+
+    links = [
+        link("https://a", "working"),
+        link("https://a", "working"),
+        link("https://b", "redirected", "https://c"),
+        link("https://d", "broken", "404 Client Error: Not Found for url: https://d"),
+        link("https://d", "broken", "404 Client Error: Not Found for url: https://d"),
+        link("https://e", "broken", "HTTPSConnectionPool: Max retries exceeded (Failed to resolve 'e')"),
+        link("https://f", "timeout"),
+        link("page", "local"),
+    ]
+    broken, unknown, good = extension("other_sites").sorted_out(links)
+    assert broken == ["page.md:3: https://d: 404 Client Error: Not Found for url: https://d"]
+    assert [line.split(": ")[1] for line in unknown] == ["https://e", "https://f"] and good == 2

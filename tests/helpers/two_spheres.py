@@ -1,6 +1,8 @@
-"""Two touching spheres and their LAMMPS output, for tests of the pair style and of code that uses it."""
+"""Two touching spheres and their LAMMPS output; free spheres with a load on them, and the balance of its work."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
@@ -27,3 +29,29 @@ def collide(lmp, speed=2.0, steps=20000, **options):
 def restitution(lmp, speed=2.0) -> float:
     """Coefficient of restitution of that collision."""
     return (value(lmp, "vz[2]") - value(lmp, "vz[1]")) / speed
+
+
+MASS = 8500 * 4 / 3 * np.pi * R**3
+REPORT = "\nthermo_style custom step c_ke pe c_ep[1] f_push f_push[1] f_push[2] f_push[3]\n"
+T, A = 1.0007e-5, 100.0  # 1000.7 timesteps
+DRIVEN = "group driven id 1\ngroup rest id 2\nunfix motion\nfix motion rest nve\n"
+
+
+def table(path, times, values):
+    path.write_text(
+        "# time force\n\n" + "".join(f"{t:.17g} {v:.17g}  # a row\n" for t, v in zip(times, values, strict=True))
+    )
+    return path
+
+
+def pushed(lmp, load, positions=((0, 0, 0),), extra="", **options):
+    """Free spheres with a load on all of them, or on the group in `load`."""
+    group, _, rest = load.rpartition("|")
+    fix = f"{extra}\nfix push {group or 'all'} gran/load z {rest}{REPORT}"
+    lmp.commands_string(script_of(list(positions), box=BOX, extra=fix, **options))
+    return lmp
+
+
+def balance(lmp) -> float:
+    """Ratio of kinetic, stored and dissipated energy to the work."""
+    return value(lmp, "(c_ke+pe+c_ep[1])/f_push")

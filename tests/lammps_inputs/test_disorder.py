@@ -1,4 +1,4 @@
-"""Disorder: diameters within a tolerance, random numbers, timestep and time; see also test_unlike_spheres.py."""
+"""Disorder, unlike spheres and initial dents of a packing."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ import pytest
 from scipy import stats
 
 from granwave.lammps_inputs.deck.deck import write_data
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.timestep import auto_timestep
-from tests.helpers.disordered import LATTICES, D, all_gaps, case_of, diameters
+from granwave.workflows import load_case, run_case
+from tests.helpers.small_cases import BALL, INNER, LATTICES, D, all_gaps, around, diameters, packing_of
 
 
 class TestDiameters:
     @pytest.mark.parametrize("distribution", ["uniform", "normal"])
     def test_moments_and_distribution(self, distribution: str) -> None:
         band = 4e-5
-        case = case_of(size=(40, 40, 25), packing={"diameter_scatter": band, "scatter_distribution": distribution})
+        case = packing_of(size=(40, 40, 25), packing={"diameter_scatter": band, "scatter_distribution": distribution})
         found = diameters(case)
         assert found.min() >= D - band and found.max() <= D
         deviation = band / math.sqrt(12) if distribution == "uniform" else band / 6
@@ -44,7 +47,7 @@ class TestDiameters:
         assert stats.kstest(found, law.cdf).pvalue > 1e-3
 
     def test_neighbours_have_nothing_to_do_with_each_other(self) -> None:
-        found = diameters(case_of(size=(40, 40, 25), packing={"diameter_scatter": 1e-5})).reshape(25, 40, 40)
+        found = diameters(packing_of(size=(40, 40, 25), packing={"diameter_scatter": 1e-5})).reshape(25, 40, 40)
         for axis in range(3):
             one, other = np.delete(found, 0, axis).ravel(), np.delete(found, -1, axis).ravel()
             assert abs(np.corrcoef(one, other)[0, 1]) < 4 / math.sqrt(one.size)
@@ -52,14 +55,14 @@ class TestDiameters:
     @pytest.mark.parametrize(("kind", "sides"), [*product(KINDS, ["free"]), *product(LATTICES, ["periodic"])])
     def test_gaps_follow_and_are_never_negative(self, kind: str, sides: str) -> None:
         band = 3e-4
-        case = case_of(kind, packing={"diameter_scatter": band}, boundary={"sides": sides})
+        case = packing_of(kind, packing={"diameter_scatter": band}, boundary={"sides": sides})
         packing = build_packing(case)
         np.testing.assert_array_equal(
-            packing.positions, build_packing(case_of(kind, boundary={"sides": sides})).positions
+            packing.positions, build_packing(packing_of(kind, boundary={"sides": sides})).positions
         )
         gaps = all_gaps(packing)
         assert gaps.min() >= 0
-        pairs = assemble(case_of(kind, boundary={"sides": sides})).contacts() - 1
+        pairs = assemble(packing_of(kind, boundary={"sides": sides})).contacts() - 1
         found = diameters(case)
         expected = D - (found[pairs[:, 0]] + found[pairs[:, 1]]) / 2
         assert gaps[pairs[:, 0], pairs[:, 1]] == pytest.approx(expected, abs=1e-12 * D)
@@ -68,7 +71,7 @@ class TestDiameters:
         assert assemble(case).n_neighbours == len(pairs)
 
     def test_a_narrow_tolerance_leaves_some_contacts(self) -> None:
-        case = case_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7})
+        case = packing_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7})
         packing = build_packing(case)
         assert 0 < assemble(case).n_contacts == len(packing.contacts) < assemble(case).n_neighbours
         assert packing.coordination.sum() == 2 * assemble(case).n_contacts
@@ -76,24 +79,24 @@ class TestDiameters:
 
     def test_the_tolerance_counts_from_each_nominal_diameter(self) -> None:
         band = 1e-5
-        plain = case_of(packing={"diameter_scatter": band})
-        case = case_of(packing={"diameter_scatter": band}, replace=[{"index": [3, 100], "diameter": 0.008}])
+        plain = packing_of(packing={"diameter_scatter": band})
+        case = packing_of(packing={"diameter_scatter": band}, replace=[{"index": [3, 100], "diameter": 0.008}])
         odd = np.array([3, 100]) - 1
         np.testing.assert_allclose(diameters(case)[odd], diameters(plain)[odd] - 0.002, rtol=0, atol=1e-17)
         np.testing.assert_array_equal(np.delete(diameters(case), odd), np.delete(diameters(plain), odd))
 
     def test_beads_of_a_chain_are_stacked_by_nominal_diameters(self) -> None:
         replaced = [{"index": {"first": 2, "last": 12}, "diameter": 0.006}, {"index": 5, "diameter": 0.02}]
-        stacked = case_of("chain", replace=replaced)
-        case = case_of("chain", replace=replaced, packing={"diameter_scatter": 1e-4})
+        stacked = packing_of("chain", replace=replaced)
+        case = packing_of("chain", replace=replaced, packing={"diameter_scatter": 1e-4})
         np.testing.assert_array_equal(assemble(case).positions(), assemble(stacked).positions())
         assert assemble(case).bottom() == assemble(stacked).bottom() == pytest.approx(0.005 + 0.02 + 10 * 0.006)
         assert assemble(stacked).n_contacts == 11 and assemble(case).n_contacts == 0
         assert all_gaps(build_packing(case)).min() >= 0 and abs(all_gaps(build_packing(stacked)).min()) < 1e-16
 
     def test_walls_stand_where_nominal_spheres_touch_them(self) -> None:
-        plain = case_of(boundary={"sides": "wall"})
-        case = case_of(boundary={"sides": "wall"}, packing={"diameter_scatter": 1e-4})
+        plain = packing_of(boundary={"sides": "wall"})
+        case = packing_of(boundary={"sides": "wall"}, packing={"diameter_scatter": 1e-4})
         assert {w.name: w.coordinate for w in walls(case)} == {w.name: w.coordinate for w in walls(plain)}
 
 
@@ -105,14 +108,14 @@ class TestSeed:
 
     def test_same_seed_same_bits(self, tmp_path: Path) -> None:
         for n in (1, 2):
-            write_data(assemble(case_of(**self.TABLES)), tmp_path / str(n))
+            write_data(assemble(packing_of(**self.TABLES)), tmp_path / str(n))
         assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
         other = self.TABLES | {"packing": self.TABLES["packing"] | {"seed": 4}}
-        write_data(assemble(case_of(**other)), tmp_path / "3")
+        write_data(assemble(packing_of(**other)), tmp_path / "3")
         assert (tmp_path / "3").read_bytes() != (tmp_path / "1").read_bytes()
 
     def test_one_is_the_default(self) -> None:
-        given, implied = (case_of(packing={"diameter_scatter": 1e-5, **seed}) for seed in ({"seed": 1}, {}))
+        given, implied = (packing_of(packing={"diameter_scatter": 1e-5, **seed}) for seed in ({"seed": 1}, {}))
         np.testing.assert_array_equal(diameters(given), diameters(implied))
 
     @pytest.mark.parametrize(
@@ -125,19 +128,19 @@ class TestSeed:
     def test_bits_are_those_of_every_version_and_machine(self, distribution: str, expected: list[str]) -> None:
         """Random numbers are those of x86-64 with numpy 2 at the time of writing."""
         tables = {"diameter_scatter": 1e-5, "scatter_distribution": distribution, "seed": 7}
-        assert [float(one).hex() for one in diameters(case_of(packing=tables))[:3]] == expected
+        assert [float(one).hex() for one in diameters(packing_of(packing=tables))[:3]] == expected
 
     def test_choices_are_those_of_every_version_and_machine(self) -> None:
-        case = case_of(packing={"vacancies": 0.02, "seed": 7}, replace=[{"share": 0.02, "material": "steel"}])
+        case = packing_of(packing={"vacancies": 0.02, "seed": 7}, replace=[{"share": 0.02, "material": "steel"}])
         gone = np.setdiff1d(np.arange(1, 337), assemble(case).ids)
         assert gone.tolist() == [83, 156, 177, 245, 310, 328, 334]
         assert (1 + np.flatnonzero(assemble(case).sites.body)).tolist() == [40, 106, 113, 129, 258, 275, 281]
 
     def test_no_change_of_one_changes_another(self) -> None:
-        full = assemble(case_of(**self.TABLES)).sites
+        full = assemble(packing_of(**self.TABLES)).sites
         packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
         for left_out in ("diameter_scatter", "vacancies"):
-            fewer = case_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
+            fewer = packing_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
             sites = assemble(fewer).sites
             if left_out == "diameter_scatter":
                 np.testing.assert_array_equal(sites.present, full.present)
@@ -146,13 +149,13 @@ class TestSeed:
             else:
                 losses = [(one.nominal - one.diameter)[full.present] for one in (sites, full)]
                 np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
-        one = assemble(case_of(packing=packing, replace=[steel])).sites
+        one = assemble(packing_of(packing=packing, replace=[steel])).sites
         np.testing.assert_array_equal(one.body == 1, (full.body == 1) | (one.body == 1) & (full.nominal < D))
 
     def test_the_three_streams_are_not_one(self) -> None:
         packing = {"diameter_scatter": D / 4, "vacancies": 0.3}
         replaced = [{"share": 0.3, "material": "steel"}, {"share": 0.3, "diameter": 0.009}]
-        sites = assemble(case_of(size=(30, 30, 10), packing=packing, replace=replaced)).sites
+        sites = assemble(packing_of(size=(30, 30, 10), packing=packing, replace=replaced)).sites
         loss = sites.nominal - sites.diameter
         steel, small = sites.body == 1, sites.nominal < D
         for mask in (sites.present, steel, small):
@@ -162,33 +165,33 @@ class TestSeed:
         assert np.count_nonzero(steel) == pytest.approx(0.3 * 0.7 * n, abs=4 * math.sqrt(0.3 * 0.7 * n))
 
     def test_a_wider_band_stretches_and_a_larger_share_contains_a_smaller_one(self) -> None:
-        narrow, wide = (D - diameters(case_of(packing={"diameter_scatter": s})) for s in (1e-6, 1e-4))
+        narrow, wide = (D - diameters(packing_of(packing={"diameter_scatter": s})) for s in (1e-6, 1e-4))
         np.testing.assert_allclose(wide, 100 * narrow, rtol=0, atol=1e-15)
-        few, many = (set(assemble(case_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
+        few, many = (set(assemble(packing_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
         assert many < few
 
     def test_what_is_random(self) -> None:
         assert not is_random(
-            case_of(packing={"vacancies": [1], "seed": 5}, replace=[{"index": 2, "material": "steel"}])
+            packing_of(packing={"vacancies": [1], "seed": 5}, replace=[{"index": 2, "material": "steel"}])
         )
-        assert is_random(case_of(packing={"diameter_scatter": 1e-6}))
-        assert is_random(case_of(packing={"vacancies": 0.1}))
-        assert is_random(case_of(replace=[{"share": 0.1, "material": "steel"}]))
+        assert is_random(packing_of(packing={"diameter_scatter": 1e-6}))
+        assert is_random(packing_of(packing={"vacancies": 0.1}))
+        assert is_random(packing_of(replace=[{"share": 0.1, "material": "steel"}]))
 
 
 class TestTimestep:
     def test_a_small_tolerance_hardly_changes_it(self) -> None:
-        plain = auto_timestep(case_of())
-        assert auto_timestep(case_of(packing={"diameter_scatter": 5e-6})) == pytest.approx(plain, rel=0.05)
-        assert auto_timestep(case_of(packing={"vacancies": 0.1})) == plain
+        plain = auto_timestep(packing_of())
+        assert auto_timestep(packing_of(packing={"diameter_scatter": 5e-6})) == pytest.approx(plain, rel=0.05)
+        assert auto_timestep(packing_of(packing={"vacancies": 0.1})) == plain
 
     def test_it_goes_with_the_smallest_sphere(self) -> None:
-        tenth = auto_timestep(case_of(size=(3, 3, 3), packing={"diameter_scatter": 0.0049}))
-        assert 0.4 < tenth / auto_timestep(case_of(size=(3, 3, 3))) < 0.7
+        tenth = auto_timestep(packing_of(size=(3, 3, 3), packing={"diameter_scatter": 0.0049}))
+        assert 0.4 < tenth / auto_timestep(packing_of(size=(3, 3, 3))) < 0.7
 
     def test_thousands_of_diameters_cost_nothing(self) -> None:
         tables = {"packing": {"diameter_scatter": 4e-3}, "replace": [{"share": 0.5, "material": "steel"}]}
-        case = case_of(size=(40, 40, 30), **tables)
+        case = packing_of(size=(40, 40, 30), **tables)
         _ = assemble(case)
         start = time.process_time()
         found = plan(case)
@@ -198,7 +201,7 @@ class TestTimestep:
     def test_kinds_told_apart_or_near_each_other_give_the_same_within_a_tenth(self) -> None:
         def of(n: int) -> float:
             entries = [{"index": k, "diameter": 0.008 + 0.002 * k / n} for k in range(1, n)]
-            return auto_timestep(case_of("chain", (n,), replace=entries))
+            return auto_timestep(packing_of("chain", (n,), replace=entries))
 
         assert of(60) == pytest.approx(of(40), rel=0.1)
 
@@ -209,12 +212,150 @@ def test_155520_spheres_take_no_time() -> None:
         "replace": [{"share": 0.1, "material": "steel"}],
     }
     start = time.process_time()
-    case = case_of(size=(72, 72, 30), **tables)
+    case = packing_of(size=(72, 72, 30), **tables)
     assert assemble(case).n_contacts >= 0 and len(assemble(case).positions()) == 153_965
     assert time.process_time() - start < 2
 
 
 def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.WARNING, logger="granwave"):
-        assert assemble(case_of(packing={"seed": 7})).plain
+        assert assemble(packing_of(packing={"seed": 7})).plain
     assert not caplog.records
+
+
+class TestVacancies:
+    def test_ids_are_those_of_the_lattice(self, tmp_path: Path) -> None:
+        case = packing_of(packing={"vacancies": [1, 17, 300]})
+        packing, full = build_packing(case), build_packing(packing_of())
+        kept = np.setdiff1d(full.ids, [1, 17, 300])
+        np.testing.assert_array_equal(packing.ids, kept)
+        np.testing.assert_array_equal(packing.positions, full.positions[kept - 1])
+        np.testing.assert_array_equal(packing.rows(packing.ids), np.arange(len(kept)))
+        expected = full.contacts[~np.isin(full.contacts, [1, 17, 300]).any(axis=1)]
+        np.testing.assert_array_equal(packing.contacts, expected)
+        assert (assemble(case).n_spheres, assemble(case).n_contacts) == (333, len(expected))
+        assert assemble(case).last_sphere == 336 and not assemble(case).plain
+        np.testing.assert_array_equal(packing.coordination, np.bincount(expected.ravel(), minlength=337)[kept])
+        write_data(assemble(case), tmp_path / "data")
+        text = (tmp_path / "data").read_text().split("Atoms # sphere: id type diameter density x y z")
+        assert "\n333 atoms\n" in text[0]
+        rows = np.array([row.split() for row in text[1].split("\n") if row], dtype=float)
+        np.testing.assert_array_equal(rows[:, 0], kept)
+        np.testing.assert_array_equal(rows[:, 4:], packing.positions)
+
+    @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "chain"])
+    def test_a_share_never_takes_what_the_case_names(self, kind: str) -> None:
+        case = packing_of(
+            kind,
+            packing={"vacancies": 0.5},
+            replace=[{"index": [2, 3], "material": "steel"}],
+            sensor=[{"name": "one", "id": 5}],
+            output={"probes": [{"sphere": 7}, {"contact": [8, 9]}]},
+            striker=[{"touches": 4}],
+            load={"kind": "impact"},
+        )
+        n = assemble(case).lattice.n_spheres
+        assert assemble(case).sites.count == n - round(n / 2)
+        named = {*struck_spheres(assemble(case).lattice, 1), 2, 3, 4, 5, 7, 8, 9}
+        assert named <= set(assemble(case).ids.tolist())
+        assert assemble(case).ids[-1] == n + 1 and len(assemble(case).positions()) == assemble(case).n_spheres
+
+    def test_a_striker_can_sit_in_one(self) -> None:
+        """Striker between the two spheres next to a vacancy at the edge of a square packing, as near as diameters permit."""
+        tables = {"vacancies": [5], "diameter_scatter": 1e-6}
+        case = packing_of("square", packing=tables, striker=[{"touches": [4, 6], "diameter": 0.012}])
+        packing = build_packing(case)
+        assert packing.ids[-1] == 73 and packing.n_spheres == 72
+        assert packing.positions[-1] == pytest.approx([4 * D, -math.sqrt(0.011**2 - D**2), 0], abs=1e-6)
+        assert packing.contacts.tolist() == [[4, 73], [6, 73]]
+
+    def test_they_are_anywhere(self) -> None:
+        case = packing_of(size=(40, 40, 25), packing={"vacancies": 0.1})
+        gone = np.setdiff1d(np.arange(1, 40_001), assemble(case).ids)
+        assert len(gone) == 4000
+        assert stats.kstest(gone / 40_000, "uniform").pvalue > 1e-3
+        assert stats.chisquare(np.bincount((gone - 1) % 40, minlength=40)).pvalue > 1e-3
+
+
+class TestReplaced:
+    def test_later_entries_overrule_earlier_ones(self) -> None:
+        box = {"low": [0, 0, 0], "high": [1, 1, 0.001]}
+        case = packing_of(replace=[box | {"material": "steel", "diameter": 0.009}, {"index": 3, "material": "ptfe"}],
+                       contact={"law": "hertz"})  # fmt: skip
+        top = assemble(case).lattice.n_spheres // 6
+        names = [assemble(case).material_of(sphere).name for sphere in (1, 2, 3, top, top + 1)]
+        assert names == ["steel", "steel", "ptfe", "steel", "brass"]
+        assert [assemble(case).diameter_of(sphere) for sphere in (1, 3, top, top + 1)] == [0.009, D, 0.009, D]
+        sites = assemble(case).sites
+        assert [np.count_nonzero(one) for one in (sites.nominal != D, sites.body)] == [top - 1, top]
+
+    def test_smaller_ones_leave_gaps(self) -> None:
+        case = packing_of(replace=[{"index": INNER, "diameter": 0.009}])
+        packing = build_packing(case)
+        assert (
+            packing.coordination[INNER - 1] == 0
+            and assemble(case).n_contacts == assemble(packing_of()).lattice.n_contacts - 12
+        )
+        assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
+
+    def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
+        case = packing_of(packing={"vacancies": around(INNER)}, replace=[BALL])
+        packing = build_packing(case)
+        gaps = all_gaps(packing)
+        assert gaps.min() > -1e-15
+        pairs = np.argwhere(gaps <= 1e-6 * D)
+        expected = packing.ids[pairs[pairs[:, 0] < pairs[:, 1]]]
+        np.testing.assert_array_equal(packing.contacts, expected)
+        assert np.count_nonzero(expected == INNER) == 6 and assemble(case).n_contacts == len(expected)
+
+    def test_images_of_larger_ones_count(self) -> None:
+        """Sphere 61 is at two faces of the box: its neighbors across them must be removed, too."""
+        periodic = {"sides": "periodic"}
+        ball, near = [{"index": 61, "diameter": 0.018}], around(61, packing_of("sc", boundary=periodic))
+        fits = packing_of("sc", packing={"vacancies": near}, boundary=periodic, replace=ball)
+        assert len(near) == 6 and all_gaps(build_packing(fits)).min() > -1e-15
+        inside = around(61, packing_of("sc"))
+        assert assemble(packing_of("sc", packing={"vacancies": inside}, replace=ball, boundary={"bottom": "free"}))
+        with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
+            packing_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
+
+    @pytest.mark.parametrize("sides", ["free", "periodic"])
+    def test_next_to_small_ones_there_is_room(self, sides: str) -> None:
+        ring = {"index": around(INNER), "diameter": 0.009}
+        case = packing_of(replace=[ring, {"index": INNER, "diameter": 0.011}], boundary={"sides": sides})
+        assert build_packing(case).coordination[INNER - 1] == 12
+
+    def test_a_share_of_the_spheres_that_there_are(self) -> None:
+        case = packing_of(packing={"vacancies": 0.25}, replace=[{"share": 0.5, "material": "steel"}])
+        steel = 1 + np.flatnonzero(assemble(case).sites.body)
+        assert assemble(case).n_spheres == 252 and len(steel) == 126 and set(steel) < set(assemble(case).ids.tolist())
+
+
+def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
+    """Unloading is steeper: with dents far beyond the peak overlap the balance closes as well as without."""
+    changes = {"packing.size": 30, "run.end_time": 2e-4, "run.frames": 2}
+    one = load_case("preconditioned-chain", changes | {"contact.initial_overlap": {"force": 1e4}})
+    summary = run_case(one, tmp_path / "run", figures=False).summary
+    fresh = load_case("preconditioned-chain", changes | {"contact.initial_overlap": 0.0})
+    small = load_case("preconditioned-chain", changes | {"contact.initial_overlap": {"force": 1.0}})
+    from_file = load_case("preconditioned-chain", changes | {"contact.initial_overlap": str(tmp_path / "run")})
+    assert auto_timestep(one) < 0.6 * auto_timestep(fresh)
+    assert auto_timestep(small) == auto_timestep(fresh)
+    assert auto_timestep(from_file) == pytest.approx(auto_timestep(one), rel=0.11)  # two digits
+    assert summary["energy_balance_error"] < one.run.energy_tolerance
+
+
+@pytest.mark.parametrize(
+    ("dents", "message"),
+    [({"overlap": 1e-6, "low": [0, 0, 0.02], "high": [1, 1, 0.01]}, "expected low of a box of dents below its high"),
+     ({"overlap": 1e-6, "low": [1, 1, 1]}, r"found no contact in the box \{low = \[1.0, 1.0, 1.0\]\}, expected")],
+)  # fmt: skip
+def test_boxes_of_dents_that_hold_nothing(dents: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as refused:
+        load_case("fcc-small", {"contact.initial_overlap": dents})
+    assert len(refused.value.errors) == 1
+
+
+def test_pair_without_materials() -> None:
+    with pytest.raises(InputError, match=r"pair.1.materials: missing; expected the names of two"):
+        load_case("fcc-small", {"pair": [{"friction": 0.1}]})

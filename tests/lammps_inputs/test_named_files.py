@@ -1,7 +1,9 @@
-"""Files named in cases and scans: search path, and access by all commands."""
+"""Files that a case names, and rows of CSV files."""
 
 from __future__ import annotations
 
+import csv
+import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,8 +11,9 @@ from typing import Any
 import h5py
 import pytest
 
+from granwave.analysis.figures.style import write_csv
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths
+from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths, write_csv_rows
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
@@ -354,3 +357,22 @@ def test_case_of_a_results_directory_runs_from_anywhere(
     case = load_case(here / "deck" / "case.toml")
     assert case.contact.initial_overlap == str(first) and case.material.youngs_modulus == 2e11
     assert main(["check", str(here / "deck" / "case.toml")]) == 0
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+cmd|calc", "-2+3", "@SUM(A1)", "\t=1", '=HYPERLINK("a")'])
+def test_text_is_no_formula(text):
+    file = io.StringIO()
+    write_csv_rows(file, [[text]])
+    assert next(csv.reader([file.getvalue()])) == [f"'{text}"]
+
+
+@pytest.mark.parametrize("cell", ["-1.5e-3", "+7", "-inf", "-", "", "a=1", "brass"])
+def test_numbers_and_other_text_stay(cell):
+    file = io.StringIO()
+    write_csv_rows(file, [[cell, -2.5, None]])
+    assert file.getvalue() == f"{cell},-2.5,\n"
+
+
+def test_columns_named_by_the_user(tmp_path):
+    write_csv({"=group": ["=a", "b"], "force": [-1.0, 2.0]}, tmp_path / "table.csv")
+    assert (tmp_path / "table.csv").read_text() == "'=group,force\n'=a,-1\nb,2\n"

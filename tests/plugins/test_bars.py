@@ -7,8 +7,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.pushed import MASS
-from tests.helpers.two_spheres import BOX, R, value
+from tests.helpers.two_spheres import BOX, MASS, R, value
 
 
 def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05, ranks=1) -> tuple[str, float]:

@@ -2,13 +2,48 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.dented import MASS, REPORTS, meeting_in, reading, start, table
 from tests.helpers.rubbing import rubbing
 from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
+
+MASS = 8500 * 4 / 3 * np.pi * R**3
+REPORTS = """compute one all gran/hysteretic/contact 1 2
+compute dents all gran/hysteretic/local
+compute grains all gran/hysteretic/atom
+compute en all gran/hysteretic/energy
+thermo_style custom step c_ke c_en c_en[*] c_one[1]
+"""
+_LOCAL, _ARRAY, _ROWS = 2, 2, 4  # styles and types of LAMMPS's library
+
+
+def start(lmp, speed=2.0, extra="", **options) -> None:
+    """Input script of two touching spheres that are about to collide head-on."""
+    velocities = [(0, 0, speed / 2), (0, 0, -speed / 2)]
+    lmp.commands_string(script_of(PAIR, velocities=velocities, extra=REPORTS + extra, **options))
+
+
+def meeting_in(dent: float) -> str:
+    """Command that places the second sphere where it just touches the first with a dent between them."""
+    return f"set atom 2 z {2 * R - LAW.residual_overlap(dent):.17g}"
+
+
+def reading(directory: Path, text: str) -> str:
+    """Command that reads these lines of dents from a file."""
+    path = directory / "dents.txt"
+    path.write_text(text, encoding="utf-8")
+    return f"gran/dents read {path}"
+
+
+def table(lmp) -> np.ndarray:
+    """Values of ``compute gran/hysteretic/local``: (n_contacts, 16)."""
+    if not lmp.extract_compute("dents", _LOCAL, _ROWS):  # for LAMMPS 29 Aug 2024, which fails at an array without rows
+        return np.empty((0, 16))
+    return lmp.numpy.extract_compute("dents", _LOCAL, _ARRAY).copy()
 
 
 @pytest.mark.parametrize("ids", ["1 2", "2 1"])

@@ -10,8 +10,7 @@ import pytest
 from granwave._contact_laws import load_at
 from tests.conftest import script_of
 from tests.helpers.manual import PAGES, Log
-from tests.helpers.pushed import DRIVEN, MASS, PAIR, REPORT, A, T, balance, pushed, table
-from tests.helpers.two_spheres import value
+from tests.helpers.two_spheres import DRIVEN, MASS, PAIR, REPORT, A, T, balance, pushed, table, value
 
 LOADS = {
     "force": ("group driven id 1\n", "driven|force half-sine 5000 3e-5"),

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from tests.conftest import PLAIN
 from tests.helpers import synthetic
-from tests.helpers.chain_cases import PULSE, case_of
+from tests.helpers.small_cases import PULSE, case_of
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from granwave.lammps_inputs import build_packing
 from granwave.workflows import run_case
 from granwave.workflows.run import driver
 from tests.helpers import synthetic
-from tests.helpers.checksums import without_checksums
+from tests.helpers.run_files import without_checksums
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
-from tests.helpers.checksums import without_checksums
+from tests.helpers.run_files import without_checksums
 
 RUN = {"end_time": 6e-5, "frames": 3}
 IN_PARTS = {"parts": True, "dump_format": "binary"}

@@ -19,7 +19,7 @@ from granwave.analysis.studies.study import draw_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 from granwave.workflows import run_case
 from tests.helpers import synthetic
-from tests.helpers.chain_cases import PULSE, case_of
+from tests.helpers.small_cases import PULSE, case_of
 from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import grid, write_scan
 

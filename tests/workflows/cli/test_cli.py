@@ -11,7 +11,7 @@ import h5py
 import pytest
 
 from tests.conftest import PLAIN
-from tests.helpers.summaries import summary, without_clock
+from tests.helpers.run_files import summary, without_clock
 
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
 QUICK = [*TINY, "--no-figures"]

@@ -11,7 +11,7 @@ import time
 import pytest
 
 from tests.conftest import PLAIN
-from tests.helpers.summaries import summary, without_clock
+from tests.helpers.run_files import summary, without_clock
 
 LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set", "run.frames=5"]
 LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps

@@ -1,4 +1,4 @@
-"""Chains from case to result.h5, against the independent solver; loads, ends, bars, strikers."""
+"""Runs of chains: beads, strikers, bars, cylinders; independent solver, ranks, stops."""
 
 from __future__ import annotations
 
@@ -9,14 +9,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
-from granwave.analysis import Result
-from granwave.analysis.figures.run_figures import draw_figures
+from granwave.analysis.figures.run_figures import FIGURES, draw_figures
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.workflows import run_case
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.workflows import load_case
+from granwave.workflows.run.driver import run_case
 from tests.helpers import chain_twin as twin
-from tests.helpers.chain_cases import BRASS, DIAMETER, PULSE, case_of
+from tests.helpers.chain_twin import Bar, Bead, Chain, rectangle
+from tests.helpers.small_cases import BRASS, DIAMETER, PULSE, case_of
 
 SOFT = {"youngs_modulus": 67e9, "poisson_ratio": 0.33, "density": 2700.0, "yield_strength": 150e6}
 HARD = {"youngs_modulus": 210e9, "poisson_ratio": 0.28, "density": 7850.0}
@@ -178,3 +185,88 @@ def test_case_round_trip() -> None:
     )
     again = case_from_dict(tomllib.loads(case.to_toml(resolved={"n_spheres": 12})))
     assert again == case
+
+
+SHORT = {"packing.size": 8, "bar.length": 1.2, "bar.elements": 120, "run.end_time": 4e-4, "load.amplitude": 2e3}
+
+
+def test_an_odd_bead_against_the_chain_twin(tmp_path):
+    """Eight beads on a bar, the fifth of aluminium."""
+    changes = SHORT | {"output.history": 0, "replace.1.index": 5}
+    summary = run_case(load_case("intruder", changes), tmp_path / "run", figures=False).summary
+    aluminium = Bead(modulus=67e9, density=2700.0, strength=150e6)
+    beads = [aluminium if n == 5 else Bead() for n in range(1, 9)]
+    twin = Chain(beads, "elastoplastic", right=Bar(area=1.27e-4, length=1.2, elements=120))
+    record = twin.run(4e-4, 4e-8, load=rectangle(2e3, 1e-4))
+    assert summary["energy_bar_J"] == pytest.approx(record.bar_energy[-1, 1], rel=2e-3)
+    assert summary["wall_peak_force_N"] == pytest.approx(record.peak_force[-1], rel=1e-3)
+    assert summary["energy_dissipated_J"] == pytest.approx(record.lost[-1], rel=1e-3)
+
+
+def test_two_ranks_change_no_bit(lmp, tmp_path):
+    changes = SHORT | {"run.end_time": 1e-4, "output.history": 50, "replace.1.index": 5, "output.dump_format": "text"}
+    files = []
+    for ranks in (1, 2):
+        deck = write_deck(load_case("intruder", changes), tmp_path / str(ranks))
+        done = lmp(deck.script, ranks=ranks)
+        assert done.returncode == 0, done.stderr
+        files.append([(deck.dumps / name).read_bytes() for name in ("history.dump", "spheres.dump", "walls.txt")])
+    assert files[0] == files[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ("bar.area=0", "bar.area: found 0, expected a number above 0"),
+        ("bar.elements=4", "bar.elements: found 4 in 2.5 m, expected 27 or more"),
+        ("replace.1.index=21", "replace.1.index: found 21, expected an id from 1 to 20"),
+        ("load.duration=0", "load.duration: found 0, expected a number above 0"),
+        ("boundary.bottom=wall", 'boundary.bottom: found "wall" beside [bar], expected "free"'),
+        (
+            "replace.1.material={youngs_modulus=67e9, poisson_ratio=0.3, density=2700}",
+            "replace.1.material.yield_strength: missing; the elastoplastic law needs it",
+        ),
+        ("packing={kind='fcc', size=[4, 4, 4], diameter=0.01}", 'bar: found with packing.kind = "fcc"'),
+    ],
+)
+def test_wrong_input_is_one_line(change, expected):
+    with pytest.raises(InputError) as refused:
+        load_case("intruder", [change])
+    (line,) = refused.value.errors
+    assert expected in line
+
+
+def test_a_bar_that_is_too_short_is_told(caplog):
+    load_case("intruder", {"bar.length": 2.0})
+    assert "an echo of the end of the bar can reach the chain after 0.000805 s" in caplog.text
+    caplog.clear()
+    for name in ("intruder", "split-hopkinson", "bar-pulse"):
+        load_case(name)
+    assert not caplog.text
+
+
+def test_echo_of_a_bar_behind_another():
+    times = echoes(assemble(load_case("split-hopkinson")).bars)
+    crossing = 2.0 / (200e9 / 8100) ** 0.5
+    assert times == pytest.approx({"incident_bar": 3 * crossing, "bar": 3 * crossing})
+
+
+def test_a_crystal_of_brass_cylinders(tmp_path: Path) -> None:
+    case = {
+        "name": "cylinders", "material": "brass", "contact": {"friction": 0.2}, "run": {"end_time": 1e-4, "frames": 2},
+        "packing": {"kind": "hexagonal", "size": [4, 4], "shape": "cylinder", "diameter": 0.01, "length": 0.02},
+    }  # fmt: skip
+    run_case(case_from_dict(case), tmp_path / "run", figures=False)
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["plastic_zone_volume_m3"] is None and summary["wave_return_share"] is None
+    assert summary["energy_input_normalised"] is None and summary["friction_fraction"] > 0
+    with Result(tmp_path / "run") as result:
+        assert not result.yields and not np.isfinite(result.law.yield_force)
+        drawn = {name: figure.draw(result) for name, figure in FIGURES.items() if not name.startswith("packing_3d")}
+        assert drawn["dissipation_ranked"] is drawn["plastic_zone_size"] is drawn["dissipation_parts_principal"] is None
+        force = drawn["peak_force_depth"]
+        values = [line.get_ydata() for axes in force.figure.axes for line in axes.lines]
+        assert any(np.nanmax(one) > 0 for one in values if len(one))
+        texts = [text.get_text() for one in drawn.values() if one for text in one.figure.findobj(Text)]
+    assert any("cylinder" in text for text in texts) and not any("sphere" in text.lower() for text in texts)
+    assert any(r"F_\mathrm{max}" in text for text in texts) and not any(r"F_\mathrm{y}" in text for text in texts)

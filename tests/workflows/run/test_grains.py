@@ -1,16 +1,19 @@
-"""Runs of grains at places of their own, and of held grains."""
+"""Runs of grains, free and loaded."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+import ase
+import ase.io
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from granwave._contact_laws import elliptic_radius
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
@@ -120,3 +123,112 @@ def test_a_tube_that_shrinks_presses_a_ring_until_all_forces_balance(tmp_path: P
     force = among * inwards**1.5  # neighbours approach by u, two of them, each at 60 deg to the radius
     assert found["contacts/force"] == pytest.approx(np.full(6, force), rel=1e-6)
     assert found["walls/tube/force"][0] == pytest.approx(6 * force, rel=1e-6)
+
+
+MODULUS = 115e9 / (1 - 0.3**2) / 2  # of two like bodies
+ROW = [[0.0, 0.0, 0.01 * n] for n in range(5)]
+LOADED = {"end_time": 2e-6, "frames": 2}
+
+
+def loaded_result(directory: Path, name: str, **tables: Any) -> Result:
+    tables = {"name": name, "material": "brass", "contact": {"law": "hertz"}, "run": LOADED} | tables
+    outcome = run_case(case_from_dict(tables), directory / name, figures=False)
+    assert outcome.summary["energy_balance_error"] < 1e-4
+    return Result(directory / name)
+
+
+def grains(places: Any, *, diameter: float = 0.01, groups: list[str] | None = None) -> dict[str, Any]:
+    rows = [",".join(map(repr, [*map(float, place), diameter])) for place in places]
+    rows = [f"{row},{group}" for row, group in zip(rows, groups or [""] * len(rows), strict=True)]
+    return {"kind": "file", "grains": "x,y,z,diameter,group\n" + "\n".join(rows)}
+
+
+def static_forces(result: Result) -> np.ndarray:
+    """Forces of the contacts of like grains at the start, N."""
+    place, i, j = result.frame(0, "position"), result["contacts/i"] - 1, result["contacts/j"] - 1
+    overlap = 0.01 - np.linalg.norm(place[j] - place[i], axis=1)
+    return np.asarray(4 / 3 * MODULUS * 0.0025**0.5 * np.maximum(overlap, 0.0) ** 1.5)
+
+
+def hertz(force: float, radius: float, modulus: float = MODULUS) -> float:
+    """Overlap under a force, m."""
+    return (force / (4 / 3 * modulus * radius**0.5)) ** (2 / 3)
+
+
+def test_periodic_sides_are_those_of_the_lattice(tmp_path: Path) -> None:
+    lattice = Lattice("fcc", (6, 6, 4), 0.01, periodic=True)
+    places = lattice.positions(1, 144) + np.array([0.3, -0.2, 0.0])
+    cell = [*lattice.lengths, 1.0]
+    atoms = ase.Atoms("X144", positions=places, cell=cell, pbc=[True, True, False])
+    atoms.set_array("radius", np.full(144, 0.005))
+    ase.io.write(tmp_path / "grains.extxyz", atoms, format="extxyz")
+    common = {"boundary": {"sides": "periodic"}, "run": {"end_time": 4e-5, "timestep": 4e-8, "frames": 2},
+              "precompression": {"kind": "uniaxial", "force": 20.0}, "load": {"index": [15]}}  # fmt: skip
+    file = loaded_result(tmp_path, "file", packing={"kind": "file", "file": str(tmp_path / "grains.extxyz")}, **common)
+    own = loaded_result(tmp_path, "own", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}, **common)
+    assert len(file["contacts/i"]) == len(own["contacts/i"]) == lattice.n_contacts
+    assert file["prestage/stored"] == pytest.approx(own["prestage/stored"], rel=1e-7)
+    for name in ("contacts/peak_force", "energy/kinetic"):
+        assert file[name] == pytest.approx(own[name], rel=1e-5, abs=1e-6 * own[name].max())
+
+
+def test_overlaps_as_precompression(tmp_path: Path) -> None:
+    overlap = 3e-6
+    places = np.array(ROW) * [1, 1, 1 - overlap / 0.01]
+    found = loaded_result(tmp_path, "row", packing=grains(places), boundary={"bottom": "free"}, hold=[{"index": [1, 5]}],
+                      precompression={"kind": "overlaps"}, load={"index": [2], "velocity": 1e-3})  # fmt: skip
+    assert static_forces(found) == pytest.approx(4 / 3 * MODULUS * 0.0025**0.5 * overlap**1.5, rel=1e-6)
+
+
+def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
+    """A row that a guide keeps straight, with the last grain held."""
+    found = loaded_result(tmp_path, "row", packing=grains(ROW), boundary={"bottom": "free"}, hold=[{"index": 5}],
+                      guide=[{"free": "z"}], precompression={"kind": "uniaxial", "force": 7.0},
+                      load={"index": [2], "velocity": 1e-3})  # fmt: skip
+    assert static_forces(found) == pytest.approx(7.0, rel=1e-6)
+    moved = found.frame(1, "displacement")
+    assert moved[0, 2] == pytest.approx(4 * hertz(7.0, 0.0025), rel=1e-3)
+
+
+def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
+    """Two grains side by side between planes, and a third one, farther out, that these do not touch."""
+    places = [[0, 0, 0], [0.01, 0, 0], [0.05, 0, 0.02]]
+    found = loaded_result(tmp_path, "pair", packing=grains(places, groups=["pair", "pair", "far"]),
+                      boundary={"bottom": "free", "x": "wall", "sides_touch": {"group": "pair"}},
+                      precompression={"kind": "walls", "x_force": 20.0}, hold=[{"group": "far"}],
+                      load={"index": [1], "velocity": 1e-4})  # fmt: skip
+    between, wall = hertz(20.0, 0.0025), hertz(20.0, 0.005, 2 * MODULUS)
+    assert static_forces(found) == pytest.approx(20.0, rel=1e-6)
+    assert found["prestage/force_x"] == pytest.approx(20.0, rel=1e-8)
+    assert found["prestage/moved_x"] == pytest.approx(between / 2 + wall, rel=1e-6)
+    assert sorted(found["wall_contacts/id"].tolist()) == [1, 2]
+    assert np.abs(found["walls/xlo/force"]).max() == pytest.approx(20.0, rel=1e-2)
+
+
+def test_guide_without_rotation(tmp_path: Path) -> None:
+    """A grain in a groove rolls up against another one: it moves along z only, and does not turn."""
+    places = [[0, 0, 0], [0.006, 0, 0.008], [0.006, 0.02, 0.02]]
+    found = loaded_result(tmp_path, "groove", packing=grains(places), boundary={"bottom": "free"},
+                      contact={"law": "hertz", "friction": 0.3}, guide=[{"index": 1, "free": "z", "rotation": False}],
+                      load={"index": [1], "velocity": 1.0}, run={"end_time": 2e-5, "frames": 2})  # fmt: skip
+    velocity = found.frame(1, "velocity")
+    assert not velocity[0, :2].any() and velocity[0, 2] < 1.0
+    assert velocity[1, 0] > 0 and velocity[1, 2] > 0
+
+
+def test_walls_to_a_force_with_yield_are_refused(tmp_path: Path) -> None:
+    tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
+              "precompression": {"kind": "walls", "x_force": 5000.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
+    with pytest.raises(
+        InputError, match=r"x_force: found 5000 N, about 5e\+03 N on each of 1 grains, where first yield"
+    ):
+        loaded_result(tmp_path, "yields", packing=grains([[0, 0, 0], [0.01, 0, 0]]), **tables)
+
+
+def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:
+    """Walls press below their own yield, but the contacts with the small grain between the two others yield earlier."""
+    text = "x,y,z,diameter\n0,0,0,0.01\n0.007,0,0,0.004\n0.014,0,0,0.01\n"
+    tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
+              "precompression": {"kind": "walls", "x_force": 4.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
+    with pytest.raises(RunError, match="expected 4 N: their distance is found with elastic contacts"):
+        loaded_result(tmp_path, "yields", packing={"kind": "file", "grains": text}, **tables)

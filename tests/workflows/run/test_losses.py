@@ -1,17 +1,22 @@
-"""Viscous losses from the case to summary and result: restitution as it was asked for, sums of the ledger, restarts."""
+"""Runs with viscous losses, a holder, a prescribed displacement."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.law import dashpot_factor
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
+from granwave.workflows.run.checks import Balance
 
 PACKING = {
     "packing.size": [6, 6, 4],
@@ -129,3 +134,131 @@ def test_a_chain_knows_its_loss(tmp_path: Path) -> None:
     kind, time = chain.loss
     assert kind == "time"
     assert chain.law.collide(chain.mass / 2, 1.0, loss_time=time)["restitution"] == pytest.approx(0.9, abs=1e-5)
+
+
+N, MU, G, SPEED, END = 8, 40.0, 9.81, 0.3, 4e-4
+DIAMETER, MODULUS, RATIO, DENSITY = 0.01, 209e9, 0.28, 7925.0
+CASE = {
+    "packing.size": N,
+    "packing.diameter": DIAMETER,
+    "load.velocity": SPEED,
+    "boundary.bottom": "free",
+    "boundary.holder_friction": MU,
+    "run.end_time": END,
+    "run.timestep": "auto",
+    "run.energy_tolerance": 1e-7,
+    "output.history": 200,
+}
+FASTEST_AT_REST = 1e-6  # m/s, below which friction fades here, and only here
+
+
+def independent(times: np.ndarray) -> np.ndarray:
+    """Velocities (n_times, N) of Hertz's chain with friction mu m g tanh(v/v0) on every bead."""
+    mass = DENSITY * np.pi / 6 * DIAMETER**3
+    stiffness = np.sqrt(DIAMETER) * MODULUS / (3 * (1 - RATIO**2))
+
+    def change(_: float, state: np.ndarray) -> np.ndarray:
+        place, velocity = state.reshape(2, N)
+        force = stiffness * np.maximum(place[:-1] - place[1:], 0) ** 1.5
+        rubbing = MU * mass * G * np.tanh(velocity / FASTEST_AT_REST)
+        net = -rubbing
+        net[:-1] -= force
+        net[1:] += force
+        return np.concatenate([velocity, net / mass])
+
+    start = np.zeros(2 * N)
+    start[N] = SPEED
+    found = solve_ivp(change, (0, times[-1]), start, "LSODA", times, rtol=1e-8, atol=1e-13)
+    assert found.success
+    return found.y[N:].T
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("holder") / "run"
+    run_case(load_case("homogeneous-chain", CASE), folder, figures=False)
+    return folder
+
+
+def test_motion_is_that_of_an_independent_chain(held: Path) -> None:
+    """Within 1e-4 of the impact's speed, while friction takes a large part of the energy and beads come to rest."""
+    with Result(held) as result:
+        times, ours = result["chain/time"], result["chain/velocity"]
+    assert 0 < np.count_nonzero(ours[-1] == 0) < N
+    assert np.abs(ours - independent(times)).max() < 1e-4 * SPEED
+
+
+def test_the_ledger_has_what_the_holder_took(held: Path) -> None:
+    """A column and a share of its own, equal to friction times weight times the path, none of it by yielding."""
+    with Result(held) as result:
+        time, velocity = result["chain/time"], result["chain/velocity"]
+        work = MU * result["spheres/mass"].sum() / N * G * np.trapezoid(np.abs(velocity), time, axis=0).sum()
+        holder, dissipated = result["energy/holder"][-1], result["energy/dissipated"][-1]
+        given = result["energy/input"][-1]
+        assert np.all(result.yield_ledger == 0)
+    assert holder == pytest.approx(work, rel=2e-3)
+    assert dissipated == pytest.approx(holder, rel=1e-12)
+    assert 0.2 < holder / given < 0.9
+
+
+def test_the_summary_tells_it(held: Path) -> None:
+    import json
+
+    summary = json.loads((held / "summary.json").read_text())
+    assert summary["holder_fraction"] == pytest.approx(summary["dissipated_fraction"], rel=1e-12)
+    assert summary["energy_dissipated_plastic_J"] == 0
+    assert summary["energy_balance_error"] < 1e-6
+
+
+def test_a_smooth_holder_is_none(tmp_path: Path) -> None:
+    outcome = run_case(load_case("homogeneous-chain", CASE | {"boundary.holder_friction": 0.0, "run.end_time": 5e-5}),
+                       tmp_path / "run", figures=False)  # fmt: skip
+    assert outcome.summary["holder_fraction"] is None and outcome.summary["energy_dissipated_holder_J"] is None
+    assert "gran/holder" not in (tmp_path / "run" / "in.granwave").read_text()
+
+
+PUSH = [[0, 0], [1e-6, 1e-5], [1e-3, 1e-5]]  # 10 m/s for 1 us, then held
+
+
+def case_of(table: list[list[float]], **changes: Any) -> dict[str, Any]:
+    return {
+        "material": "brass",
+        "packing": {"kind": "chain", "size": 5, "diameter": 0.01},
+        "load": {"kind": "displacement", "shape": "table", "table": table},
+        "run": {"end_time": 1e-5},
+    } | changes
+
+
+def test_a_displacement_that_stops_has_one_balance(tmp_path: Path) -> None:
+    """The grain gives back 0.22 J when it stops, of which the packing keeps 4e-4 J: errors are of the latter."""
+    outcome = run_case(case_from_dict(case_of(PUSH)), tmp_path / "run", figures=False)
+    summary = outcome.summary
+    assert summary["energy_input_J"] == pytest.approx(4.2e-4, rel=0.02)
+    record = json.loads((tmp_path / "run/run.json").read_text())
+    assert summary["energy_balance_error"] <= 1e-5 and outcome.state == "finished"
+    assert [try_["energy_balance_error"] > 1e-5 for try_ in record["attempts"]] == [True] * len(record["attempts"])
+    grain = 8500 * 3.141592653589793 / 6 * 0.01**3
+    seen = Balance(tmp_path / "run/dumps/energy.txt", moved=grain).read()
+    assert seen.error == pytest.approx(summary["energy_balance_error"], rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["elastoplastic", "hertz"])
+@pytest.mark.parametrize("table", [[[0, 1e-6], [1e-4, 1e-6]], [[1e-5, 1e-6], [1e-4, 2e-6]]])
+def test_a_displacement_begins_at_zero(table: list[list[float]], law: str) -> None:
+    with pytest.raises(InputError, match=r"load\.table: found 1e-06 m at first, expected 0: .* subtract 1e-06"):
+        case_from_dict(case_of(table, contact={"law": law}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"hold": [{"index": [1]}]}, "hold.1: holds sphere 1 along z"),
+        ({"guide": [{"free": "x"}]}, "guide.1: holds sphere 1 along z"),
+        ({"load": {"index": [5]}, "boundary": {"bottom": "fixed"}}, "load.index: found 5, a sphere of the last layer"),
+        ({"load": {"angle": 30.0}, "guide": [{"free": "z"}]}, "guide.1: holds sphere 1 along x"),
+    ],
+)
+def test_a_struck_grain_is_not_held(changes: dict[str, Any], fault: str) -> None:
+    with pytest.raises(InputError) as caught:
+        case_from_dict(case_of(PUSH, **({"load": {}} | changes)))
+    assert fault in str(caught.value)

@@ -1,15 +1,90 @@
-"""MPI ranks: work of the first, and how all of them leave."""
+"""The launcher, any number of ranks, and ranks that leave."""
 
 from __future__ import annotations
 
 import json
+import logging
+import os
+import signal
 import subprocess
 import sys
 import textwrap
+import time
+from pathlib import Path
 
 import pytest
 
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.run import mpi
 from tests.conftest import BIN, PLAIN
+
+LONG = ["fcc-small", "--set", "run.end_time=5e-3", "--set", "run.frames=2", "--no-figures", "--np", "2"]
+
+
+def children(process: int) -> list[int]:
+    """Process ids of the children."""
+    try:
+        return [int(word) for word in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def at_work(process: int) -> bool:
+    """Return True for a process that is there and has not ended."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def wait_for(condition, patience: float = 60):
+    end = time.monotonic() + patience
+    while not (found := condition()):
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.1)
+    return found
+
+
+@pytest.mark.parametrize("victim", ["granwave", "mpiexec", "proxy"])
+def test_ranks_end_with_their_launcher(tmp_path, victim):
+    started = subprocess.Popen(
+        [BIN / "granwave", "run", *LONG, "-o", "out"], cwd=tmp_path, env=PLAIN, stderr=subprocess.DEVNULL
+    )
+    try:
+        [launcher] = wait_for(lambda: children(started.pid))
+        [proxy] = wait_for(lambda: children(launcher))
+        ranks = wait_for(lambda: len(found := children(proxy)) == 2 and found)
+        wait_for((tmp_path / "out" / "dumps" / "energy.txt").exists)
+        os.kill({"granwave": started.pid, "mpiexec": launcher, "proxy": proxy}[victim], signal.SIGKILL)
+        wait_for(lambda: not any(map(at_work, ranks)), 10)
+    finally:
+        started.kill()
+        started.wait()
+
+
+def test_more_ranks_than_cores(monkeypatch, caplog):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+    with caplog.at_level(logging.WARNING):
+        mpi.check_cores(2)
+        assert not caplog.messages
+        mpi.check_cores(3)
+    assert caplog.messages == ["3 ranks on 2 cores: ranks that share a core wait for each other; --np 2 is faster"]
+    with pytest.raises(InputError, match=r"--np 49: found 49 ranks on 2 cores, expected .* give --np 2"):
+        mpi.check_cores(49)
+
+
+@pytest.mark.parametrize("ranks", [[], ["--np", "2"]])
+@pytest.mark.parametrize("end", [">&-", "2>&-", "<&- >&- 2>&-", "2>&1 | true"])
+def test_output_that_nobody_reads(tmp_path, end, ranks):
+    command = ["granwave", "run", "two-spheres", "-o", "out", "--no-figures", *ranks]
+    environment = PLAIN | {"PATH": f"{BIN}:{os.environ['PATH']}"}
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", f"{' '.join(command)} {end}"],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode in (0, 141) and "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "summary.json").is_file()
+
 
 WORK = """
     import json, sys, time

@@ -1,4 +1,4 @@
-"""Confined rows of the thesis, chapter 6: sizes, equations of symmetric motion beside LAMMPS, asymptotic theory."""
+"""Chapters 6 to 8 of the thesis."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.study_file import load_study
-from tests.helpers.scripts import FOLDER, study_of
+from tests.helpers.scripts import FOLDER, row, study_of
 
 CHAPTER = FOLDER / "thesis" / "chapter_6"
 waves, theory, yielding = (
@@ -93,3 +93,78 @@ def test_rows_that_yield(tmp_path: Path) -> None:
     assert all((run.contacts == [8, 12]).all() for run in found)
     first, second = (np.array([run.pulses[k] for run in found]) for k in (0, 1))
     assert (first[1] < 0.6 * first[0]).all() and (second > 0).all()
+
+
+def test_static_state(tmp_path: Path) -> None:
+    """Check values of two rows whose walls have moved in."""
+    n = 20
+    short = {
+        "packing.size": n, "hold.1.index": [1, n], "guide.1.index": {"first": 2, "last": n - 1}, "load.index": [4],
+        "run.end_time": 2e-6,
+    }  # fmt: skip
+    runs = [
+        gw.run("filter-row", short | {"grains.1.diameter": gamma * 9.525e-3}, directory=tmp_path / str(gamma),
+               figures=False, progress=False)
+        for gamma in (0.9, 0.56)
+    ]  # fmt: skip
+    study = study_of("thesis/chapter_7/static_state.py", runs)
+    checked = [one for one in study.rows if one.verification]
+    assert len(checked) == 8
+    for one in checked:
+        assert one.ours == pytest.approx(one.theory, rel=2e-5), one.quantity
+
+
+def test_grains_in_holes(tmp_path: Path) -> None:
+    """Steel in the holes: hardly another speed, a larger force at the bottom."""
+    size = {
+        "packing.size": [3, 4, 46], "load.index": {"first": 1, "last": 12}, "run.end_time": 6e-4, "run.frames": 121,
+    }  # fmt: skip
+    runs = [
+        gw.run("interstitial-fcc", size | change, directory=tmp_path / name, figures=False, progress=False)
+        for name, change in (("empty", {"grains": []}), ("steel", {"grains.1.material": "steel"}))
+    ]
+    study = study_of("thesis/chapter_7/interstitial_fcc.py", runs)
+    empty, steel = (row(study, f"Speed of the pulse, {what}").ours for what in ("empty holes", "steel"))
+    assert empty < steel < 1.01 * empty
+    assert 1.05 < row(study, "Peak at the bottom over that with empty holes, steel").ours < 1.1
+
+
+def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
+    return gw.run(name, changes, directory=directory, figures=False, progress=False)
+
+
+def test_row_without_cylinders(tmp_path: Path) -> None:
+    """Peaks of the second solver, and how far a wave moves a sphere."""
+    bare = {"grains": [], "guide": [{"free": "z"}], "boundary.sides": "free", "run.end_time": 3.3e-4}
+    runs = [
+        run(tmp_path / str(n), "gap-switch-loose", bare | changes)
+        for n, changes in enumerate((
+            {}, {"load.velocity": 0.907766}, {"load.velocity": 0.804649}, {"packing.size": 60, "run.end_time": 6e-4},
+        ))
+    ]  # fmt: skip
+    study = study_of("thesis/chapter_8/no_cylinders.py", runs)
+    checked = [one for one in study.rows if one.theory is not None]
+    assert len(checked) == 7
+    for one in checked:
+        assert one.ours == pytest.approx(one.theory, rel=1e-3), one.quantity
+
+
+def test_where_plates_put_cylinders(tmp_path: Path) -> None:
+    """Width of open gaps, and the place of loose cylinders; rigid plates make the first peak another."""
+    gaps = {n: [[k, width] for k in range(14, 19)] for n, width in (("usual", 3.45424064e-4), ("wide", 3.72866858e-4))}
+    opened = {
+        "boundary.friction": 0.185, "run.end_time": 1e-6,
+        "grains.1.ring": {"n": 2, "radius": "touching", "gap": [14, 15, 16, 17, 18]},
+    }  # fmt: skip
+    runs = [
+        run(tmp_path / "usual", "gap-switch", opened | {"packing.gaps": gaps["usual"]}),
+        run(tmp_path / "wide", "gap-switch", opened | {"packing.gaps": gaps["wide"]}),
+        run(tmp_path / "rigid", "gap-switch", opened | {"packing.gaps": gaps["usual"], "boundary.sides": "wall"}),
+        run(tmp_path / "loose", "gap-switch-loose", {"run.end_time": 1e-6}),
+    ]
+    study = study_of("thesis/chapter_8/plates.py", runs)
+    for start in ("Width of the open gaps, plates 15.975", "Width of the open gaps, plates 15.95", "Distance", "Gap"):
+        for one in (one for one in study.rows if one.quantity.startswith(start)):
+            assert one.ours == pytest.approx(one.theory, rel=1e-5)
+    assert row(study, "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, rigid plates")
+    assert row(study, "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, plates 15.95 mm apart")

@@ -1,0 +1,28 @@
+"""Files of runs on the disk: summaries, and runs that tests damage, without the checksums that would tell it first."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from granwave.lammps_inputs.ownership import read_marker
+
+
+def summary(directory):
+    return json.loads((directory / "summary.json").read_text())
+
+
+def without_clock(directory):
+    return {
+        key: value
+        for key, value in summary(directory).items()
+        if key not in ("wall_time_s", "sphere_steps_per_s", "n_ranks")
+    }
+
+
+def without_checksums(directory: Path) -> Path:
+    """Remove sizes and checksums of the output from the marker, as if LAMMPS had been run by hand."""
+    marker = read_marker(directory)
+    marker.files = dict.fromkeys(marker.files)
+    marker.write(directory)
+    return directory

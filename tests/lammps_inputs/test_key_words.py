@@ -1,0 +1,378 @@
+"""Values of keys: counts, SI values, and hints at the key or the unit that was meant."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import logging
+import re
+import resource
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from granwave.lammps_inputs import files
+from granwave.lammps_inputs.case import added_grains, case, packing
+from granwave.lammps_inputs.case.case import case_keys
+from granwave.lammps_inputs.case.hints import _KEY_OF_WORD, _NOTES, _WITHIN, POSSIBLE, impossible, unusual
+from granwave.lammps_inputs.case.material import Material, presets
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.planning.schedule import make_schedule
+from granwave.workflows import library, load_case, load_scan
+from granwave.workflows.cli.main import main
+from granwave.workflows.finite_elements.punch import ContinuumCase
+from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
+from granwave.workflows.solvers import solver_of
+
+_SPARE = 4_000_000_000  # bytes of address space in addition to those in use
+
+
+@pytest.fixture(autouse=True)
+def little_memory(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Limit the memory of the process, on a machine of 8 GB, so that no large object can be created before the error."""
+    for module in (added_grains, packing, files):
+        monkeypatch.setattr(module, "available_memory", lambda: 8e9)
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (taken + _SPARE, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+    begin = time.process_time()
+    assert main(words) == 2
+    assert time.process_time() - begin < 5
+    return capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("case", "override", "expected"),
+    [
+        ("fcc-small", "run.frames=1000000000000", "run.frames: found 1000000000000, expected at most 34545: one at the start"),
+        ("fcc-small", "run.frames=34546", "run.frames: found 34546, expected at most 34545"),
+        ("fcc-small", "run.frames=20000", "found 20000, expected at most 10000 where they do not divide the 34544 steps"),
+        ("two-spheres", "run.frames=1000000000", "run.frames: found 1000000000, expected at most 28601"),
+        ("elastic-impact", "output.history=1000000000000", "output.history: found 1000000000000, expected at most 49197"),
+        ("fcc-small", "packing.size=[1000000,1000000,1000000]", "packing.size: found [1000000, 1000000, 1000000], expected"),
+        ("fcc-small", "packing.size=[1000,1000,1000]", "packing.size: 1000000000 spheres need about"),
+        ("fcc-small", "packing.size=[1,1,2000000000]", "packing.size: 2000000000 spheres need about"),
+        ("fcc-small", "packing.size=[40000,40000,1]", "packing.size: found [40000, 40000, 1]: 1600000000 spheres need"),
+        ("elastic-impact", "packing.size=2000000000", "packing.size: 2000000000 spheres need about"),
+        ("fcc-small", 'replace=[{index={first=1,last=1000000000000},material="steel"}]', "replace.1.index: found"),
+        ("fcc-small", 'replace=[{index={first=1,last=2000000000},material="steel"}]', "expected at most 10000000 ids"),
+        ("fcc-small", "striker=[{touches={first=1,last=2000000000}}]", "expected at most 10000000 ids"),
+        ("fcc-small", "packing.vacancies=[99999999999]", "packing.vacancies: found [99999999999], expected at most"),
+        ("split-hopkinson", "bar.elements=1000000000000", "bar.elements: found 1000000000000, expected at most 10000000"),
+        ("fcc-small", 'boundary.bottom={bar={length=1,area=1,elements=1000000000},material="steel"}',
+         "boundary.bottom.bar.elements: found 1000000000, expected at most 10000000"),
+        ("half-space", "run.elements=1000000000000", "run.elements: found 1000000000000, expected at most 1000000000"),
+        ("half-space", "run.elements=1000000000", "run.elements: 1000000000 elements need about"),
+        ("half-space", "run.timestep=1e-17", "run.end_time: 0.005 s in steps of 1e-17 s are more than 2e+09 steps"),
+        ("half-space", "run.end_time=1e8", "run.end_time: 1e+08 s in steps of"),
+        ("sphere-contact", "run.elements=1000000000000", "run.elements: found 1000000000000, expected at most 1000000000"),
+        ("sphere-contact", "run.unloadings=1000000000000", "run.unloadings: found 1000000000000, expected at most 1000"),
+        ("sphere-contact", "run.speed=1e-300", "run.speed: found 1e-300, which takes"),
+    ],
+)  # fmt: skip
+def test_large_counts(case: str, override: str, expected: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert expected in _refused(["check", case, "--set", override], capsys)
+
+
+def test_a_disordered_packing_beyond_memory(capsys: pytest.CaptureFixture[str]) -> None:
+    for disorder in (
+        "packing.diameter_scatter=1e-6",
+        "packing.vacancies=0.1",
+        'replace=[{share=0.1,material="steel"}]',
+    ):
+        said = _refused(["check", "fcc-small", "--set", "packing.size=[1200,1200,1200]", "--set", disorder], capsys)
+        assert "packing.size: found [1200, 1200, 1200]: 1728000000 spheres need more than" in said
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("[grid]\nload.velocity = {linear = [0, 1, 1e12]}\n", "expected {linear = [first, last, how many]} with 2 to 100000"),
+        ("[grid]\nload.velocity = {log = [1, 2, 1000000000000]}\n", "with 2 to 100000 values"),
+        ("[grid]\nload.velocity = {log = [1, 2, 100000]}\npacking.seed = {linear = [1, 9, 10000]}\n", "found 1000000000 points"),
+        ("replicates = 1000000000000\n[grid]\nload.velocity = [1]\n", "replicates: found 1000000000000, expected at most"),
+        ("replicates = 60000\n[[points]]\nload.velocity = 1\n[[points]]\nload.velocity = 2\n", "found 120000 points"),
+        ("ranks = 1000000000000\n[grid]\nload.velocity = [1]\n", "ranks: found 1000000000000, expected at most"),
+        ("[grid]\nrun.frames = [2, 1000000000000]\n", "point 2 (run.frames = 1000000000000): fcc-small: run.frames: found"),
+    ],
+)  # fmt: skip
+def test_large_scans(text: str, expected: str, tmp_path: Path) -> None:
+    (tmp_path / "scan.toml").write_text(f'case = "fcc-small"\n{text}', encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_scan(tmp_path / "scan.toml")
+    (fault,) = caught.value.errors
+    assert expected in fault and fault.startswith(str(tmp_path / "scan.toml"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "frames", "every"),
+    [
+        ({"run.frames": 1, "run.timestep": 1e-3 / 34500}, 2, 34500),
+        ({"run.frames": 2, "run.timestep": 1e-3 / 34500}, 2, 34500),
+        ({"run.frames": 20}, 20, 0),
+        ({"run.frames": 301, "run.timestep": 1e-3 / 34500}, 301, 115),
+        ({"run.frames": 34501, "run.timestep": 1e-3 / 34500}, 34501, 1),
+        ({"run.frames": 20, "run.end_time": 1e-9, "run.timestep": 1e-10}, 11, 1),  # the default, in a run of few steps
+    ],
+)
+def test_as_many_snapshots_as_are_asked_for(changes: dict[str, Any], frames: int, every: int) -> None:
+    schedule = make_schedule(load_case("fcc-small", changes))
+    assert (schedule.n_frames, schedule.frame_every) == (frames, every)
+
+
+def test_times_that_cannot_be_meant_are_noted(caplog: pytest.LogCaptureFixture) -> None:
+    plan(load_case("fcc-small", {"output.probe_interval": 1e-10, "output.probes": [{"sphere": 1}]}))
+    plan(load_case("fcc-small", {"run.timestep": 1e-5}))
+    assert [record.getMessage() for record in caplog.records] == [
+        "fcc-small: output.probe_interval: found 1e-10 s, there is at most a record each timestep, 2.89e-08 s",
+        'fcc-small: run.timestep: found 1e-05 s, "auto" takes 2.9e-08 s; the energy balance will hardly close',
+    ]
+
+
+STEEL_IN_OTHER_UNITS = {
+    "material.youngs_modulus": 210,
+    "material.density": 7.85,
+    "material.yield_strength": 700,
+    "packing.diameter": 10,
+}
+
+
+def _notes(caplog: pytest.LogCaptureFixture, overrides: dict[str, Any], case: str = "fcc-small") -> list[str]:
+    with contextlib.suppress(InputError):  # other errors may follow
+        load_case(case, overrides)
+    return [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+
+
+def test_steel_in_gigapascals_and_millimetres(caplog: pytest.LogCaptureFixture) -> None:
+    assert _notes(caplog, STEEL_IN_OTHER_UNITS) == [
+        "fcc-small: material.youngs_modulus: found 210 Pa, expected some 1e6 to 1e12 Pa; 210 GPa is 210e9",
+        "fcc-small: material.density: found 7.85 kg/m^3, expected some 10 to 30000 kg/m^3; 7.85 g/cm^3 is 7.85e3",
+        "fcc-small: material.yield_strength: found 700 Pa, expected some 10000 to 5e10 Pa; 700 MPa is 700e6",
+        "fcc-small: packing.diameter: found 10 m, expected some 1e-6 to 1 m; 10 mm is 10e-3",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("case", "key", "value", "meant"),
+    [
+        ("fcc-small", "load.velocity", 5000, "5000 mm/s is 5000e-3"),
+        ("fcc-small", "run.end_time", 50, "50 us is 50e-6"),
+        ("fcc-small", "packing.diameter_scatter", 0.45, "0.45 mm is 0.45e-3"),
+        ("fcc-small", "output.probe_interval", 1e-14, "expected some 1e-13 to 0.5 s"),
+        ("fcc-small", "contact.friction", 30, "found 30, expected some 0 to 2"),
+        ("fcc-small", "boundary.friction", 30, "found 30, expected some 0 to 2"),
+        ("fcc-small", "load.spin", [0, 0, 1e7], "found 1e7 rad/s"),
+        ("precompressed-fcc", "precompression.pressure", 2, "2 MPa is 2e6"),
+        ("precompressed-chain", "precompression.force", 1e-10, "found 1e-10 N"),
+        ("settled-gravity", "precompression.acceleration", 5810, "5810 mm/s^2 is 5810e-3"),
+        ("split-hopkinson", "bar.area", 78.5, "78.5 mm^2 is 78.5e-6"),
+        ("split-hopkinson", "incident_bar.length", 180, "180 mm is 180e-3"),
+        ("elastic-long-load", "load.duration", 50, "50 us is 50e-6"),
+        ("intruder", "replace.1.material", {"youngs_modulus": 2.1, "poisson_ratio": 0.3, "density": 2000,
+         "yield_strength": 1e8}, "replace.1.material.youngs_modulus: found 2.1 Pa"),
+    ],
+)  # fmt: skip
+def test_unusual_values_name_the_unit_that_was_meant(
+    case: str, key: str, value: Any, meant: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    base = {"packing.diameter": 1.0} if key == "packing.diameter_scatter" else {}
+    found = [note for note in _notes(caplog, {key: value} | base, case) if meant in note]
+    assert len(found) == 1 and found[0].startswith(f"{case}: {key}")
+
+
+def test_continuum_cases_are_looked_at_too(caplog: pytest.LogCaptureFixture) -> None:
+    ContinuumCase.from_dict({"name": "b", "material": "brass", "block": {"diameter": 100, "height": 100}})
+    SphereContactCase.from_dict({"name": "s", "material": "brass", "sphere": {"radius": 5}})
+    assert [record.getMessage().partition(", ")[0] for record in caplog.records] == [
+        "b: block.diameter: found 100 m",
+        "b: block.height: found 100 m",
+        "s: sphere.radius: found 5 m",
+    ]
+
+
+def test_no_built_in_case_or_material_is_unusual(caplog: pytest.LogCaptureFixture) -> None:
+    for name in library.names():
+        path = library.find(name)
+        solver_of(read_toml(path)).read(read_toml(path), path)
+    reproductions = Path(__file__).parents[2] / "reproductions"
+    for name in (
+        "thesis/chapter_3/intruder-properties.toml",
+        "composite_chains/brass.toml",
+    ):  # a hundred times as stiff
+        load_scan(reproductions / name, here=False)
+    for material in presets().values():
+        for field in dataclasses.fields(Material):
+            if usual := field.metadata["usual"]:
+                assert not unusual(getattr(material, field.name), usual), material.name
+    assert not [record for record in caplog.records if "expected some" in record.getMessage()]
+
+
+@pytest.mark.parametrize(
+    ("key", "values"),
+    [
+        ("packing.diameter", [1e30, 1e-30, 1e-320, 1e7]),
+        ("load.velocity", [1e300, 3e8, 1e-320]),
+        ("material.youngs_modulus", [1e300, 1e-320, 1e19]),
+        ("material.density", [1e300, 1e-10]),
+        ("material.yield_strength", [1e300, 1e-300]),
+        ("run.end_time", [1e300, 1e-300]),
+        ("run.timestep", [1e-300, 1e-19]),
+        ("packing.diameter_scatter", [1e-300]),
+        ("boundary.forget_gap", [1e-300]),
+        ("load.spin", [[0, 0, 1e300], [1e-320, 0, 0]]),
+        ("output.probe_interval", [1e-300]),
+    ],
+)
+def test_absurd_values_are_refused(key: str, values: list[Any]) -> None:
+    for value in [*values, "nan", "inf", "-inf"]:
+        with pytest.raises(InputError) as caught:
+            load_case("fcc-small", [f"{key}={value}"])
+        assert caught.value.errors[0].startswith(f"--set: {key}: found ") and "expected" in caught.value.errors[0]
+
+
+def test_zero_is_no_magnitude() -> None:
+    assert not impossible((0.0, 0.0, 1.0), "m/s") and not impossible(0.0, "m")
+    assert load_case("fcc-small", {"packing.diameter_scatter": 0.0, "load.spin": [0, 0, 0]})
+
+
+def test_every_unit_of_a_case_has_a_range() -> None:
+    units = {case.unit_of(key) for key in case.case_keys()}
+    assert units - {"", "degrees"} <= set(POSSIBLE)
+
+
+def _fault(override: str, case: str = "fcc-small") -> str:
+    with pytest.raises(InputError) as caught:
+        load_case(case, [override])
+    (fault,) = caught.value.errors
+    return fault
+
+
+@pytest.mark.parametrize(
+    ("override", "hint"),
+    [
+        ("velocity=3", "velocity: unknown key; did you mean load.velocity?"),
+        ("load.speed=3", "load.speed: unknown key; did you mean load.velocity?"),
+        ("speed=3", "speed: unknown key; did you mean load.velocity?"),
+        ("Load.velocity=3", "Load.velocity: unknown key; did you mean load?"),
+        ("load.Velocity=3", "load.Velocity: unknown key; did you mean velocity?"),
+        ("contact.mu=0.1", "did you mean contact.friction?"),
+        ("mu=0.1", "did you mean contact.friction or boundary.friction?"),
+        ("boundary.mu=0.1", "did you mean boundary.friction?"),
+        ("friction=0.1", "did you mean contact.friction or boundary.friction?"),
+        ("material.youngs=1e9", "did you mean material.youngs_modulus?"),
+        ("material.E=1e9", "did you mean material.youngs_modulus?"),
+        ("youngs_modulus=1e9", "did you mean material.youngs_modulus?"),
+        ("packing.radius=1", "did you mean packing.diameter?"),
+        ("radius=1", "did you mean packing.diameter?"),
+        ("load.diameter=1", "did you mean packing.diameter?"),
+        ("load.end_time=1", "did you mean run.end_time?"),
+        ("dt=1e-9", "did you mean run.timestep?"),
+        ("packing.material=brass", "did you mean material, outside [packing]?"),
+        ("load.force=3", "did you mean load.amplitude?"),
+        ("output.frames=3", "did you mean run.frames?"),
+        ("packing.velocty=3", "did you mean load.velocity?"),
+        ("contact.restitution=0.9", "take contact.loss = {restitution = 0.9, velocity = 1.0}"),
+        ("gravity=9.81", 'take [precompression] with kind = "gravity"'),
+        ("np=4", "--np"),
+        ("index=4", "did you mean load.index?"),
+        ("packing.kind=FCC", "did you mean fcc?"),
+        ("material=Steel", "did you mean steel?"),
+        ("material=ALUMINIUM", "did you mean aluminium?"),
+    ],
+)
+def test_hints_at_the_key_that_was_meant(override: str, hint: str) -> None:
+    fault = _fault(override)
+    assert fault.startswith("--set: ") and hint in fault
+
+
+def test_synonyms_lead_to_keys_that_there_are() -> None:
+    known = {key.rpartition(".")[2] for key in case_keys()}
+    assert set(_KEY_OF_WORD.values()) | set(_WITHIN.values()) <= known
+    assert not set(_KEY_OF_WORD) & known, "a key that there is needs no synonym"
+    assert not set(_NOTES) & set(_KEY_OF_WORD)
+
+
+def test_a_table_of_a_file_is_not_blamed_on_the_command_line(tmp_path: Path) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text('material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\nradius = 1\n')
+    with pytest.raises(InputError) as caught:
+        load_case(path, ["packing.seed=3"])
+    assert caught.value.errors == [f"{path}: packing.radius: unknown key; did you mean packing.diameter?"]
+
+
+def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"velocity: unknown key; did you mean punch.velocity\?"):
+        ContinuumCase.from_dict({"material": "brass", "velocity": 3})
+    with pytest.raises(InputError, match=r"punch.diametre: unknown key; did you mean diameter\?"):
+        ContinuumCase.from_dict({"material": "brass", "punch": {"diametre": 3}})
+    path = tmp_path / "scan.toml"
+    path.write_text('case = "fcc-small"\nvelocity = 3\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"velocity: unknown key; did you mean set.load.velocity\?"):
+        load_scan(path)
+
+
+# ---------------------------------------------------------------------- studies and words of the command line
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["run", "half-space"], "half-space: is a continuum case, expected a granular case: granwave continuum half-space"),
+        (["write", "half-space", "-o", "x"], "expected a granular case: granwave continuum half-space"),
+        (["run", "sphere-contact"], "is a continuum case, expected a granular case: granwave continuum sphere-contact"),
+        (["continuum", "fcc-small"], "fcc-small: is a granular case, expected a continuum case: granwave run fcc-small"),
+        (["scan", "fcc-small"], "fcc-small: is a case, expected a scan: granwave run fcc-small"),
+        (["scan", "half-space"], "half-space: is a case, expected a scan: granwave continuum half-space"),
+        (["run", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
+        (["check", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
+        (["continuum", "protection"], "protection: is a scan, expected a case: granwave scan protection"),
+        (["run", "my-scan.toml"], "my-scan.toml: is a scan, expected a case: granwave scan my-scan.toml"),
+        (["run", "suite.toml"], "suite.toml: is a scan, expected a case: granwave scan suite.toml"),
+        (["scan", "my-case.toml"], "my-case.toml: is a case, expected a scan: granwave run my-case.toml"),
+        (["scan", "of-scan.toml"], "of-scan.toml: case: my-scan.toml: is a scan, expected a case"),
+        (["run", "FCC-small"], "FCC-small: neither a file nor a built-in case; did you mean fcc-small?"),
+        (["run", "fcc_small"], "did you mean fcc-small?"),
+        (["run", "results"], "results: found a directory, expected a case file; its case is results/case.toml"),
+        (["run", "empty"], "empty: found a directory, expected a case file; granwave cases lists the built-in ones"),
+        (["run", ""], "(empty)"),
+        (["run", "a\0b"], "neither a file nor a built-in case"),
+    ],
+)  # fmt: skip
+def test_the_word_that_runs_a_study_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    case = 'material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\n'
+    (tmp_path / "my-case.toml").write_text(case, encoding="utf-8")
+    (tmp_path / "my-scan.toml").write_text('case = "fcc-small"\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
+    (tmp_path / "of-scan.toml").write_text('case = "my-scan.toml"\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
+    (tmp_path / "suite.toml").write_text('scans = ["my-scan.toml"]\n', encoding="utf-8")
+    for name in ("results", "empty", "fcc-small", "half-space"):
+        (tmp_path / name).mkdir()  # results of that name exist
+    (tmp_path / "results" / "case.toml").write_text(case, encoding="utf-8")
+    before = sorted(tmp_path.rglob("*"))
+    assert main(words) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1 and expected in error
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_files_with_similar_names_are_named_before_studies(tmp_path: Path) -> None:
+    """By the name without its suffix, which any two files have in common."""
+    (tmp_path / "Impact.toml").write_text("")
+    (tmp_path / "f.toml").write_text("")
+    for name in ("Impact", "impac", "Imapct.toml"):
+        with pytest.raises(InputError, match=rf"did you mean {re.escape(str(tmp_path / 'Impact.toml'))}\?"):
+            library.find(str(tmp_path / name), library.CASES)
+    with pytest.raises(InputError, match="granwave cases lists the built-in ones"):
+        library.find(str(tmp_path / "s24.toml"), library.CASES)
