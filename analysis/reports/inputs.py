@@ -23,7 +23,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
-from granwave.analysis.studies.study_file import is_study_file
+from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_tables

@@ -16,7 +16,7 @@ from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
-from granwave.analysis.studies.study_file import find_studies
+from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
@@ -45,8 +45,8 @@ def write_report(
     output
         Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside it).
     studies
-        Studies of all runs, in addition to those that the scans name: names, see
-        `granwave.analysis.studies.registry`, and paths of files, see `granwave.analysis.studies.study_file`.
+        Studies of all runs, in addition to those that the scans name: names, and paths of
+        files, see `granwave.analysis.studies.registry`.
     study_files
         Absolute paths of files of studies that scans name and that may be loaded.
 

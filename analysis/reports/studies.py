@@ -26,10 +26,9 @@ from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import Inputs, Run
 from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
-from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, read_run
+from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS, is_study_file
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, finished_runs, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
-from granwave.analysis.studies.study_file import is_study_file
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
@@ -164,7 +163,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
 def _read(run: Run) -> tuple[FinishedRun | SphereContactRun, ...]:
     """Read a run for studies; nothing if there are none of its kind, or it was refused or cannot be read."""
     if run.kind == "run":
-        return FinishedRun.among([(run.label, run.directory, run.summary)])
+        return tuple(finished_runs([(run.label, run.directory, run.summary)]))
     found = read_run(run.label, run.directory, run.summary)
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
     return (found,) if isinstance(found, SphereContactRun) and whole else ()

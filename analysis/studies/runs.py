@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Generic, Self, TypeVar
+from typing import Any, Generic, TypeVar
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
@@ -79,28 +79,6 @@ class SphereContactRun(AnyRun[Mapping[str, Any]]):
 class FinishedRun(AnyRun[Case]):
     """A finished run of spheres."""
 
-    @classmethod
-    def among(
-        cls, found: Iterable[tuple[str, Path, Mapping[str, Any]]], suits: Callable[[Case], bool] | None = None
-    ) -> tuple[Self, ...]:
-        """Runs whose case suits; none whose energy balance was refused or whose case cannot be read.
-
-        Parameters
-        ----------
-        found
-            Label, directory and summary of finished runs.
-        suits
-            True for cases that are wanted; by default all are.
-        """
-        runs = []
-        for label, directory, summary in found:
-            run = read_run(label, directory, summary)
-            if not isinstance(run, FinishedRun) or summary.get("end_reason") == BALANCE_REFUSED:
-                continue
-            if suits is None or suits(run.case):
-                runs.append(run.seen_as(cls))
-        return tuple(runs)
-
     @cached_property
     def assembly(self) -> Assembly:
         """All bodies of the case."""
@@ -122,6 +100,18 @@ def read_run(
         return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)
     except GranwaveError:
         return None  # the report says so elsewhere
+
+
+def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[FinishedRun]:
+    """Read runs of spheres; none whose energy balance was refused or whose case cannot be read.
+
+    Parameters
+    ----------
+    found
+        Label, directory and summary of finished runs.
+    """
+    runs = (read_run(*one) for one in found if one[2].get("end_reason") != BALANCE_REFUSED)
+    return [run for run in runs if isinstance(run, FinishedRun)]
 
 
 def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:

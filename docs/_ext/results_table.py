@@ -17,8 +17,7 @@ from granwave.analysis.document.cells import significant, tidied
 from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
 from granwave.analysis.reports.studies import row_tables
 from granwave.analysis.reports.writers import markdown
-from granwave.analysis.studies.rows_file import record_of
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.study import Row, Study, record_of
 from granwave.lammps_inputs.files import replace_text
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.studies.study_file import load_study
+from granwave.analysis.studies.registry import load_study
 from tests.helpers.scripts import FOLDER, row, study_of
 
 CHAPTER = FOLDER / "thesis" / "chapter_6"

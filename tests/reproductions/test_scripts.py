@@ -9,7 +9,7 @@ from statistics import median
 
 import pytest
 
-from granwave.analysis.studies.study_file import load_study
+from granwave.analysis.studies.registry import load_study
 from granwave.workflows import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
 

@@ -276,8 +276,7 @@ def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> 
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
     from granwave.analysis.reports.studies import comparison_of, studies_of
-    from granwave.analysis.studies.rows_file import write_rows
-    from granwave.analysis.studies.study import draw_studies
+    from granwave.analysis.studies.study import draw_studies, write_rows
 
     inputs = read_inputs([directory], directory, studies)
     found = [*(comparison_of(inputs) if suite else ()), *studies_of(inputs)]

@@ -9,8 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.studies.registry import STUDIES
-from granwave.analysis.studies.study_file import find_studies, is_study_file
+from granwave.analysis.studies.registry import STUDIES, find_studies, is_study_file
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,

@@ -15,7 +15,7 @@ from granwave.analysis.measures.target_theory import HertzImpact, after_impulse,
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import finished_runs
 from granwave.analysis.studies.study import draw_studies, make_studies
 from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.load_case import load_case
@@ -67,7 +67,7 @@ def packings(tmp_path_factory: pytest.TempPathFactory) -> Found:
 
 
 def collect(found: Found) -> list[list[TargetRun]]:
-    return impacts(FinishedRun.among(found))
+    return impacts(finished_runs(found))
 
 
 def work_on(run: TargetRun) -> np.ndarray:
@@ -125,7 +125,7 @@ def test_momentum_and_energy_that_arrive(packings: Found) -> None:
         assert energy[-1] == run.summary["energy_target_J"]
         work = np.interp(time, run.reached.time, work_on(run))  # force times velocity, as recorded at the wall
         np.testing.assert_allclose(energy, work, atol=3e-4 * energy.max())
-        assert 0 < run.largest_of_one < run.reached.peak_force
+        assert 0 < run.value("largest_of_one_N") < run.reached.peak_force
         assert run.summary["peak_reduction"] == pytest.approx(
             run.summary["unprotected_peak_force_N"] / run.reached.peak_force, rel=1e-6
         )

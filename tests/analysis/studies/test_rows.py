@@ -13,8 +13,7 @@ import pytest
 from granwave.analysis.document.model import Table
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_section
-from granwave.analysis.studies.rows_file import write_rows
-from granwave.analysis.studies.study import Row, Study
+from granwave.analysis.studies.study import Row, Study, write_rows
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 from tests.helpers.synthetic_report import write_run

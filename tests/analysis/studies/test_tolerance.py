@@ -15,7 +15,7 @@ from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.statistics import estimate
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import finished_runs
 from granwave.analysis.studies.study import Study
 from granwave.analysis.studies.tolerance.packings import AXES, DISSIPATED, FORCE, IDEAL, Packing, Setting, select
 from granwave.lammps_inputs.case.case import Case
@@ -91,7 +91,7 @@ def found_in(paths: Iterable[Path], base: Path) -> list[Study]:
 
 def packings_in(paths: Iterable[Path], base: Path) -> list[Packing]:
     found = [(run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs]
-    return select(FinishedRun.among(found))
+    return select(finished_runs(found))
 
 
 def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
