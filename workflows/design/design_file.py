@@ -158,8 +158,8 @@ class Objective:
     sign: int
 
     def loss(self, value: float) -> float:
-        """Return the number that is to be small, positive for a positive value."""
-        return value if self.sign > 0 else (1 / value if value > 0 else -value)
+        """Return the number that is to be small."""
+        return self.sign * value
 
 
 @dataclasses.dataclass(frozen=True)

@@ -273,7 +273,8 @@ class _Search:
 
     def _take(self) -> None:
         """Take the values of runs that have ended."""
-        for ended in self.points.wait():
+        finished = self.points.wait()
+        for ended in finished:
             design, n = self.at_work.pop(ended.name)
             design.seconds += ended.seconds
             if ended.interrupted:
@@ -281,7 +282,8 @@ class _Search:
             if design.state == RUNNING:
                 self._note(design, n, ended)
             self.bar.update(self._n_done(), self._status())
-        self.study.write()
+        if finished:
+            self.study.write()
 
     def _note(self, design: Design, n: int, ended: Ended) -> None:
         """Enter the values of a run, or let it run longer; end the design with its last run."""
@@ -327,7 +329,8 @@ class _Search:
             return False
         worst = problem.statistic_of(objective, values)
         design.objectives[objective.name] = worst
-        return objective.loss(worst) > _LOST * objective.loss(best.objectives[objective.name])
+        limit = best.objectives[objective.name] * _LOST**objective.sign
+        return objective.loss(worst) > objective.loss(limit) and limit > 0
 
     def _complete(self, design: Design) -> None:
         """Make objectives and margins of the values of all runs."""
@@ -434,7 +437,7 @@ class _Search:
         (first, *others) = self.problem.objectives
         counts = range(1, self.study.n_evaluated + 1)
         losses = [] if others else expected_random(self.problem.space, self.study.known(), counts)
-        return [loss if first.sign > 0 else 1 / loss for loss in losses]
+        return [first.sign * loss for loss in losses]
 
     def _values_of(self, design: Design, findings: list[guards.Finding] | None = None) -> dict[str, Any]:
         values: dict[str, Any] = {

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.directories import case_digest, read_summary, tables
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG
+from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP
 from granwave.workflows.run import mpi, record
 
 _POLL = 0.05  # s
@@ -74,7 +74,9 @@ class Points:
         """Start the run of a case, or go on with what is in its directory."""
         place = self.folder / name
         place.mkdir(parents=True, exist_ok=True)
+        claim(self.folder.parent, [f"{self.folder.name}/{name}/"])
         claim(place, POINT_FILES)
+        (place / POINT_STOP).unlink(missing_ok=True)
         tables = case_from_dict({**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE).to_dict()
         replace_text(place / POINT_CASE, tomli_w.dumps(tables))
         there = tables_as_run(place)
@@ -86,13 +88,14 @@ class Points:
                 alone = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
                 launcher = _STEP if steps else ()
                 command = mpi.command(self.ranks, words, launcher) if self.ranks > 1 or steps else alone
-                environment = {**mpi.alone(), mpi.EXPECTED_RANKS: str(self.ranks)}
+                stop = {mpi.STOP_FILE: str(place / POINT_STOP), mpi.EXPECTED_RANKS: str(self.ranks)}
                 self._processes[name] = subprocess.Popen(
                     command,
-                    env=environment,
+                    env={**mpi.alone(), **stop},
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,
+                    start_new_session=True,  # Ctrl-C would end the ranks without a checkpoint
                     preexec_fn=mpi.end_with_parent,
                 )
                 process = self._processes[name].pid
@@ -128,11 +131,11 @@ class Points:
 
     def stop(self) -> None:
         """Ask all runs to write a checkpoint and to end."""
-        for process, _ in self._running.values():
-            try:
+        for name, (process, _) in self._running.items():
+            if name in self._processes:
+                (self.folder / name / POINT_STOP).touch()
+            else:
                 os.kill(process, signal.SIGTERM)
-            except ProcessLookupError:
-                continue
 
 
 def _reason(place: Path, state: record.Record | None, status: int) -> str:

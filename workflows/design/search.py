@@ -31,6 +31,7 @@ _ENUMERATED = 3000  # designs of a space up to which all are candidates
 _RANDOM, _OF_BEST, _CHANGES = 1024, 8, 64  # candidates: random ones, and changes of each of the best
 _MOST_RANDOM = 20_000  # draws in search of a design that was not tried
 _LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
+_MOST_MODELLED = 300  # designs that the model of the objective is made of
 _MOST_ROWS, _LATEST = 120, 40  # designs that the model of a limit is made of, and the latest of them
 
 
@@ -131,7 +132,7 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
     It is the logarithm of the expected improvement where the limits may be met, and below that of all those the
     logarithm of the probability that they are.
     """
-    complete = [one for one in known if one.losses]
+    complete = _chosen([one for one in known if one.losses])
     scores = joined(np.array([one.losses for one in complete]), rng)
     feasible = np.array([one.feasible for one in complete])
     x = space.features(found)
@@ -152,6 +153,15 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
     return np.where(hopeless, within + worth.min() - 1, worth + within)
 
 
+def _chosen(complete: Sequence[Known]) -> list[Known]:
+    """Return the designs that a model is made of: all, or of many the best and the latest, in their order."""
+    if len(complete) <= _MOST_MODELLED:
+        return list(complete)
+    half = _MOST_MODELLED // 2
+    best = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))[:half]
+    return [complete[n] for n in sorted({*best, *range(len(complete) - half, len(complete))})]
+
+
 def _log_improvement(z: Array) -> Array:
     """Return the logarithm of the expected improvement of a normal variable at so many deviations: (n,)."""
     far = z < -6  # where the difference of the two terms is lost to rounding
@@ -164,7 +174,7 @@ def joined(losses: Array, rng: Generator | None = None) -> Array:
     """Join objectives to one number for each design: logarithms of positive ones, weighted anew at each call."""
     columns = []
     for column in losses.T:
-        scaled = np.log(column) if (column > 0).all() else column
+        scaled = _scaled(column)
         spread = float(np.ptp(scaled))
         columns.append((scaled - scaled.min()) / (spread or 1.0))
     if len(columns) == 1:
@@ -185,6 +195,13 @@ def _threads() -> Any:
 def _one_thread() -> contextlib.AbstractContextManager[object]:
     limited: contextlib.AbstractContextManager[object] = _threads().limit(limits=1)
     return limited
+
+
+def _scaled(losses: Array) -> Array:
+    """Return the logarithms of losses that all have one sign, in their order; others as they are."""
+    if (losses > 0).all():
+        return np.log(losses)
+    return -np.log(-losses) if (losses < 0).all() else losses
 
 
 class Model:
@@ -252,14 +269,16 @@ def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int])
     """
     complete = [one for one in known if one.losses]
     losses = np.array([one.losses[0] for one in complete if one.losses])
-    if len(complete) < 4 or (losses <= 0).any():
+    if len(complete) < 4 or not ((losses > 0).all() or (losses < 0).all()):
         return []
     drawn = list(itertools.islice(random_designs(space, 2), 2 * _RANDOM))
     x = space.features(drawn)
     within = np.ones(len(x), dtype=bool)
     for model in _limits(space, known, np.random.default_rng(3)):
         within &= model.predict(x)[0] <= 0
-    found = np.sort(np.exp(Model(space, [one.values for one in complete], np.log(losses)).predict(x[within])[0]))
+    sign = math.copysign(1.0, losses[0])
+    scaled = Model(space, [one.values for one in complete], _scaled(losses)).predict(x[within])[0]
+    found = sign * np.exp(sign * np.sort(scaled))
     if not len(found):
         return []
     places = np.arange(len(found) + 1) / len(found)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from granwave.workflows.design.search import Known, expected_random, front, importance, n_first, ordered
+from granwave.workflows.design.search import Known, expected_random, front, importance, joined, n_first, ordered
 from granwave.workflows.design.variables import Space, read_variable
 
 pytest.importorskip("sklearn")
@@ -114,3 +114,12 @@ def test_random_search_as_the_model_expects_it():
 
 def test_front():
     assert front([(1, 5), (2, 2), (3, 3), (5, 1), (2, 2)]) == [0, 1, 3]
+
+
+def test_values_that_are_to_be_large():
+    """Losses of values that are to be large are negative; their order stays in the logarithm."""
+    losses = np.array([[-5.0], [-1.0], [-20.0]])
+    assert list(np.argsort(joined(losses))) == [2, 0, 1]
+    found = search(RANGES, lambda values: -1 / of_ranges(values), 15, 1)
+    highest = max(-one.losses[0] for one in found)
+    assert highest > 0.97 / min(of_ranges({"x": x, "y": 0.65}) for x in np.linspace(0, 1, 101))
