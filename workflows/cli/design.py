@@ -16,9 +16,10 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows.cli.terminal import print_json
-from granwave.workflows.design.design_file import Problem, load_problem
+from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import REFUSED, examined, first_design, run_design
 from granwave.workflows.design.points import default_jobs
+from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import random_designs
 from granwave.workflows.design.study import OUTCOME, REPORT, Study
 

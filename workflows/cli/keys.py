@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import REQUIRED, accepted, key_fields, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.terminal import BOLD, coloured
-from granwave.workflows.design.design_file import DESIGN_TABLES
+from granwave.workflows.design.keys import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize

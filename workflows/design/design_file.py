@@ -5,285 +5,47 @@ from __future__ import annotations
 import copy
 import dataclasses
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomli_w
 
-from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.scans.result import SEED
-from granwave.lammps_inputs.case.case import Case, case_keys
+from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
-    choice,
-    count,
-    custom,
     did_you_mean,
     finite,
-    plain_name,
     read_table,
     show,
-    text,
-    whole,
 )
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import library
-from granwave.workflows.design.variables import Space, Values, Variable, read_variables
+from granwave.workflows.design.keys import (
+    KNOWN_BEFORE,
+    Header,
+    ObjectiveTable,
+    SearchTable,
+    UncertaintyTable,
+    is_value,
+    value_names,
+)
+from granwave.workflows.design.problem import Limit, Objective, Problem, with_values
+from granwave.workflows.design.variables import Space, Variable, read_variables
 from granwave.workflows.scanning.header import flat
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _LOG = logging.getLogger("granwave")
 
 LAYERS = "layers"  # of [variables]: materials and diameters of each layer or bead
-_REPLACE = "replace"
 _ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
-#: Values of a packing that limits may concern and that are known before a run.
-KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
-_DERIVED = ("yielded_share",)  # values that are made of those of the summary
 _OF_TARGET = ("target_*", "wall_peak_force_N", "wall_impulse_Ns", "ground_*", "peak_reduction*", "unprotected_*")
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Header:
-    """Top-level keys of a design file."""
-
-    name: str = custom("name of the search", plain_name, default="")
-    base: str = text("the case that is varied: a built-in study or a case file")
-
-
-def _parse_names(value: Any) -> tuple[str, ...]:
-    names = [value] if isinstance(value, str) else value
-    if not isinstance(names, list) or not 1 <= len(names) <= 2 or not all(isinstance(name, str) for name in names):
-        raise ValidationError('the name of a value of summary.json, such as "target_peak_force_N", or a list of two')
-    for name in names:
-        if not _is_value(name):
-            raise ValidationError(f"the name of a value of summary.json{did_you_mean(name, _value_names())}")
-    return tuple(names)
-
-
-def _value_names() -> list[str]:
-    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES)]
-
-
-def _is_value(name: str) -> bool:
-    return any(fnmatchcase(name, known) for known in _value_names())
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class ObjectiveTable:
-    """``[objective]``: what the best design has; two values in all make a Pareto front."""
-
-    minimise: tuple[str, ...] = custom("values that are to be small", _parse_names, default=())
-    maximise: tuple[str, ...] = custom("values that are to be large", _parse_names, default=())
-
-
-def _parse_statistic(value: Any) -> str | float:
-    expected = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
-    if value in ("mean", "worst"):
-        return str(value)
-    if isinstance(value, str) or not 0 < finite(value, expected) < 1:
-        raise ValidationError(expected)
-    return float(value)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class UncertaintyTable:
-    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case drawn from ranges."""
-
-    replicates: int = count("runs of each design", default=3, at_most=1000)
-    statistic: str | float = custom("objective made of the runs", _parse_statistic, default="mean")
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class SearchTable:
-    """``[search]``: how long and how."""
-
-    evaluations: int = count("designs that are run; refused ones do not count", default=60, at_most=100_000)
-    seed: int = custom(
-        "seed of the search", lambda value: whole(value, "a whole number from 0 up", at_least=0), default=1
-    )
-    sampler: str = choice(
-        "model: a Gaussian process of the objective; random: for comparison", ("model", "random"), default="model"
-    )
-    guards: bool = choice("checks of the best design by further runs", (True, False), default=True)
-
-
-#: Tables of a design file: class and description.
-DESIGN_TABLES: dict[str, tuple[type, str]] = {
-    "": (Header, "top-level keys, what may vary, and limits"),
-    "[objective]": (ObjectiveTable, "what the best design has; two values in all make a Pareto front"),
-    "[uncertainty]": (UncertaintyTable, "several runs of each design, with other seeds and keys drawn from ranges"),
-    "[search]": (SearchTable, "how long and how the search goes"),
-}
-
-
-@dataclasses.dataclass(frozen=True)
-class Limit:
-    """Bounds of a value; None where there is none."""
-
-    name: str
-    low: float | None
-    high: float | None
-
-    def margin(self, value: float) -> float:
-        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is within."""
-        return max(
-            (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
-             if bound is not None),
-            default=0.0,
-        )  # fmt: skip
-
-    def fault(self, value: float) -> str:
-        """Say how a value is beyond its bounds; empty if it is within."""
-        if self.high is not None and value > self.high:
-            return f"{self.name} {value:.4g}, at most {self.high:g}"
-        if self.low is not None and value < self.low:
-            return f"{self.name} {value:.4g}, at least {self.low:g}"
-        return ""
-
-
-@dataclasses.dataclass(frozen=True)
-class Objective:
-    """A value of a summary; ``sign`` is 1 if it is to be small, -1 if it is to be large."""
-
-    name: str
-    sign: int
-
-    def loss(self, value: float) -> float:
-        """Return the number that is to be small."""
-        return self.sign * value
-
-
-@dataclasses.dataclass(frozen=True)
-class Problem:
-    """A checked design file.
-
-    Attributes
-    ----------
-    base
-        Tables of the case, with those of ``[set]``.
-    path
-        Design file; its folder is that of relative paths.
-    tables
-        Tables of the file, for comparison on a resumed search.
-    samples
-        Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
-    layers
-        Materials and relative diameters of ``layers``; empty without it.
-    """
-
-    name: str
-    base: dict[str, Any]
-    path: Path
-    tables: dict[str, Any]
-    space: Space
-    limits: tuple[Limit, ...]
-    objectives: tuple[Objective, ...]
-    search: SearchTable
-    statistic: str | float = "mean"
-    samples: tuple[dict[str, Any], ...] = ({},)
-    ignored: tuple[str, ...] = ()
-
-    def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the tables of the case of a design."""
-        found = with_values(self.base, values)
-        return apply_overrides(found, sample) if sample else found
-
-    def case(self, tables: Mapping[str, Any]) -> Case:
-        """Read a case; raise InputError if it is wrong."""
-        case: Case = GRANULAR.read(tables, self.path)
-        return case
-
-    def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
-        """Return the mean, the worst or a quantile of the values of the runs of a design."""
-        if self.statistic == "mean":
-            return float(np.mean(values))
-        if self.statistic == "worst":
-            return max(values) if objective.sign > 0 else min(values)
-        share = float(self.statistic)
-        return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
-
-
-def known_before(case: Case) -> dict[str, float]:
-    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
-    assembly = assemble(case)
-    n = assembly.lattice.n_spheres
-    diameters, positions = assembly.sphere_diameters()[:n], assembly.positions()[:n]
-    spans = (positions + diameters[:, None] / 2).max(axis=0) - (positions - diameters[:, None] / 2).min(axis=0)
-    return {
-        "mass_kg": float(assembly.sphere_masses()[:n].sum()),
-        "height_m": float(spans[2]),
-        "width_m": float(spans[:2].max()),
-        "n_spheres": float(n),
-        "smallest_diameter_m": float(diameters.min()),
-    }
-
-
-# ---------------------------------------------------------------------- values into a case
-
-
-def with_values(tables: Mapping[str, Any], values: Values) -> dict[str, Any]:
-    """Return the tables of a case with the values of a design.
-
-    Parts of a key that are numbers are places in a list, from 0; after ``replace`` the id of a grain, whose entry of
-    ``[[replace]]`` is changed or added.
-
-    Raises
-    ------
-    InputError
-        Part of a key is no table or list, or there is no such place.
-    """
-    found = copy.deepcopy(dict(tables))
-    errors = []
-    # whole tables first, then keys inside them
-    for key in sorted(values, key=lambda key: key.count(".")):
-        try:
-            _set(found, key.split("."), values[key])
-        except ValidationError as error:
-            errors.append(f"{key}: {error}")
-    if errors:
-        raise InputError(errors)
-    return found
-
-
-def _set(table: Any, path: Sequence[str], value: Any) -> None:
-    name, rest = path[0], path[1:]
-    if name == _REPLACE and len(rest) == 2 and rest[0].isdigit():
-        entries = table.setdefault(_REPLACE, [])
-        grain = int(rest[0])
-        own = next((one for one in entries if one.get("index") in (grain, [grain])), None)
-        if own is None:
-            entries.append(own := {"index": grain})
-        own[rest[1]] = copy.deepcopy(value)
-        return
-    place: Any = name
-    if isinstance(table, list):
-        if not name.isdigit() or int(name) >= len(table):
-            raise ValidationError(
-                f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
-            )
-        place = int(name)
-    elif not isinstance(table, dict):
-        raise ValidationError(f"found {show(table)} in the case, expected a table or a list")
-    if not rest:
-        table[place] = copy.deepcopy(value)
-        return
-    if isinstance(table, dict):
-        inner = table.setdefault(name, {})
-        if name == "material" and isinstance(inner, str):
-            table[name] = {"preset": inner}
-    _set(table[place], rest, value)
-
-
-# ---------------------------------------------------------------------- reading
 
 
 def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = None) -> Problem:
@@ -425,8 +187,8 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
         return ()
     for name, value in tables.items():
         expected = "the largest allowed value, or {low = ..., high = ...}"
-        if not _is_value(name):
-            near = did_you_mean(name, _value_names())
+        if not is_value(name):
+            near = did_you_mean(name, value_names())
             errors.add(f"limits.{name}", f"is no value of summary.json, and none of {', '.join(KNOWN_BEFORE)}{near}")
             continue
         try:
@@ -508,8 +270,3 @@ def _samples(problem: Problem, ranges: Mapping[str, tuple[float, float]], replic
         drawn = {key: float(share[n]) for key, share in shares.items()}
         found = {key: low + drawn.get(key, 0.0) * (high - low) for key, (low, high) in ranges.items()}
         yield {**found, SEED: n + 1} if random else found
-
-
-def to_toml(tables: Mapping[str, Any]) -> str:
-    """Return the text of a case file."""
-    return tomli_w.dumps(dict(tables))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import itertools
-import json
 import logging
 from collections import deque
 from collections.abc import Mapping
@@ -13,17 +12,16 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.reports.design import write_design_report
-from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
+from granwave.lammps_inputs.directories import check_directory, results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
 from granwave.lammps_inputs.run_directory import DESIGN, POINTS
 from granwave.workflows.design import guards
-from granwave.workflows.design.design_file import Problem, known_before, to_toml
+from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.search import expected_random, importance, n_first, ordered
+from granwave.workflows.design.problem import Problem, known_before
+from granwave.workflows.design.search import n_first, ordered
 from granwave.workflows.design.study import (
     BEST,
     COMPLETE,
@@ -41,7 +39,6 @@ from granwave.workflows.design.study import (
 )
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
-from granwave.workflows.run.record import versions
 
 logger = logging.getLogger(__name__)
 
@@ -210,9 +207,9 @@ class _Search:
         best = next(iter(self.study.best()), None)
         findings: list[guards.Finding] = []
         if best is not None and not self.stop.count:
-            findings = self._check(best)
+            findings = check_best(self.study, best, self.points, self.jobs, self.stop, show=self.show)
         if not self.stop.count:
-            self._publish(findings)
+            publish(self.study, findings)
         failed = sum(design.state == FAILED for design in self.study.designs)
         return DesignOutcome(self.directory, best, self.study.n_evaluated, failed, bool(self.stop.count))
 
@@ -370,97 +367,3 @@ class _Search:
             values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
             parts.insert(0, f"best {values} (design {best.number})")
         return ", ".join(parts)
-
-    # ------------------------------------------------------------------ the best
-
-    def _check(self, best: Design) -> list[guards.Finding]:
-        """Run the guards of the best design."""
-        first = names(best.number, self.problem.samples)[0]
-        place = self.directory / POINTS / first
-        before = best.runs[first]["value"]
-        findings = guards.findings_without_runs(self.problem, best, read_summary(place), place)
-        if not self.problem.search.guards:
-            return findings
-        waiting, made = deque(guards.further_runs(self.problem, best, best.runs[first]["longer"])), {}
-        bar = Progress(len(waiting), f"{self.problem.name}: checks", enabled=self.show)
-        with contextlib.closing(bar):
-            total = len(waiting)
-            while (waiting or self.points) and not self.stop.count:
-                while waiting and len(self.points) < self.jobs:
-                    guard, tables = waiting.popleft()
-                    name = f"best-{guard.name}"
-                    made[name] = guard
-                    self.points.start(name, tables)
-                for ended in self.points.wait():
-                    guard = made[ended.name]
-                    values = {**known_values(self.problem, ended.summary), **with_derived(ended.summary)}
-                    findings.append(guards.finding_of(guard, self.problem, before, values))
-                    bar.update(total - len(waiting) - len(self.points), guard.what)
-            if self.stop.count:
-                self.points.stop()
-                while self.points:
-                    self.points.wait()
-        return sorted(findings, key=lambda one: not one.warning)
-
-    def _publish(self, findings: list[guards.Finding]) -> None:
-        """Write the cases of the best designs, design.json and the report."""
-        study, problem = self.study, self.problem
-        best = study.best()
-        for name in BEST:
-            (self.directory / name).unlink(missing_ok=True)
-        for name, design in zip(BEST, best, strict=False):
-            run = next(iter(design.runs.values()))
-            tables = problem.tables_of(design.values)
-            if run["longer"] > 1:
-                tables = guards.longer_end(tables, run["longer"])
-            tables = problem.case({**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}).to_dict()
-            replace_text(self.directory / name, to_toml(tables))
-        states = [design.state for design in study.designs]
-        outcome = {
-            "name": problem.name,
-            "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
-            "best": self._values_of(best[0], findings) if best else None,
-            "front": [self._values_of(design) for design in best] if len(problem.objectives) > 1 else None,
-            "evaluations": study.n_evaluated,
-            "states": {state: states.count(state) for state in dict.fromkeys(states)},
-            "designs": problem.space.size if problem.space.size < float("inf") else None,
-            "importance": importance(problem.space, study.known()),
-            "random": self._random(),
-            "seconds": sum(design.seconds for design in study.designs),
-            "versions": versions(),
-        }
-        replace_text(self.directory / OUTCOME, json.dumps(outcome, indent=1) + "\n")
-        write_design_report(self.directory)
-
-    def _random(self) -> list[float]:
-        """Return the best of so many designs at random, by the model: what the search is compared with."""
-        (first, *others) = self.problem.objectives
-        counts = range(1, self.study.n_evaluated + 1)
-        losses = [] if others else expected_random(self.problem.space, self.study.known(), counts)
-        return [first.sign * loss for loss in losses]
-
-    def _values_of(self, design: Design, findings: list[guards.Finding] | None = None) -> dict[str, Any]:
-        values: dict[str, Any] = {
-            "number": design.number,
-            "directory": f"{POINTS}/{names(design.number, self.problem.samples)[0]}",
-            "variables": design.values,
-            **design.known,
-            "objective": design.objectives,
-        }
-        if design.spread:
-            values["spread"] = design.spread
-        if findings is not None:
-            values["guards"] = [dataclasses.asdict(one) for one in findings]
-        return values
-
-
-def known_values(problem: Problem, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return objectives that a packing has before a run, under the names that a summary gives them."""
-    found = {"mass_kg": summary.get("packing_mass_kg"), "height_m": summary.get("packing_height_m")}
-    return {one.name: found[one.name] for one in problem.objectives if found.get(one.name) is not None}
-
-
-def with_derived(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a summary with the values that are made of others."""
-    count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
-    return {**summary, "yielded_share": yielded / count if count and yielded is not None else None}

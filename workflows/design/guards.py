@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import RESULT_FILE
-from granwave.workflows.design.design_file import Problem
+from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.study import Design
 from granwave.workflows.design.variables import Values
 

@@ -14,8 +14,8 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.run_directory import POINTS
-from granwave.workflows.design.design_file import Objective, Problem
 from granwave.workflows.design.points import names
+from granwave.workflows.design.problem import Objective, Problem
 from granwave.workflows.design.search import Known, front
 from granwave.workflows.design.variables import Values
 

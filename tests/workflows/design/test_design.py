@@ -15,9 +15,10 @@ import pytest
 
 import granwave as gw
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.design.design_file import load_problem, with_values
+from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import examined, first_design
 from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, target_force
+from granwave.workflows.design.problem import with_values
 from granwave.workflows.design.study import Study
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401

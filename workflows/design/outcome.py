@@ -1,0 +1,111 @@
+"""What a search leaves: the checks of the best design, the cases of the best, design.json and the report."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import tomli_w
+
+from granwave.analysis.reports.design import write_design_report
+from granwave.lammps_inputs.directories import read_summary
+from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.run_directory import POINTS
+from granwave.workflows.design import guards
+from granwave.workflows.design.points import Points, names
+from granwave.workflows.design.problem import Problem
+from granwave.workflows.design.search import expected_random, importance
+from granwave.workflows.design.study import BEST, OUTCOME, Design, Study
+from granwave.workflows.run.progress import Progress
+from granwave.workflows.run.record import versions
+
+
+def check_best(
+    study: Study, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
+) -> list[guards.Finding]:
+    """Check the best design by its own run and by further ones; return the findings, warnings first."""
+    problem = study.problem
+    first = names(best.number, problem.samples)[0]
+    run, place = best.runs[first], study.directory / POINTS / first
+    findings = guards.findings_without_runs(problem, best, read_summary(place), place)
+    waiting = deque(guards.further_runs(problem, best, run["longer"]) if problem.search.guards else ())
+    total, made = len(waiting), {}
+    with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:
+        while (waiting or points) and not stop.count:
+            while waiting and len(points) < jobs:
+                guard, tables = waiting.popleft()
+                made[f"best-{guard.name}"] = guard
+                points.start(f"best-{guard.name}", tables)
+            for ended in points.wait():
+                guard = made[ended.name]
+                findings.append(guards.finding_of(guard, problem, run["value"], with_derived(ended.summary)))
+                bar.update(total - len(waiting) - len(points), guard.what)
+        if stop.count:
+            points.stop()
+            while points:
+                points.wait()
+    return sorted(findings, key=lambda one: not one.warning)
+
+
+def with_derived(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a summary with the values that are made of others, and those that are known before a run."""
+    count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
+    return {
+        **summary,
+        "mass_kg": summary.get("packing_mass_kg"),
+        "height_m": summary.get("packing_height_m"),
+        "yielded_share": yielded / count if count and yielded is not None else None,
+    }
+
+
+def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
+    """Write the cases of the best designs, design.json and the report."""
+    problem, best = study.problem, study.best()
+    for name in BEST:
+        (study.directory / name).unlink(missing_ok=True)
+    for name, design in zip(BEST, best, strict=False):
+        tables = problem.tables_of(design.values)
+        longer = next(iter(design.runs.values()))["longer"]
+        tables = tables if longer == 1 else guards.longer_end(tables, longer)
+        tables = problem.case({**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}).to_dict()
+        replace_text(study.directory / name, tomli_w.dumps(tables))
+    states = [design.state for design in study.designs]
+    outcome = {
+        "name": problem.name,
+        "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
+        "best": {**_values_of(problem, best[0]), "guards": list(map(dataclasses.asdict, findings))} if best else None,
+        "front": [_values_of(problem, design) for design in best] if len(problem.objectives) > 1 else None,
+        "evaluations": study.n_evaluated,
+        "states": {state: states.count(state) for state in dict.fromkeys(states)},
+        "designs": problem.space.size if problem.space.size < float("inf") else None,
+        "importance": importance(problem.space, study.known()),
+        "random": _random(study),
+        "seconds": sum(design.seconds for design in study.designs),
+        "versions": versions(),
+    }
+    replace_text(study.directory / OUTCOME, json.dumps(outcome, indent=1) + "\n")
+    write_design_report(study.directory)
+
+
+def _random(study: Study) -> list[float]:
+    """Return the best of so many designs at random, by the model: what the search is compared with."""
+    (first, *others) = study.problem.objectives
+    counts = range(1, study.n_evaluated + 1)
+    losses = [] if others else expected_random(study.problem.space, study.known(), counts)
+    return [first.sign * loss for loss in losses]
+
+
+def _values_of(problem: Problem, design: Design) -> dict[str, Any]:
+    return {
+        "number": design.number,
+        "directory": f"{POINTS}/{names(design.number, problem.samples)[0]}",
+        "variables": design.values,
+        **design.known,
+        "objective": design.objectives,
+        **({"spread": design.spread} if design.spread else {}),
+    }

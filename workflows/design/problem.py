@@ -1,0 +1,177 @@
+"""What is searched for: a base case with variables, limits and objectives, and the cases of its designs."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.parse import apply_overrides
+from granwave.lammps_inputs.case.schema import ValidationError, show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.workflows.design.keys import SearchTable
+from granwave.workflows.design.variables import Space, Values
+from granwave.workflows.solvers import GRANULAR
+
+_REPLACE = "replace"
+
+
+@dataclasses.dataclass(frozen=True)
+class Limit:
+    """Bounds of a value; None where there is none."""
+
+    name: str
+    low: float | None
+    high: float | None
+
+    def margin(self, value: float) -> float:
+        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is within."""
+        return max(
+            (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
+             if bound is not None),
+            default=0.0,
+        )  # fmt: skip
+
+    def fault(self, value: float) -> str:
+        """Say how a value is beyond its bounds; empty if it is within."""
+        if self.high is not None and value > self.high:
+            return f"{self.name} {value:.4g}, at most {self.high:g}"
+        if self.low is not None and value < self.low:
+            return f"{self.name} {value:.4g}, at least {self.low:g}"
+        return ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """A value of a summary; ``sign`` is 1 if it is to be small, -1 if it is to be large."""
+
+    name: str
+    sign: int
+
+    def loss(self, value: float) -> float:
+        """Return the number that is to be small."""
+        return self.sign * value
+
+
+@dataclasses.dataclass(frozen=True)
+class Problem:
+    """A checked design file.
+
+    Attributes
+    ----------
+    base
+        Tables of the case, with those of ``[set]``.
+    path
+        Design file; its folder is that of relative paths.
+    tables
+        Tables of the file, for comparison on a resumed search.
+    samples
+        Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
+    layers
+        Materials and relative diameters of ``layers``; empty without it.
+    """
+
+    name: str
+    base: dict[str, Any]
+    path: Path
+    tables: dict[str, Any]
+    space: Space
+    limits: tuple[Limit, ...]
+    objectives: tuple[Objective, ...]
+    search: SearchTable
+    statistic: str | float = "mean"
+    samples: tuple[dict[str, Any], ...] = ({},)
+    ignored: tuple[str, ...] = ()
+
+    def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Return the tables of the case of a design."""
+        found = with_values(self.base, values)
+        return apply_overrides(found, sample) if sample else found
+
+    def case(self, tables: Mapping[str, Any]) -> Case:
+        """Read a case; raise InputError if it is wrong."""
+        case: Case = GRANULAR.read(tables, self.path)
+        return case
+
+    def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
+        """Return the mean, the worst or a quantile of the values of the runs of a design."""
+        if self.statistic == "mean":
+            return float(np.mean(values))
+        if self.statistic == "worst":
+            return max(values) if objective.sign > 0 else min(values)
+        share = float(self.statistic)
+        return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
+
+
+def known_before(case: Case) -> dict[str, float]:
+    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
+    assembly = assemble(case)
+    n = assembly.lattice.n_spheres
+    diameters, positions = assembly.sphere_diameters()[:n], assembly.positions()[:n]
+    spans = (positions + diameters[:, None] / 2).max(axis=0) - (positions - diameters[:, None] / 2).min(axis=0)
+    return {
+        "mass_kg": float(assembly.sphere_masses()[:n].sum()),
+        "height_m": float(spans[2]),
+        "width_m": float(spans[:2].max()),
+        "n_spheres": float(n),
+        "smallest_diameter_m": float(diameters.min()),
+    }
+
+
+def with_values(tables: Mapping[str, Any], values: Values) -> dict[str, Any]:
+    """Return the tables of a case with the values of a design.
+
+    Parts of a key that are numbers are places in a list, from 0; after ``replace`` the id of a grain, whose entry of
+    ``[[replace]]`` is changed or added.
+
+    Raises
+    ------
+    InputError
+        Part of a key is no table or list, or there is no such place.
+    """
+    found = copy.deepcopy(dict(tables))
+    errors = []
+    # whole tables first, then keys inside them
+    for key in sorted(values, key=lambda key: key.count(".")):
+        try:
+            _set(found, key.split("."), values[key])
+        except ValidationError as error:
+            errors.append(f"{key}: {error}")
+    if errors:
+        raise InputError(errors)
+    return found
+
+
+def _set(table: Any, path: Sequence[str], value: Any) -> None:
+    name, rest = path[0], path[1:]
+    if name == _REPLACE and len(rest) == 2 and rest[0].isdigit():
+        entries = table.setdefault(_REPLACE, [])
+        grain = int(rest[0])
+        own = next((one for one in entries if one.get("index") in (grain, [grain])), None)
+        if own is None:
+            entries.append(own := {"index": grain})
+        own[rest[1]] = copy.deepcopy(value)
+        return
+    place: Any = name
+    if isinstance(table, list):
+        if not name.isdigit() or int(name) >= len(table):
+            raise ValidationError(
+                f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
+            )
+        place = int(name)
+    elif not isinstance(table, dict):
+        raise ValidationError(f"found {show(table)} in the case, expected a table or a list")
+    if not rest:
+        table[place] = copy.deepcopy(value)
+        return
+    if isinstance(table, dict):
+        inner = table.setdefault(name, {})
+        if name == "material" and isinstance(inner, str):
+            table[name] = {"preset": inner}
+    _set(table[place], rest, value)
