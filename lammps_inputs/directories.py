@@ -20,21 +20,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs import run_directory
+from granwave.lammps_inputs import ownership, run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import checksum, head, read_json, read_tables, replace_text
-from granwave.lammps_inputs.ownership import (
-    claim,
-    output_names,
-    own_file,
-    read_marker,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-    results_in,
-)
-from granwave.lammps_inputs.run_directory import DUMPS
 
+logger = logging.getLogger(__name__)
+_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
+_FROM_DATA = "positions, diameters and densities are those of the file"
+_FROM_CASE = (
+    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
+    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
+)
 _RESOLVED = "resolved"  # derived values in case.toml
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
@@ -43,7 +39,7 @@ _LONGEST = 40  # characters of a value in a message
 
 def tables_as_run(directory: Path) -> dict[str, Any] | None:
     """Return the tables of case.toml at the start of the run; None if the marker does not hold them."""
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     try:
         return tomllib.loads(marker.case) or None if marker else None
     except ValueError:  # a marker that somebody edited
@@ -59,13 +55,7 @@ def case_digest(tables: Mapping[str, Any]) -> str:
 
 
 def check_case(directory: Path) -> None:
-    """Raise InputError if case.toml was changed after the run; the table of figures may be.
-
-    Raises
-    ------
-    InputError
-        A key of case.toml differs from the case that was run.
-    """
+    """Raise InputError if case.toml was changed after the run; the table of figures may be."""
     path = directory / run_directory.CASE_FILE
     there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
@@ -90,10 +80,10 @@ def restore_case(directory: Path) -> bool:
         The file was changed after the run.
     """
     check_case(directory)
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     if marker is None or not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
         return False
-    claim(directory, [run_directory.CASE_FILE])
+    ownership.claim(directory, [run_directory.CASE_FILE])
     replace_text(directory / run_directory.CASE_FILE, marker.case)
     return True
 
@@ -114,14 +104,12 @@ def _shown(value: Any) -> str:
 
 def note_files(directory: Path, names: Iterable[str]) -> None:
     """Store sizes and checksums of finished files in the marker, so that `changed_file` detects later changes."""
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     if marker is None:
         return
-    for name in names:
-        path = own_file(directory, name)
-        marker.files[name] = path.stat().st_size if path is not None else None
-        if path is not None:
-            marker.sums[name] = checksum(path)
+    paths = {name: ownership.own_file(directory, name) for name in names}
+    marker.files |= {name: path.stat().st_size if path is not None else None for name, path in paths.items()}
+    marker.sums |= {name: checksum(path) for name, path in paths.items() if path is not None}
     marker.write(directory)
 
 
@@ -133,16 +121,15 @@ def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
     names
         Names of the files to look at; None: all that were noted.
     """
-    marker = read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
-    if marker is None:
-        return ""
-    for name in marker.files if names is None else names:
-        path, size, noted = directory / name, marker.files.get(name), marker.sums.get(name)
-        if size is None or not path.is_file():
+    marker = ownership.read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
+    files = marker.files if marker is not None else {}
+    for name in files if names is None else names:
+        path, size = directory / name, files.get(name)
+        if marker is None or size is None or not path.is_file():
             continue
         if path.stat().st_size != size:
             return f"{path}: is not what the run wrote: it has {path.stat().st_size} bytes, had {size}"
-        if noted is not None and checksum(path) != noted:
+        if name in marker.sums and checksum(path) != marker.sums[name]:
             return f"{path}: is not what the run wrote: its checksum differs; it was damaged, or is of another run"
     return ""
 
@@ -154,7 +141,7 @@ def changed_result(
     fault = changed_file(directory, names)
     if not fault:
         return ""
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     if marker is not None and marker.kind == run_directory.CONTINUUM:
         return f"{fault}: run the case again with --resume"
     return f"{fault}: make it anew with  granwave analyse {directory}"
@@ -170,11 +157,8 @@ def result_fault(directory: Path) -> str:
 
     summary.json must exist. Other files may have been removed, to save disk space for instance.
     """
-    summary, result, record = (
-        directory / run_directory.SUMMARY_FILE,
-        directory / run_directory.RESULT_FILE,
-        directory / run_directory.RECORD_FILE,
-    )
+    files = (run_directory.SUMMARY_FILE, run_directory.RESULT_FILE, run_directory.RECORD_FILE)
+    summary, result, record = (directory / name for name in files)
     if not read_summary(directory):
         return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
     if record.exists() and read_json(record) is None:
@@ -186,24 +170,13 @@ def result_fault(directory: Path) -> str:
 
 def outputs_complete(directory: Path) -> bool:
     """Return True if all output of LAMMPS exists as it was at the end of the run."""
-    names = output_names(directory)
-    names = [run_directory.DATA_FILE, *names]
+    names = [run_directory.DATA_FILE, *ownership.output_names(directory)]
     return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)
-
-
-logger = logging.getLogger(__name__)
-
-_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
-_FROM_DATA = "positions, diameters and densities are those of the file"
-_FROM_CASE = (
-    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
-    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
-)
 
 
 def note_deck(directory: Path, names: Iterable[str]) -> None:
     """Store the digests of the files of a deck in the marker, so that `changed_files` detects edits."""
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     if marker is not None:
         marker.digests |= {name: _digest(directory / name) for name in names}
         marker.write(directory)
@@ -211,7 +184,7 @@ def note_deck(directory: Path, names: Iterable[str]) -> None:
 
 def changed_files(directory: Path) -> list[str]:
     """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
-    marker = read_marker(directory)
+    marker = ownership.read_marker(directory)
     noted = marker.digests if marker else {}
     return [
         name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest
@@ -231,7 +204,7 @@ def check_deck(directory: Path) -> None:
         path, is_data = directory / name, name == run_directory.DATA_FILE
         if by_hand:
             taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
-            written = [one.stat().st_mtime for one in (directory / DUMPS).glob("*") if one.is_file()]
+            written = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
             newer = bool(written) and path.stat().st_mtime > max(written)
             late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
             logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
@@ -284,8 +257,8 @@ def decide(
         granwave did not write and would overwrite; it is unsuitable for results; or both options were given.
     """
     check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, kind)
-    if resume and results_in(directory) and (there := tables_as_run(directory)) is not None:
+    ownership.refuse_other_kind(directory, kind)
+    if resume and ownership.results_in(directory) and (there := tables_as_run(directory)) is not None:
         check_case(directory)
         as_run = read(there)
         if different := sorted(name for name in {*as_run, *case} if as_run.get(name) != case.get(name)):
@@ -295,8 +268,8 @@ def decide(
             )
         return True
     if not force:
-        refuse_results(directory)
-    refuse_foreign(directory, names)
+        ownership.refuse_results(directory)
+    ownership.refuse_foreign(directory, names)
     return False
 
 
@@ -314,15 +287,12 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
     if source is None:
         return
     there = source.resolve()
-    places = [(directory / result).resolve() for result in results_in(directory)]
+    places = [(directory / result).resolve() for result in ownership.results_in(directory)]
     if any(place in (there, *there.parents) for place in places):
         raise InputError(
             f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
             "choose another directory with -o"
         )
-
-
-# ---------------------------------------------------------------------- places
 
 
 def output_path(name: str | Path) -> Path:
@@ -371,7 +341,7 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(f"{path}: is {places[there]}; choose a directory for the results alone with -o")
-    if force and path.is_symlink() and results_in(path):
+    if force and path.is_symlink() and ownership.results_in(path):
         raise InputError(
             f"{path}: is a link to {there}, and --force removes nothing through a link; give that directory with -o"
         )
@@ -394,9 +364,6 @@ def refuse_other_file(path: Path, own: bytes) -> None:
         raise InputError(f"{path}: is there, and granwave did not write it; choose another name with -o")
 
 
-# ---------------------------------------------------------------------- disks
-
-
 def check_disk(
     directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0, remedy: str = "fewer run.frames"
 ) -> None:
@@ -412,11 +379,6 @@ def check_disk(
         Space that must stay free, bytes.
     remedy
         Alternative to another directory, for the message.
-
-    Raises
-    ------
-    InputError
-        The free space is less than both together.
     """
     free = free_space(directory)
     if needed and needed + spare > free:
@@ -431,9 +393,6 @@ def free_space(directory: Path) -> float:
 
 def disk_space_message(what: str, needed: float, spare: float, free: float) -> str:
     """Describe the disk space that is needed, must stay free and is free; all in bytes."""
-    left = f" and {_gigabytes(spare)} must stay free" if spare else ""
-    return f"{what} need about {_gigabytes(needed)}{left}, {_gigabytes(free)} are free there"
-
-
-def _gigabytes(size: float) -> str:
-    return f"{size / 1e9:.3g} GB"
+    needed, spare, free = (size / 1e9 for size in (needed, spare, free))
+    left = f" and {spare:.3g} GB must stay free" if spare else ""
+    return f"{what} need about {needed:.3g} GB{left}, {free:.3g} GB are free there"

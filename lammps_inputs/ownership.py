@@ -60,9 +60,6 @@ def _is_inside(name: str) -> bool:
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 
 
-# ---------------------------------------------------------------------- own files and those of others
-
-
 def claim(directory: Path, names: Iterable[str], *, kind: str | None = None, case: str | None = None) -> None:
     """Enter files in the marker as granwave's own, before they are written.
 
@@ -193,9 +190,6 @@ def refuse_results(directory: Path, ways: str = "--resume goes on with them, --f
 
 def _few(names: Sequence[str]) -> str:
     return ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
-
-
-# ---------------------------------------------------------------------- removal
 
 
 def clear(directory: Path, names: Collection[str] | None = None) -> None:
