@@ -15,11 +15,13 @@ from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import Packing
+from granwave.workflows import load_case
 
 MINIMAL: dict[str, Any] = {
     "packing": {"kind": "fcc", "size": [12, 12, 6], "diameter": 0.01},
     "material": "brass",
 }
+TWO_SPHERES = load_case("two-spheres", ["run.frames=3"])
 FILE = 'material = "brass"\n[packing]\nkind = "fcc"\nsize = [12, 12, 6]\ndiameter = 0.01\n'
 
 

@@ -11,27 +11,13 @@ import pytest
 
 from granwave.lammps_inputs.files import checksum
 from granwave.lammps_inputs.run_directory import MARKER
-from granwave.workflows import load_case, run_case
+from granwave.workflows import run_case
 from granwave.workflows.cli.main import main
 from granwave.workflows.run import driver
+from tests.helpers.small_cases import TWO_SPHERES
 
-CASE = load_case("two-spheres", ["run.frames=3"])
 CLOCK = ("wall_time_s", "sphere_steps_per_s")
 READERS = ("report {} -o {}.md", "film {} -o {}.gif", "figures {}", "export {} --to csv", "view {}", "infer {}")
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory) -> Path:
-    """Finished run."""
-    directory = tmp_path_factory.mktemp("whole") / "r"
-    run_case(CASE, directory, figures=False)
-    return directory
-
-
-@pytest.fixture
-def run(whole: Path, tmp_path: Path) -> Path:
-    """Copy of the finished run, to be damaged."""
-    return shutil.copytree(whole, tmp_path / "r")
 
 
 def damage(path: Path, share: float = 0.6) -> None:
@@ -56,7 +42,7 @@ def test_a_dump_that_changed_is_refused_and_computed_again(run, whole, capsys, n
     (line,) = capsys.readouterr().err.strip().splitlines()
     assert str(path) in line and "--resume" in line
     assert [(run / one).read_bytes() for one in ("result.h5", "summary.json")] == results
-    assert run_case(CASE, run, resume=True, figures=False).state == "finished"
+    assert run_case(TWO_SPHERES, run, resume=True, figures=False).state == "finished"
     assert path.read_bytes() == (whole / "dumps" / name).read_bytes() and values(run) == values(whole)
 
 
@@ -97,7 +83,7 @@ def interrupted(tmp_path: Path, monkeypatch) -> Path:
     with monkeypatch.context() as patched:
         patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
         patched.setattr(driver, "_PIECE", 1e-3)
-        assert run_case(CASE, tmp_path / "r", figures=False).state == "interrupted"
+        assert run_case(TWO_SPHERES, tmp_path / "r", figures=False).state == "interrupted"
     return tmp_path / "r"
 
 
@@ -106,13 +92,13 @@ def test_a_checkpoint_that_changed_is_not_gone_on_with(interrupted, whole, caplo
     saved = json.loads((interrupted / "run.json").read_text())["checkpoint"]
     name = name or saved["file"]
     damage(interrupted / name)
-    assert run_case(CASE, interrupted, resume=True, figures=False).state == "finished"
+    assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
     assert f"{interrupted / name}: is not what the run wrote" in caplog.text and "begins again" in caplog.text
     assert values(interrupted) == values(whole)
 
 
 def test_a_whole_checkpoint_is_gone_on_with_and_analysed(interrupted, caplog):
-    assert run_case(CASE, interrupted, resume=True, figures=False).state == "finished"
+    assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
     assert "begins again" not in caplog.text and "read_restart" in (interrupted / "log.lammps").read_text()
     assert main(["analyse", str(interrupted), "--no-figures"]) == 0
 

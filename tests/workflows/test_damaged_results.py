@@ -17,8 +17,8 @@ from granwave.lammps_inputs.ownership import read_marker
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
+from tests.helpers.small_cases import TWO_SPHERES
 
-CASE = load_case("two-spheres", ["run.frames=3"])
 CLOCK = ("wall_time_s", "sphere_steps_per_s")
 
 
@@ -30,25 +30,11 @@ def cut(path: Path, size: int = 100) -> None:
     os.truncate(path, size)
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory) -> Path:
-    """Finished run."""
-    directory = tmp_path_factory.mktemp("whole") / "r"
-    run_case(CASE, directory, figures=False)
-    return directory
-
-
-@pytest.fixture
-def run(whole: Path, tmp_path: Path) -> Path:
-    """Copy of the finished run, to be damaged."""
-    return shutil.copytree(whole, tmp_path / "r")
-
-
 def resumed(directory: Path, whole: Path) -> str:
     """Resume, and check that results are unchanged: "kept", "analysed" or "run", by modification times and the result."""
     before = directory / "result.h5"
     number = before.stat().st_ino if before.exists() else None
-    outcome = run_case(CASE, directory, resume=True, figures=False)
+    outcome = run_case(TWO_SPHERES, directory, resume=True, figures=False)
     assert outcome.state == "finished" and outcome.summary == summary(directory)
     one, two = summary(whole), summary(directory)
     assert {k: v for k, v in one.items() if k not in CLOCK} == {k: v for k, v in two.items() if k not in CLOCK}
@@ -125,7 +111,7 @@ def test_files_of_somebody_else_stay_when_a_run_is_made_again(run, whole):
         path.write_text("mine")
     cut(run / "dumps" / "energy.txt")
     assert resumed(run, whole) == "run"
-    run_case(CASE, run, force=True, figures=False)
+    run_case(TWO_SPHERES, run, force=True, figures=False)
     assert [path.read_text() for path in mine] == ["mine"] * 3
 
 
@@ -146,7 +132,7 @@ def edit(directory: Path) -> None:
 
 
 def test_an_edited_case_is_refused(run, tmp_path, capsys):
-    velocity = CASE.load.velocity
+    velocity = TWO_SPHERES.load.velocity
     edit(run)
     message = f"{run / 'case.toml'}: was changed after the run: load.velocity is 1{velocity}, was {velocity}."
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
@@ -154,7 +140,7 @@ def test_an_edited_case_is_refused(run, tmp_path, capsys):
         assert main(command) == 2
         (line,) = capsys.readouterr().err.strip().splitlines()
         assert message in line and "granwave analyse" in line
-    for case in (CASE, load_case(run / "case.toml")):
+    for case in (TWO_SPHERES, load_case(run / "case.toml")):
         with pytest.raises(InputError, match="was changed after the run"):
             run_case(case, run, resume=True)
     assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
@@ -177,7 +163,7 @@ def analyse_all(directory: Path) -> None:
 def test_comments_and_spaces_are_no_change(run, whole):
     text = (run / "case.toml").read_text()
     (run / "case.toml").write_text("# mine\n" + text.replace(" = ", "="))
-    assert run_case(CASE, run, resume=True).state == "finished"
+    assert run_case(TWO_SPHERES, run, resume=True).state == "finished"
     assert main(["analyse", str(run), "--no-figures"]) == 0
     assert {k: v for k, v in summary(run).items() if k not in CLOCK} == {
         k: v for k, v in summary(whole).items() if k not in CLOCK
@@ -216,7 +202,7 @@ def test_an_analysis_on_a_full_disk_can_be_resumed(run, whole, small_disk, left)
     (there / "summary.json").unlink()
     ballast = fill_up(small_disk, left)
     with pytest.raises(RunError) as caught:
-        run_case(CASE, there, resume=True, figures=False)
+        run_case(TWO_SPHERES, there, resume=True, figures=False)
     assert "No space left on device" in str(caught.value) and "--resume" in str(caught.value)
     assert str(caught.value).startswith(str(there / ("result.h5" if left else MARKER)))
     ballast.unlink()
@@ -246,16 +232,17 @@ def test_a_full_disk_is_told_with_the_file_and_no_crash(granwave, run, small_dis
     ],
 )
 @pytest.mark.parametrize("left", [0, 4096])
-def test_good_files_stay_on_a_full_disk(granwave, run, small_disk, words, name, left):
+def test_good_files_stay_on_a_full_disk(run, small_disk, monkeypatch, capsys, words, name, left):
     """One line, exit status 1, and what was there before is as it was."""
     shutil.copytree(run, small_disk / "r")
+    monkeypatch.chdir(small_disk)
     for first in (words, "write two-spheres -o deck --force"):
-        assert granwave(*first.split(), cwd=small_disk).returncode == 0
+        assert main(first.split()) == 0
+    capsys.readouterr()
     fill_up(small_disk, left)
     before = {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()}
-    done = granwave(*words.split(), cwd=small_disk)
-    assert done.returncode == 1, done.stderr
-    (line,) = done.stderr.splitlines()
+    assert main(words.split()) == 1
+    (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"granwave: {name}") and ("No space left" in line or "disk full" in line)
     assert {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()} == before
 
@@ -264,14 +251,14 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
     free = iter([1e12])
     monkeypatch.setattr("granwave.workflows.run.driver.free_space", lambda _: next(free, 1000.0))
     with pytest.raises(RunError) as caught:
-        run_case(CASE, tmp_path / "r", figures=False)
+        run_case(TWO_SPHERES, tmp_path / "r", figures=False)
     message = str(caught.value)
     assert message.startswith(f"{tmp_path / 'r'}: the disk is full: stopped at step ")
     assert "need about" in message and "1e-06 GB are free there" in message and "from the checkpoint at step" in message
     record = json.loads((tmp_path / "r" / "run.json").read_text())
     assert record["state"] == "failed" and (tmp_path / "r" / record["checkpoint"]["file"]).exists()
     monkeypatch.undo()
-    assert run_case(CASE, tmp_path / "r", resume=True, figures=False).state == "finished"
+    assert run_case(TWO_SPHERES, tmp_path / "r", resume=True, figures=False).state == "finished"
     one, two = summary(whole), summary(tmp_path / "r")
     for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
         assert two[key] == pytest.approx(one[key], rel=1e-9)

@@ -72,7 +72,7 @@ def test_a_full_disk_keeps_the_earlier_film(chain, tmp_path, form):
         before = path.read_bytes() if form == "mp4" else b""
         (disk / "ballast").write_bytes(bytes(shutil.disk_usage(disk).free - 4096))
         with pytest.raises(OSError, match="No space left") as error:
-            write_film(chain, path, width=1200)
+            write_film(chain, path, width=800)
         assert error.value.filename == str(path) and (not before or path.read_bytes() == before)
         assert {one.name for one in disk.iterdir()} == {"ballast", *([path.name] if before else [])}
     finally:

@@ -144,7 +144,7 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
         (["load.velocity=0"], ["load.velocity"]),
         (["load.velocity=-3", "packing.diameter=0"], ["load.velocity", "packing.diameter"]),
         (["packing.size=[20000,20000,20000]"], []),
-        (["packing.size=[2000,2000,200]", "run.frames=1000"], ["GiB of memory", "GB are free"]),
+        (["packing.size=[2000,1000,200]", "run.frames=1000"], ["GiB of memory", "GB are free"]),
     ],
 )
 def test_bad_input_is_refused_before_anything_happens(granwave, tmp_path, overrides, words):

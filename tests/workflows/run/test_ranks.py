@@ -126,6 +126,6 @@ def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
     script = tmp_path / "leave.py"
     script.write_text(f"from granwave.workflows.run.mpi import leave\nleave({status})\n")
     command = [str(BIN / "mpiexec"), "-n", "4", sys.executable, "-m", "mpi4py", str(script)]
-    for _ in range(6):
+    for _ in range(3):
         ended = subprocess.run(command, timeout=120, env=PLAIN, capture_output=True, text=True)
         assert (ended.returncode, ended.stdout, ended.stderr) == (status, "", "")

@@ -158,9 +158,9 @@ def test_faults_of_overrides(load: Load, override: str, words: list[str]) -> Non
 
 
 def test_points_must_fit_into_the_memory_unless_they_are_for_a_cluster(load: Load, faults_of) -> None:
-    text = 'case = "fcc-small"\n[grid]\npacking.size = [[6, 6, 4], [2000, 2000, 400]]\n'
+    text = 'case = "fcc-small"\n[grid]\npacking.size = [[6, 6, 4], [1000, 1000, 400]]\n'
     (fault,) = faults_of(text)
-    assert fault.startswith("point 2 (packing.size = [2000, 2000, 400])") and "GiB" in fault
+    assert fault.startswith("point 2 (packing.size = [1000, 1000, 400])") and "GiB" in fault
     assert load(text, here=False).points[1].plan.memory > 1e11
 
 
