@@ -64,6 +64,10 @@ SCAN_WORK = ".scan"  # batches, marks and logs of the engine
 POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP = "point.json", "point.toml", "point.log", ".stop"
 POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 
+# Of a search for a design, whose report is SCAN_REPORT and whose runs are in POINTS.
+DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME = "study.json", "designs.csv", "design.json"
+BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
+
 # Of a fit of the contact law.
 FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
 

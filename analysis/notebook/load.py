@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -15,7 +16,10 @@ from granwave.analysis.quantities import SCAN_COLUMNS
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.scans.table import Columns, column_unit, read_scan, scan_statistics, scan_table
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.run_directory import (
+    DESIGN_OUTCOME,
+    DESIGN_TABLE,
     INFERENCE,
     INFERRED_FORCES,
     INFERRED_GRAINS,
@@ -243,8 +247,42 @@ def load_inferred(directory: Path, summary: Mapping[str, Any]) -> InferredForces
         ) from None
 
 
-def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Dataset | dict[str, Dataset]:
-    """Load the results of a run, a scan, an inference, or of bands, modes and transmission.
+@dataclasses.dataclass(frozen=True)
+class Designs:
+    """Result of a search for a design.
+
+    Attributes
+    ----------
+    directory
+        Directory of the results.
+    """
+
+    directory: Path
+
+    @cached_property
+    def table(self) -> pandas.DataFrame:
+        """Table of all designs: designs.csv, units are part of the names."""
+        import pandas
+
+        return pandas.read_csv(self.directory / DESIGN_TABLE)
+
+    @cached_property
+    def outcome(self) -> dict[str, Any]:
+        """Content of design.json."""
+        return read_json(self.directory / DESIGN_OUTCOME) or {}
+
+    @property
+    def best(self) -> dict[str, Any] | None:
+        """The best design: its variables, objective, mass, height and checks; None if none meets the limits."""
+        found: dict[str, Any] | None = self.outcome.get("best")
+        return found
+
+    def _repr_html_(self) -> str:
+        return self.table.to_html()
+
+
+def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Designs | Dataset | dict[str, Dataset]:
+    """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes and transmission.
 
     The last three are datasets, as `bands` returns them; of several in one directory a dictionary by their names.
 
@@ -263,6 +301,8 @@ def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Dataset | d
     if (path / SUITE_INDEX).is_file():
         scans = ", ".join(str(place) for place in sorted(path.iterdir()) if is_scan(place))
         raise InputError(f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}")
+    if (path / DESIGN_OUTCOME).is_file():
+        return Designs(path)
     if any((path / f"{kind}.json").is_file() for kind in SPECTRA_KINDS):
         from granwave.analysis.notebook.datasets import load_spectra
 

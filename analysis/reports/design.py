@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
 from granwave.analysis.document.cells import case_column, label_of, show, text_table, unit_of_value, value_cell
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Report, Section, Table, cleaned
+from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Report, Section, Table
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.packing3d import packing_3d
 from granwave.analysis.figures.style import (
@@ -30,13 +30,11 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import by_key
 from granwave.analysis.reports.setting import quantity_in, setting_of
-from granwave.analysis.reports.writers import html_page
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.directories import read_summary
-from granwave.lammps_inputs.files import read_json, read_toml, replace_text
-from granwave.lammps_inputs.run_directory import CASE_FILE, SCAN_REPORT
+from granwave.lammps_inputs.files import read_json, read_toml
+from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESIGN_TABLE
 
-DESIGNS, OUTCOME = "designs.csv", "design.json"
 _MOST_ROWS = 10
 _CAPTIONS = {
     "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
@@ -49,14 +47,10 @@ _CAPTIONS = {
 }
 
 
-def write_design_report(directory: Path) -> Path:
-    """Write report.html of a search, of its design.json and designs.csv, and its figures; return the path."""
-    found = read_json(directory / OUTCOME) or {}
-    table = pd.read_csv(directory / DESIGNS)
-    output = directory / SCAN_REPORT
-    report = Report(f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory)))
-    replace_text(output, html_page(cleaned(report)))
-    return output
+def design_report(directory: Path) -> Report:
+    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn anew."""
+    found, table = read_json(directory / DESIGN_OUTCOME) or {}, pd.read_csv(directory / DESIGN_TABLE)
+    return Report(f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory)))
 
 
 def _lead(found: Mapping[str, Any]) -> str:

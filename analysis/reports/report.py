@@ -14,12 +14,14 @@ from urllib.parse import quote
 
 from granwave.analysis.document.model import Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.reports.design import design_report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
+from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME
 
 SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
@@ -65,6 +67,8 @@ def write_report(
     """
     output = output_path(output)
     errors = _errors_in(output)
+    if len(directories) == 1 and (Path(directories[0]) / DESIGN_OUTCOME).is_file() and not errors:
+        return _written(design_report(Path(directories[0])), output)
     named, faults = find_studies(studies, Path())
     errors += [f"--study: {fault}" for fault in faults]
     try:
@@ -74,11 +78,15 @@ def write_report(
     if errors:
         raise InputError(errors)
     try:
-        report = cleaned(build_report(inputs, named))
+        report = build_report(inputs, named)
     except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
         raise InputError(str(error)) from None
+    return _written(report, output)
+
+
+def _written(report: Report, output: Path) -> Path:
     try:
-        _write(report, output)
+        _write(cleaned(report), output)
     except OSError as error:
         raise RunError(f"{output}: cannot be written: {error.strerror or error}") from None
     return output

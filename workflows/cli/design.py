@@ -15,13 +15,14 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, SCAN_REPORT
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import REFUSED, examined, first_design, run_design
 from granwave.workflows.design.points import default_jobs
 from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import random_designs
-from granwave.workflows.design.study import OUTCOME, REPORT, Study
+from granwave.workflows.design.study import Study
 
 _DRAWN = 64  # designs that a plan is made of
 
@@ -43,11 +44,11 @@ def design(options: argparse.Namespace) -> int:
         force=options.force,
         progress=True,
     )
-    found = read_json(directory / OUTCOME)
+    found = read_json(directory / DESIGN_OUTCOME)
     if outcome.interrupted or found is None:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
-    print_json(found) if options.json else print(outcome_text(found, str(directory / REPORT)))
+    print_json(found) if options.json else print(outcome_text(found, str(directory / SCAN_REPORT)))
     if outcome.best is None:
         print("granwave: no design that was run meets the limits; designs.csv tells why", file=sys.stderr)
     elif outcome.n_failed:

@@ -16,27 +16,21 @@ from granwave.lammps_inputs.directories import check_directory, results_director
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
-from granwave.lammps_inputs.run_directory import DESIGN, POINTS
+from granwave.lammps_inputs.run_directory import (
+    BEST_DESIGNS,
+    DESIGN,
+    DESIGN_OUTCOME,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+    POINTS,
+    SCAN_REPORT,
+)
 from granwave.workflows.design import guards
 from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
 from granwave.workflows.design.problem import Problem, known_before
 from granwave.workflows.design.search import n_first, ordered
-from granwave.workflows.design.study import (
-    BEST,
-    COMPLETE,
-    FAILED,
-    OUTCOME,
-    PRUNED,
-    REFUSED,
-    REPORT,
-    RUNNING,
-    STUDY,
-    TABLE,
-    Design,
-    Study,
-    read_study,
-)
+from granwave.workflows.design.study import COMPLETE, FAILED, PRUNED, REFUSED, RUNNING, Design, Study, read_study
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 
@@ -47,7 +41,7 @@ _ASKED = 10  # designs that are refused until the model is made anew
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
 _LOST = 1.2  # times the best: a design whose worst run is beyond it is not run further
 _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
-_FILES = (STUDY, TABLE, OUTCOME, REPORT, *BEST)
+_FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
 
 @dataclasses.dataclass(frozen=True)

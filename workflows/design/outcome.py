@@ -11,16 +11,16 @@ from typing import Any
 
 import tomli_w
 
-from granwave.analysis.reports.design import write_design_report
+from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.interrupts import Interrupts
-from granwave.lammps_inputs.run_directory import POINTS
+from granwave.lammps_inputs.run_directory import BEST_DESIGNS, DESIGN_OUTCOME, POINTS, SCAN_REPORT
 from granwave.workflows.design import guards
 from granwave.workflows.design.points import Points, names
 from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import expected_random, importance
-from granwave.workflows.design.study import BEST, OUTCOME, Design, Study
+from granwave.workflows.design.study import Design, Study
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.run.record import versions
 
@@ -66,9 +66,9 @@ def with_derived(summary: Mapping[str, Any]) -> dict[str, Any]:
 def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
     """Write the cases of the best designs, design.json and the report."""
     problem, best = study.problem, study.best()
-    for name in BEST:
+    for name in BEST_DESIGNS:
         (study.directory / name).unlink(missing_ok=True)
-    for name, design in zip(BEST, best, strict=False):
+    for name, design in zip(BEST_DESIGNS, best, strict=False):
         tables = problem.tables_of(design.values)
         longer = next(iter(design.runs.values()))["longer"]
         tables = tables if longer == 1 else guards.longer_end(tables, longer)
@@ -88,8 +88,8 @@ def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
         "seconds": sum(design.seconds for design in study.designs),
         "versions": versions(),
     }
-    replace_text(study.directory / OUTCOME, json.dumps(outcome, indent=1) + "\n")
-    write_design_report(study.directory)
+    replace_text(study.directory / DESIGN_OUTCOME, json.dumps(outcome, indent=1) + "\n")
+    write_report([study.directory], study.directory / SCAN_REPORT)
 
 
 def _random(study: Study) -> list[float]:

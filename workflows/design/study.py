@@ -13,15 +13,12 @@ from typing import Any
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.run_directory import POINTS
+from granwave.lammps_inputs.run_directory import DESIGN_STUDY, DESIGN_TABLE, POINTS
 from granwave.workflows.design.points import names
 from granwave.workflows.design.problem import Objective, Problem
 from granwave.workflows.design.search import Known, front
 from granwave.workflows.design.variables import Values
 
-STUDY, TABLE, OUTCOME, REPORT = "study.json", "designs.csv", "design.json", "report.html"
-MOST_BEST = 10
-BEST = tuple(f"best-{n}.toml" for n in range(1, MOST_BEST + 1))
 RUNNING, COMPLETE, PRUNED, REFUSED, FAILED = "running", "complete", "pruned", "refused", "failed"
 
 
@@ -114,8 +111,8 @@ class Study:
     def write(self) -> None:
         """Write study.json and designs.csv."""
         content = {"problem": self.problem.tables, "designs": [dataclasses.asdict(one) for one in self.designs]}
-        replace_text(self.directory / STUDY, json.dumps(content, indent=1) + "\n")
-        replace_text(self.directory / TABLE, self._table())
+        replace_text(self.directory / DESIGN_STUDY, json.dumps(content, indent=1) + "\n")
+        replace_text(self.directory / DESIGN_TABLE, self._table())
 
     def _table(self) -> str:
         problem = self.problem
@@ -150,7 +147,7 @@ def read_study(problem: Problem, directory: Path) -> Study:
     InputError
         The directory holds another search; the message says what differs.
     """
-    content = read_json(directory / STUDY)
+    content = read_json(directory / DESIGN_STUDY)
     if content is None:
         return Study(problem, directory)
     there, here = _comparable(content["problem"]), _comparable(problem.tables)

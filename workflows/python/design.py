@@ -2,51 +2,15 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
+from granwave.analysis.notebook.load import Designs
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
 from granwave.workflows.python.inputs import home, plain, words_of_python
-
-
-@dataclasses.dataclass(frozen=True)
-class Designs:
-    """Result of a search for a design.
-
-    Attributes
-    ----------
-    directory
-        Directory of the results.
-    """
-
-    directory: Path
-
-    @cached_property
-    def table(self) -> pd.DataFrame:
-        """Table of all designs: designs.csv, units are part of the names."""
-        return pd.read_csv(self.directory / "designs.csv")
-
-    @cached_property
-    def outcome(self) -> dict[str, Any]:
-        """Content of design.json."""
-        return read_json(self.directory / "design.json") or {}
-
-    @property
-    def best(self) -> dict[str, Any] | None:
-        """The best design: its variables, objective, mass, height and checks; None if none meets the limits."""
-        found: dict[str, Any] | None = self.outcome.get("best")
-        return found
-
-    def _repr_html_(self) -> str:
-        return self.table.to_html()
 
 
 def design(

