@@ -88,7 +88,7 @@ def force_of_contact(assembly: Assembly) -> float:
         overlaps = lattice.overlapping()[1] if stage.takes_overlaps and isinstance(lattice, Places) else np.zeros(0)
         deepest = max(stage.moves.values(), default=0.0)
         deepest = max(deepest, float(overlaps.max(initial=0.0)))
-        hertz = float(sphere_hertz(case).loading_force(np.array([deepest]))[0])
+        hertz = float(sphere_hertz(case).loading_force(deepest))
         there = walls(assembly) if stage.presses else ()
         first = {name: next(wall for wall in there if wall.name.startswith(name)) for name in stage.presses}
         pressed = (force / len(grains_at_wall(assembly, first[name])) for name, force in stage.presses.items())
@@ -130,9 +130,8 @@ def static_stiffness(assembly: Assembly) -> float:
     case = assembly.case
     law = sphere_hertz(case)
     if case.packing.of_grain is not None:
-        force, largest = force_of_contact(assembly), np.array([case.packing.diameter / 2])
-        overlap = largest * min(1.0, force / float(law.loading_force(largest)[0]))  # nearly linear
-        return float(law.unloading_stiffness(overlap)[0])
+        force, largest = force_of_contact(assembly), case.packing.diameter / 2
+        return float(law.unloading_stiffness(largest * min(1.0, force / law.loading_force(largest))))  # nearly linear
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 

@@ -120,13 +120,12 @@ def _stiffness(law: ContactLaw, force: float) -> float:
     from scipy.optimize import brentq  # takes longer to load than a case to check
 
     def miss(overlap: float) -> float:
-        return float(law.loading_force(np.array([overlap]))[0]) - force
+        return float(law.loading_force(overlap)) - force
 
     most = 1e-9
     while miss(most) < 0:
         most *= 2
-    overlap = np.array([brentq(miss, 0.0, most, xtol=1e-18, rtol=1e-12)])
-    return float(law.unloading_stiffness(overlap)[0])
+    return float(law.unloading_stiffness(brentq(miss, 0.0, most, xtol=1e-18, rtol=1e-12)))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -176,11 +176,11 @@ class Encounter:
         """Overlap at which the work of loading equals the energy, m."""
 
         limit = _LARGEST_OVERLAP * self.law.effective_radius
-        if _work(self.law, limit) <= self.energy:
+        if self.law.loading_work(limit) <= self.energy:
             return limit
 
         def excess(logarithm: float) -> float:
-            return math.log(_work(self.law, math.exp(logarithm)) / self.energy)
+            return math.log(self.law.loading_work(math.exp(logarithm)) / self.energy)
 
         low = math.log(limit)
         while excess(low) > 0:
@@ -190,14 +190,16 @@ class Encounter:
     @cached_property
     def stiffness(self) -> float:
         """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading for the rest."""
-        peak = np.array([self.overlap])
-        if self.dent > peak[0]:
-            return self._within_dent
+        law, peak, dent = self.law, self.overlap, self.dent
+        if dent > peak:  # an elastic contact with the dent stores the energy; unloading is a power law
+            held = law.loading_work(dent) - law.dissipated_energy(dent)
+            steepest = law.unloading_stiffness(dent)
+            ratio = steepest * held / law.loading_force(dent) ** 2  # n/(n + 1) of the exponent n; 2 ratio - 1 is below
+            return float(steepest * min(1.0, self.energy / held) ** (2 * ratio - 1))  # (n - 1)/(n + 1)
         below = peak * (1 - _SLOPE_SPAN)
-        loading = (self.law.loading_force(peak) - self.law.loading_force(below)) / (peak - below)
-        unloading = self.law.unloading_stiffness(peak)
-        returned = 1 - self.law.dissipated_energy(peak) / self.law.loading_work(peak)
-        return float((returned * unloading + (1 - returned) * loading)[0])
+        loading = (law.loading_force(peak) - law.loading_force(below)) / (peak - below)
+        returned = 1 - law.dissipated_energy(peak) / law.loading_work(peak)
+        return float(returned * law.unloading_stiffness(peak) + (1 - returned) * loading)
 
     @property
     def decay_time(self) -> float:
@@ -205,19 +207,9 @@ class Encounter:
         if self.loss is None:
             return math.inf
         kind, size = self.loss
-        peak = np.array([max(self.overlap, self.dent)])
-        stiffness = max(float(self.law.unloading_stiffness(peak)[0]), self.stiffness)
+        stiffness = max(self.law.unloading_stiffness(max(self.overlap, self.dent)), self.stiffness)
         coefficient = size * stiffness if kind == "time" else size * math.sqrt(self.mass / 3 * stiffness)
         return self.mass / 2 / coefficient
-
-    @property
-    def _within_dent(self) -> float:
-        """Stiffness at which an elastic contact with the dent stores the energy, N/m; unloading is a power law."""
-        dent = np.array([self.dent])
-        force, steepest = self.law.loading_force(dent), self.law.unloading_stiffness(dent)
-        held = self.law.loading_work(dent) - self.law.dissipated_energy(dent)
-        ratio = steepest * held / force**2  # n/(n + 1) of the exponent n, and (n - 1)/(n + 1) = 2 ratio - 1
-        return float((steepest * np.minimum(1.0, self.energy / held) ** (2 * ratio - 1))[0])
 
 
 def some_encounters(assembly: Assembly) -> list[Encounter]:
@@ -314,7 +306,7 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     case = assembly.case
     load = case.load
     if load.kind == "displacement":
-        return energy + _work(law, 2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+        return energy + law.loading_work(2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
     if load.plate is not None:
         # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
         share = energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
@@ -329,11 +321,7 @@ def _work_to_force(law: ContactLaw, force: float) -> float:
     """Return the work of loading up to a force, J."""
 
     low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
-    if float(law.loading_force(np.array([high]))[0]) <= force:
-        return _work(law, high)
-    overlap = brentq(lambda a: float(law.loading_force(np.array([a]))[0]) - force, low, high, xtol=1e-16, rtol=1e-10)
-    return _work(law, overlap)
-
-
-def _work(law: ContactLaw, overlap: float) -> float:
-    return float(law.loading_work(np.array([overlap]))[0])
+    if law.loading_force(high) <= force:
+        return float(law.loading_work(high))
+    overlap = brentq(lambda overlap: law.loading_force(overlap) - force, low, high, xtol=1e-16, rtol=1e-10)
+    return float(law.loading_work(overlap))

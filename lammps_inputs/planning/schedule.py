@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -117,24 +118,19 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     assembly = assemble(case)
     case = assembly.case
     steps = _steps_of(assembly, timestep)
-    blocks = isinstance(case.run.end_time, str)
-    span = _AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else steps.end_time
-    even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps)
-    _check_counts(case, max(1, round(span / steps.first)), even=even > 0)
+    span, blocks = _span(case, steps.unit * steps.count * steps.n_units), isinstance(case.run.end_time, str)
+    even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps) > 0
+    _check_counts(case, max(1, round(span * steps.per_first / (steps.unit * steps.count))), even=even)
     frame_every, frame_steps = _frames(case, steps)
     interval, instants = case.output.probe_interval, chain_history(assembly)
+    probe = steps.records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else steps.units(interval)
     return Schedule(
         timestep=steps.count,
         n_steps=steps.unit * steps.n_units,
         block_steps=steps.unit * steps.in_block if blocks else 0,
         ledger_every=steps.unit * steps.in_ledger,
-        wall_every=steps.unit * _divisor(steps.in_block, max(1, _WALL_STEPS // steps.per_first)),
-        probe_every=steps.unit
-        * (
-            _divisor(steps.in_block, max(1, _AUTO_PROBE_STEPS // steps.per_first))
-            if isinstance(interval, str)
-            else steps.units(interval)
-        ),
+        wall_every=steps.unit * steps.records(_WALL_STEPS),
+        probe_every=steps.unit * probe,
         frame_every=frame_every,
         frame_steps=frame_steps,
         history_every=steps.unit * steps.units(span / instants) if instants else 0,
@@ -145,48 +141,30 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     )
 
 
-@dataclasses.dataclass(frozen=True)
-class _Steps:
-    """Units that a run is made of: the timestep, or the longest one, whose multiples all records are.
+def _span(case: Case, end: float) -> float:
+    """Return the time over which records are spread: up to the end, or a typical one if that is not known, s."""
+    return _AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else end
 
-    Attributes
-    ----------
-    count
-        Time of a count of the step counter, s.
-    unit
-        Counts of a unit.
-    per_first
-        First timesteps in a unit.
-    in_ledger, in_block, n_units
-        Units between rows of the ledger, of a block (or the run, if it has an end time), and of the run.
-    """
 
-    count: float
-    unit: int
-    per_first: int
-    in_ledger: int
-    in_block: int
-    n_units: int
+class _Steps(NamedTuple):
+    """Units that a run is made of: the timestep, or the longest one, whose multiples all records are."""
+
+    count: float  # time of a count of the step counter, s
+    unit: int  # counts of a unit
+    per_first: int  # first timesteps in a unit
+    in_ledger: int  # units between rows of the ledger
+    in_block: int  # units of a block, or of the run, if it has an end time
+    n_units: int  # units of the run
     adaptive: bool
-
-    @property
-    def length(self) -> float:
-        """Time of a unit, s."""
-        return self.unit * self.count
-
-    @property
-    def first(self) -> float:
-        """First timestep, s."""
-        return self.length / self.per_first
-
-    @property
-    def end_time(self) -> float:
-        """End of the run, s."""
-        return self.length * self.n_units
 
     def units(self, time: float) -> int:
         """Units of a time, one or more."""
-        return max(1, round(time / self.length))
+        return max(1, round(time / (self.unit * self.count)))
+
+    def records(self, most: int) -> int:
+        """Units between records that are at most so many first timesteps apart, and divide a block."""
+        units = range(1, max(1, most // self.per_first) + 1)
+        return max(every for every in units if self.in_block % every == 0)
 
 
 def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
@@ -255,10 +233,9 @@ def _bounds(assembly: Assembly) -> tuple[float, float, float]:
 def _intervals(assembly: Assembly, first: float) -> list[float]:
     """Times between snapshots and records of probes and a chain, which the longest timestep must not exceed, s."""
     case, found = assembly.case, [math.inf]
-    frames, span = case.run.frames, case.run.end_time
-    span = _AUTO_FRAME_SPAN if isinstance(span, str) else span
-    if isinstance(frames, int):
-        found.append(span / max(1, frames - 1))
+    span = _span(case, case.run.longest)
+    if isinstance(case.run.frames, int):
+        found.append(span / max(1, case.run.frames - 1))
     if case.probes:
         interval = case.output.probe_interval
         found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
@@ -288,11 +265,6 @@ def check_steps(name: str, duration: float, timestep: float, limit: Limit | None
             f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than {MOST_STEPS:g} steps; "
             f"make the run shorter, or {way}"
         )
-
-
-def _divisor(n_steps: int, most: int) -> int:
-    """Return the largest divisor of ``n_steps`` up to ``most``."""
-    return max(every for every in range(1, most + 1) if n_steps % every == 0)
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
