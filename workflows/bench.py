@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -38,6 +39,7 @@ _RATTLE, _RATTLE_STEPS = 0.02, 200  # m/s, below first yield of two brass sphere
 _ROUNDING = 1e-9  # of the diameter: overlaps at rest
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
+_MEMORY = re.compile(r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)")  # the mean of all ranks, MB
 
 OURS, BASELINE = "gran/hysteretic elastoplastic", "gran/hertz/history"
 ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
@@ -133,7 +135,8 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         for name in ("struck", "rattling"):
             if name == "rattling":
                 _rattle(ours, seed=0)
-            state = _state(ours)
+            order = np.argsort(ours.lammps.numpy.extract_atom("id"))
+            state = [ours.lammps.numpy.extract_atom(one)[: len(order)][order].copy() for one in _STATE]
             pairs = cKDTree(state[0]).query_pairs((1 - _ROUNDING) * case.packing.diameter, output_type="ndarray")
             print(f"\n{name}, {len(pairs) / n:.2f} loaded contacts a sphere:")
             rates: dict[str, list[float]] = {style: [] for style in engines}
@@ -141,20 +144,16 @@ def compare_styles(repeats: int) -> dict[str, Any]:
                 for style, engine in engines.items():
                     _restore(engine, state)
                     rates[style].append(n * STEPS / _seconds(engine))
-            memory = {style: _memory(log) / n for style, log in logs.items()}
-            results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": _table(rates, memory)}
+            print(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
+            table = {}
+            for style, values in rates.items():
+                ratios = [value / base for value, base in zip(values, rates[STYLES[style][2]], strict=True)]
+                memory = float(_MEMORY.findall(logs[style].read_text())[-1]) * 2**20 / n
+                table[style] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory}
+                print(f"{style:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory:>14.0f}")
+            results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": table}
             _restore(ours, state)
     return results
-
-
-def _table(rates: dict[str, list[float]], memory: dict[str, float]) -> dict[str, Any]:
-    print(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
-    table = {}
-    for name, values in rates.items():
-        ratios = [value / base for value, base in zip(values, rates[STYLES[name][2]], strict=True)]
-        table[name] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory[name]}
-        print(f"{name:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory[name]:>14.0f}")
-    return table
 
 
 def _script(case: Case, data: Path, style: str) -> str:
@@ -203,21 +202,10 @@ def _seconds(engine: Engine) -> float:
     return time.perf_counter() - begin
 
 
-def _state(engine: Engine) -> list[np.ndarray]:
-    order = np.argsort(engine.lammps.numpy.extract_atom("id"))
-    return [engine.lammps.numpy.extract_atom(name)[: len(order)][order].copy() for name in _STATE]
-
-
 def _restore(engine: Engine, state: list[np.ndarray]) -> None:
     ids = engine.lammps.numpy.extract_atom("id")
     for name, values in zip(_STATE, state, strict=True):
         engine.lammps.numpy.extract_atom(name)[: len(ids)] = values[ids - 1]
-
-
-def _memory(log: Path) -> float:
-    """Return the memory that LAMMPS reports, bytes."""
-    lines = [line for line in log.read_text().splitlines() if line.startswith("Per MPI rank memory allocation")]
-    return float(lines[-1].split("=")[1].split("|")[1]) * 2**20
 
 
 def _spread(values: list[float], unit: float = 1.0) -> str:
@@ -257,9 +245,11 @@ def compare_sizes(repeats: int) -> list[dict[str, Any]]:
     print("\ncost against size, all spheres rattling, one rank:")
     found = []
     for size in SIZES:
-        found.append(time_rattling(size, repeats))
-        n, rates = found[-1]["n_spheres"], found[-1]["rates"]
-        print(f"{n:>10} spheres{_spread(rates, 1e6):>22} M/s   {1e9 / statistics.median(rates):6.1f} ns a sphere-step")
+        found.append(timing := time_rattling(size, repeats))
+        cost = 1e9 / statistics.median(timing["rates"])
+        print(
+            f"{timing['n_spheres']:>10} spheres{_spread(timing['rates'], 1e6):>22} M/s   {cost:6.1f} ns a sphere-step"
+        )
     return found
 
 

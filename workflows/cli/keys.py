@@ -13,7 +13,7 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -179,13 +179,8 @@ def as_text(table: Table) -> str:
     heading = coloured(table.heading or "top level", BOLD, sys.stdout)
     lines = [f"{heading}  {table.description}  ({TITLES[table.file]})"]
     for key in table.keys:
-        title = "  ".join([coloured(key.name, BOLD, sys.stdout), *([key.unit] if key.unit else []), state(key)])
-        facts = [
-            key.description,
-            f"expects {key.accepts}",
-            *([key.usual] if key.usual else []),
-            f"example: {key.example}",
-        ]
+        title = "  ".join(filter(None, [coloured(key.name, BOLD, sys.stdout), key.unit, state(key)]))
+        facts = (key.description, f"expects {key.accepts}", key.usual, f"example: {key.example}")
         lines += ["", title, *(f"    {fact}" for fact in facts if fact)]
     return "\n".join(lines)
 
@@ -216,49 +211,37 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
     return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
 
 
-def _table(file: str, heading: str, description: str, found: Iterable[Key]) -> Table:
+def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> Table:
+    """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
-    examples = _examples()[file].get(name, {})
-    complete = [dataclasses.replace(key, example=_example(key, examples.get(key.name))) for key in found]
-    return Table(file, name, heading, description, tuple(complete))
+    given = _examples()[file].get(name, {})
+    shown = {key.name: _written(given[key.name]) if key.name in given else key.default for key in found}
+    keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
+    return Table(file, name, heading, description, tuple(keys))
 
 
 def _pair() -> Table:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
     contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
-    materials = Key(
-        "materials", "materials of the two bodies", 'two names of materials; "rigid" for a rigid wall', required=True
-    )
-    own = [
-        dataclasses.replace(key, default="that of [contact]") for key in contact.keys if key.name not in _NOT_OF_A_PAIR
-    ]
+    accepts = 'two names of materials; "rigid" for a rigid wall'
+    materials = Key("materials", "materials of the two bodies", accepts, required=True)
     made = _table(CASE, "[[pair]]", _first_line(Pair), [materials])
+    of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
+    own = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
     return dataclasses.replace(made, keys=(*made.keys, *own))
 
 
-def _example(key: Key, value: Any) -> str:
-    """Return an assignment as in a file; the default is the example where no other is given."""
-    shown = _written(value) if value is not None else key.default
-    return f"{key.name} = {shown}"
-
-
 def _written(value: Any) -> str:
-    """Write a value as in a TOML file, in full."""
+    """Write a value as in a TOML file, in full; a float as one would type it: 115e9, 0.01, 5.0."""
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{_key(name)} = {_written(item)}" for name, item in value.items()) + "}"
-    if isinstance(value, list):
+        names = {name: name if name.isidentifier() else f'"{name}"' for name in value}
+        return "{" + ", ".join(f"{names[name]} = {_written(item)}" for name, item in value.items()) + "}"
+    if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_written, value)) + "]"
-    return _short(value) if isinstance(value, float) else show(value)
-
-
-def _key(name: str) -> str:
-    return name if name.isidentifier() else f'"{name}"'
-
-
-def _short(value: float) -> str:
-    """Write a float as one would type it: 115e9, 0.01, 5.0."""
-    shown = f"{value:.10g}"
+    if not isinstance(value, float):
+        return show(value)
     if 1e-3 <= abs(value) < 1e4 or not value:
+        shown = f"{value:.10g}"
         return shown if "." in shown else f"{shown}.0"
     power = 9 if abs(value) >= 1e10 else 6 if abs(value) >= 1e8 else math.floor(math.log10(abs(value)))
     return f"{value / 10.0**power:.10g}e{power}"
@@ -268,7 +251,7 @@ def _default(field: dataclasses.Field[Any]) -> str:
     if field.default is REQUIRED or field.default is None or field.default == "":
         return ""
     value = dataclasses.asdict(field.default) if dataclasses.is_dataclass(field.default) else field.default  # type: ignore[arg-type]
-    return _written(list(value) if isinstance(value, tuple) else value)
+    return _written(value)
 
 
 def _usual(usual: Usual | None) -> str:

@@ -84,17 +84,10 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     }
 
 
-def _held_by_first_rank(assembly: Assembly) -> list[str]:
-    """Return what makes the first rank hold all sites of a large packing at once; empty if nothing does."""
-    if assembly.n_spheres <= ANALYSED_AT_ONCE:
-        return []
-    causes = {"unlike or missing spheres": not assembly.sites.uniform, "strikers": bool(assembly.strikers)}
-    return [cause for cause, holds in causes.items() if holds]
-
-
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     assembly, schedule, zone, no_reduction = assemble(case), plan.schedule, plan.zone, no_bare_target(case)
+    held = {"unlike or missing spheres": not assembly.sites.uniform, "strikers": bool(assembly.strikers)}
     # a restitution that is asked for is found
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
     return {
@@ -117,7 +110,8 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "ends_by_itself": bool(schedule.block_steps),
         "n_frames": schedule.n_frames,
         "output_in_parts": written_in_parts(assembly),
-        "held_by_first_rank": _held_by_first_rank(assembly),
+        # causes why it holds all sites of a large packing at once
+        "held_by_first_rank": [cause for cause, holds in held.items() if holds and plan.n_spheres > ANALYSED_AT_ONCE],
         "wall_time_longest_s": plan.times.longest,
         "wall_time_parts_s": dataclasses.asdict(plan.times),
         "peak_overlap_m": plan.peak_overlap,

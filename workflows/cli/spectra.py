@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from granwave.analysis.spectra.band_structure import BandStructure
+from granwave.analysis.spectra.states import State
 from granwave.lammps_inputs.case.case import Case
 from granwave.workflows import spectra
 from granwave.workflows.cli.parser import chosen
@@ -18,9 +19,8 @@ _KILO = 1e-3
 
 def bands(options: argparse.Namespace) -> int:
     """Execute ``granwave bands``."""
-    source = _source(options, "bands")
-    found, written = spectra.bands(source, **chosen(options, spectra.bands))
-    _note_left_out(found.state.network.left_out, found.state.name)
+    found, written = spectra.bands(_source(options, "bands"), **chosen(options, spectra.bands))
+    _note_left_out(found.state)
     if found.note:
         warn(f"{found.state.name}: {found.note}; they are left blank")
     print_json(found.summary()) if options.json else print(f"{_of_bands(found)}\n\nresults in {written[0].parent}")
@@ -29,18 +29,16 @@ def bands(options: argparse.Namespace) -> int:
 
 def modes(options: argparse.Namespace) -> int:
     """Execute ``granwave modes``."""
-    source = _source(options, "modes")
-    found, written = spectra.modes(source, **chosen(options, spectra.modes))
-    _note_left_out(found.state.network.left_out, found.state.name)
+    found, written = spectra.modes(_source(options, "modes"), **chosen(options, spectra.modes))
+    _note_left_out(found.state)
     print_json(found.summary()) if options.json else print(f"{_of_modes(found)}\n\nresults in {written[0].parent}")
     return 0
 
 
 def transmission(options: argparse.Namespace) -> int:
     """Execute ``granwave transmission``."""
-    source = _source(options, "transmission")
-    found, state, written = spectra.steady(source, **chosen(options, spectra.steady))
-    _note_left_out(state.network.left_out, state.name)
+    found, state, written = spectra.steady(_source(options, "transmission"), **chosen(options, spectra.steady))
+    _note_left_out(state)
     if options.json:
         print_json(spectra.transmission_summary(state, found))
         return 0
@@ -62,10 +60,10 @@ def _source(options: argparse.Namespace, name: str) -> Case | Path:
     return source
 
 
-def _note_left_out(ids: np.ndarray, name: str) -> None:
-    if len(ids):
+def _note_left_out(state: State) -> None:
+    if len(ids := state.network.left_out):
         some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
-        warn(f"{name}: {len(ids)} grains bear no static load ({some}); they are left out")
+        warn(f"{state.name}: {len(ids)} grains bear no static load ({some}); they are left out")
 
 
 def _counted(number: int, word: str) -> str:

@@ -20,7 +20,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +45,13 @@ _RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)
 def main(arguments: Sequence[str]) -> int:
     """Run a batch; return the exit status."""
     batch = Path(arguments[0])
-    directory = Path.cwd()
-    worker = _Worker(directory, json.loads(batch.read_text(encoding="utf-8")), batch)
-    left = worker.work()
-    return 1 if left else 0
+    worker = _Worker(Path.cwd(), json.loads(batch.read_text(encoding="utf-8")))
+    return 1 if worker.work() else 0
 
 
 class _Worker:
-    def __init__(self, directory: Path, batch: dict[str, Any], path: Path) -> None:
-        self.directory, self.batch, self.path = directory, batch, path
+    def __init__(self, directory: Path, batch: dict[str, Any]) -> None:
+        self.directory, self.batch = directory, batch
         self.stopping = threading.Event()
         self.current: int | None = None  # process id of the current point
         self.rank_stop: Path | None = None  # stop file of its ranks
@@ -94,10 +92,9 @@ class _Worker:
                 os.kill(self.current, signal.SIGTERM)
 
     def _watch(self) -> None:
-        while not self.stopping.is_set():
+        while not self.stopping.wait(_POLL):
             if self._unwanted():
                 self.stop()
-            time.sleep(_POLL)
 
     def _unwanted(self) -> bool:
         return (self.directory / layout.STOP).exists() or (self.driver > 0 and not _alive(self.driver))
@@ -237,7 +234,13 @@ def _fork(words: Sequence[str], log: int) -> int:
         os.dup2(log, 2)
         from granwave.workflows.cli.main import main as granwave
 
-        with _own_mpi() if words[0] == GRANULAR.verb else contextlib.nullcontext():
+        if words[0] == GRANULAR.verb:
+            from mpi4py import MPI
+
+            MPI.Init()
+            status = granwave(words)
+            MPI.Finalize()
+        else:
             status = granwave(words)
     except BaseException:
         import traceback
@@ -248,15 +251,6 @@ def _fork(words: Sequence[str], log: int) -> int:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(status)
-
-
-@contextlib.contextmanager
-def _own_mpi() -> Iterator[None]:
-    from mpi4py import MPI
-
-    MPI.Init()
-    yield
-    MPI.Finalize()
 
 
 def _alive(process: int) -> bool:

@@ -136,7 +136,7 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     InputError
         As of `contact_force`; or a force is negative, or larger than any overlap gives.
     """
-    contact, wanted = _contact(law, bodies, options), _numbers("force", force, "N")
+    contact, wanted = contact_between_bodies(law, plain(bodies), plain(options)), _numbers("force", force, "N")
     if (wanted < 0).any():
         raise InputError(f"contact: force: found {show(float(wanted.min()))}, expected 0 or more (N)")
     low, high = np.zeros_like(wanted), np.full_like(wanted, _FIRST_GUESS)
@@ -174,21 +174,18 @@ def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[flo
     InputError
         As of `contact_force`.
     """
-    contact = _contact(law, bodies, options)
+    contact = contact_between_bodies(law, plain(bodies), plain(options))
     if law not in LAWS or not LAWS[law].yields:
         return math.inf, math.inf
     return float(contact.yield_overlap), float(contact.yield_force)
-
-
-def _contact(law: str, bodies: Sequence[Body], options: Mapping[str, Any]) -> ContactLaw:
-    return contact_between_bodies(law, plain(bodies), plain(options))
 
 
 def _at(
     law: str, bodies: Sequence[Body], overlap: ArrayLike, peak_overlap: ArrayLike | None, options: Mapping[str, Any]
 ) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
     """Return the law, the overlaps, 0 where there are gaps, and the largest so far, of one shape."""
-    contact, now = _contact(law, bodies, options), np.maximum(_numbers("overlap", overlap, "m"), 0.0)
+    contact = contact_between_bodies(law, plain(bodies), plain(options))
+    now = np.maximum(_numbers("overlap", overlap, "m"), 0.0)
     peak = now if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")
     try:
         now, peak = np.broadcast_arrays(now, peak)

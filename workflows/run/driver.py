@@ -12,7 +12,7 @@ import logging
 import time
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
@@ -166,9 +166,7 @@ class _Run:
             try:
                 self._attempt(deck, stop, go_on)
             except (RunError, OSError) as error:
-                failure = self._failure(error)
-                self._fail(failure)
-                raise failure from error
+                self._fail(error)
             if self.state != record.REFUSED:
                 break
             misses = self.balance.error
@@ -192,21 +190,22 @@ class _Run:
         on_first(self.comm, lambda: note_files(self.directory, [DATA_FILE, *output_names(self.directory)]))
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
-    def _failure(self, error: RunError | OSError) -> RunError:
-        """Return the error that ends the run; if the disk is full, with advice how to resume."""
+    def _fail(self, error: RunError | OSError) -> NoReturn:
+        """Record the error that ends the run, and raise it; if the disk is full, with advice how to resume."""
+        failure = error
         if isinstance(error, OSError):
-            return RunError(f"{error.filename or self.directory}: {error.strerror or error}; {self._resume_advice()}")
-        if free_space(self.directory) < self.reserve:
-            return type(error)(f"{self.directory}: the disk is full: {error}; {self._resume_advice()}")
-        return error
-
-    def _fail(self, error: RunError) -> None:
-        if isinstance(error, SingleRankError) and self.comm.size > 1:
+            failure = RunError(
+                f"{error.filename or self.directory}: {error.strerror or error}; {self._resume_advice()}"
+            )
+        elif free_space(self.directory) < self.reserve:
+            failure = type(error)(f"{self.directory}: the disk is full: {error}; {self._resume_advice()}")
+        if isinstance(failure, SingleRankError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
-            dataclasses.replace(self.record, state=record.FAILED, reason=str(error)).write(self.directory)
-            abort(self.comm, str(error))
+            dataclasses.replace(self.record, state=record.FAILED, reason=str(failure)).write(self.directory)
+            abort(self.comm, str(failure))
         with contextlib.suppress(OSError):  # on a full disk the last record remains
-            self._note(state=record.FAILED, reason=str(error))
+            self._note(state=record.FAILED, reason=str(failure))
+        raise failure from error
 
     def _resume_advice(self) -> str:
         """Tell how to resume a run that cannot continue."""
@@ -217,7 +216,10 @@ class _Run:
     def analyse(self, *, figures: bool, take_up: bool = False) -> Outcome:
         """Analyse the output; ``take_up``: that of an earlier session."""
         if take_up:
-            self.record = on_first(self.comm, self._record_there)
+            there = on_first(self.comm, lambda: record.read(self.directory))
+            self.record = there or on_first(self.comm, lambda: record.recover(self.directory)) or Record()
+            if there is None:  # it was damaged
+                self._note()
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
         try:
             summary = on_first(self.comm, lambda: analyse(self.directory, progress=self.show, figures=figures))
@@ -233,14 +235,6 @@ class _Run:
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
             record.keep_checkpoint(self.directory, None)
         return Outcome(self.directory, self.record.state, summary)
-
-    def _record_there(self) -> Record:
-        """Read the record of an earlier session; rewrite it if damaged."""
-        found = record.read(self.directory)
-        if found is None:
-            found = record.recover(self.directory) or Record()
-            found.write(self.directory)
-        return found
 
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
         def write() -> Deck:
@@ -344,7 +338,10 @@ class _Run:
                 self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
                 last = self.state == record.FINISHED
-                bar.update(engine.step, self._status_text(schedule.end_time), last=last)
+                row, here = self.balance.row, 1e3 * self.record.end_time_s
+                share = row["dissipated"] / row["input"] if row and row["input"] else 0.0
+                note = f"{here:.3f}/{1e3 * schedule.end_time:g} ms, dissipated {share:.3f}"
+                bar.update(engine.step, f"{note}, balance {self.balance.error:.1e}", last=last)
                 if self.state == record.RUNNING and stop.wanted():
                     self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
                 if self.state == record.INTERRUPTED or (
@@ -352,18 +349,13 @@ class _Run:
                 ):
                     self._checkpoint(engine)
                     last_checkpoint, fresh = time.monotonic(), True
-                self._check_room(engine)
+                free = self._shared(free_space(self.directory))
+                if self.state == record.RUNNING and free <= self.reserve:  # LAMMPS does not report failed writes
+                    self._checkpoint(engine)
+                    message = disk_space_message("a snapshot and a checkpoint", self.reserve, 0.0, free)
+                    raise RunError(f"stopped at step {engine.step}: {message}")
         finally:
             bar.close()
-
-    def _check_room(self, engine: Engine) -> None:
-        """Stop with a checkpoint before the disk is full, as LAMMPS does not report failed writes."""
-        free = self._shared(free_space(self.directory))
-        if self.state != record.RUNNING or free > self.reserve:
-            return
-        self._checkpoint(engine)
-        message = disk_space_message("a snapshot and a checkpoint", self.reserve, 0.0, free)
-        raise RunError(f"stopped at step {engine.step}: {message}")
 
     def _look(self, engine: Engine, deck: Deck) -> None:
         """Check the energy balance, and decide if the run has ended."""
@@ -399,14 +391,6 @@ class _Run:
         self.record = dataclasses.replace(self.record, **changes)
         if self.comm.rank == 0:
             self.record.write(self.directory)
-
-    def _status_text(self, end_time: float) -> str:
-        row = self.balance.row
-        share = row["dissipated"] / row["input"] if row and row["input"] else 0.0
-        return (
-            f"{1e3 * self.record.end_time_s:.3f}/{1e3 * end_time:g} ms, dissipated {share:.3f}, "
-            f"balance {self.balance.error:.1e}"
-        )
 
     def _shared(self, value: Any) -> Any:
         """Return the value on the first rank."""

@@ -12,7 +12,7 @@ import hashlib
 import json
 import logging
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -272,7 +272,10 @@ def _build(
         return kind.read(data, path, overridden=changes)
 
     progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
-    with _each_warning_once(), contextlib.closing(progress):
+    fresh = each_warning_once()  # of which many points would give many
+    with contextlib.closing(progress), contextlib.ExitStack() as at_end:
+        _LOG.addFilter(fresh)
+        at_end.callback(_LOG.removeFilter, fresh)
         for n, values in enumerate(variations, start=1):
             try:
                 for replicate in _replicates(values, header, read):
@@ -335,17 +338,6 @@ def _with(
         raise InputError(
             f"{'--set' if place.partition(':')[0] in changes else path}: {place}" for place in places
         ) from None
-
-
-@contextlib.contextmanager
-def _each_warning_once() -> Iterator[None]:
-    """Suppress repeated warnings, which many points would give."""
-    fresh = each_warning_once()
-    _LOG.addFilter(fresh)
-    try:
-        yield
-    finally:
-        _LOG.removeFilter(fresh)
 
 
 def _point(

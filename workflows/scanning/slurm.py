@@ -216,22 +216,18 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
     with contextlib.suppress(RunError):  # if Slurm does not answer, only its reasons are missing
         live = {name for job in jobs_of(directory) for name in job.points}
         for point in points:
-            if point not in live and not layout.is_done(directory, point):
-                _note(directory, point)
-
-
-def _note(directory: Path, point: str) -> None:
-    state = layout.state(directory, point)
-    job = state.get("job")
-    if not job or state.get("asked") == job or not (reason := end_of(directory, job)):
-        return
-    in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
-    record = {
-        "state": layout.FAILED if in_work and last else state.get("state"),
-        "reason": reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
-        "asked": job,
-    }
-    layout.write_state(layout.unfinished(directory, point), **{**state, **record})
+            state = layout.state(directory, point)
+            job = state.get("job")
+            left = point not in live and not layout.is_done(directory, point) and job and state.get("asked") != job
+            if not left or not (reason := end_of(directory, job)):
+                continue
+            in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
+            record = {
+                "state": layout.FAILED if in_work and last else state.get("state"),
+                "reason": reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
+                "asked": job,
+            }
+            layout.write_state(layout.unfinished(directory, point), **{**state, **record})
 
 
 def end_of(directory: Path, job: str) -> str:
@@ -240,7 +236,10 @@ def end_of(directory: Path, job: str) -> str:
     An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
     """
     state = _state_of(job)
-    lines = [line for log in (directory / layout.LOGS).glob(f"**/{job}.log") for line in _lines_of(log)]
+    lines: list[str] = []
+    for log in (directory / layout.LOGS).glob(f"**/{job}.log"):
+        with contextlib.suppress(OSError):
+            lines += log.read_text(encoding="utf-8", errors="replace").splitlines()
     errors = "; ".join(dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line))))
     if not state:
         return ""
@@ -266,10 +265,3 @@ def _state_of(job: str) -> str:
     if state_word in _OF_ITSELF or (state_word == "FAILED" and code.endswith(":0")):
         return ""
     return state_word if reason_word in ("None", "") else f"{state_word} ({reason_word})"
-
-
-def _lines_of(log: Path) -> list[str]:
-    try:
-        return log.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
-        return []

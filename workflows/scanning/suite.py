@@ -154,7 +154,22 @@ def run_suite(
         if force:
             clear(directory)
         claim(directory, _FILES, kind=SUITE)
-        return _run(suite, directory, slowness or {}, resume=resume, force=force, **options)
+        replace_text(directory / SCAN_FILE, suite.text)
+        index = {"name": suite.name, "scans": [scan.name for scan in suite.scans], "study": list(suite.study)}
+        replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
+        outcomes: list[ScanOutcome] = []
+        options |= {"resume": resume, "force": force}
+        for scan in suite.scans:
+            pace = (slowness or {}).get(scan.name, 1.0)
+            outcomes.append(run_scan(scan, directory / scan.name, slowness=pace, **options))
+            if outcomes[-1].stopped:
+                break
+        stopped = outcomes[-1].stopped
+        if not stopped:
+            studies = [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names]
+            publish(directory, studies, suite=True)
+        complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
+        return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
 
 
 def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> None:
@@ -164,20 +179,3 @@ def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> 
     for scan in suite.scans:
         decide(scan, directory / scan.name, resume=resume, force=force)
     refuse_foreign(directory, _FILES)
-
-
-def _run(suite: Suite, directory: Path, slowness: Mapping[str, float], **options: Any) -> SuiteOutcome:
-    replace_text(directory / SCAN_FILE, suite.text)
-    index = {"name": suite.name, "scans": [scan.name for scan in suite.scans], "study": list(suite.study)}
-    replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
-    outcomes: list[ScanOutcome] = []
-    for scan in suite.scans:
-        outcomes.append(run_scan(scan, directory / scan.name, slowness=slowness.get(scan.name, 1.0), **options))
-        if outcomes[-1].stopped:
-            break
-    stopped = outcomes[-1].stopped
-    if not stopped:
-        studies = [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names]
-        publish(directory, studies, suite=True)
-    complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
-    return SuiteOutcome(directory, tuple(outcomes), complete, stopped)

@@ -291,7 +291,7 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
 
 def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
     (tmp_path / ".scan").mkdir()
-    worker = _Worker(tmp_path, {}, tmp_path)
+    worker = _Worker(tmp_path, {})
     monkeypatch.setattr("granwave.workflows.cli.worker.free_space", lambda _: 21e6)
     assert not worker._room({"disk": 1e6})
     assert (tmp_path / ".scan" / "stop").read_text() == (
