@@ -71,7 +71,10 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         raise InputError(f"{study}: cannot be read: {error.strerror}") from None
     except (OSError, ValueError):
         pass
-    file, is_path = _file_near(study, directory), len(Path(study).parts) > 1
+    folder, is_path = path.parent, len(Path(study).parts) > 1
+    files = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
+    stem = _nearest(path.name.removesuffix(_SUFFIX), files)
+    file = str(Path(study).with_name(f"{stem}{_SUFFIX}")) if stem else ""
     near = (file if is_path else "") or _nearest(study, names(kind)) or _nearest(study, _all_names()) or file
     hint = f"did you mean {near}?" if near else known
     raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
@@ -88,14 +91,6 @@ def _is(question: Callable[[], bool]) -> bool:
 def _nearest(name: str, options: Iterable[str]) -> str:
     """Return the option most similar to a name; empty if none is similar."""
     return next(iter(difflib.get_close_matches(name.lower(), list(options), n=1)), "")
-
-
-def _file_near(study: str, directory: Path) -> str:
-    """Return a TOML file with a name similar to a path, relative to ``directory``; empty if none."""
-    folder = directory / Path(study).parent
-    names = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
-    near = _nearest(Path(study).name.removesuffix(_SUFFIX), names)
-    return str(Path(study).with_name(f"{near}{_SUFFIX}")) if near else ""
 
 
 def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:

@@ -91,13 +91,13 @@ def _is_bound(case: Case) -> bool:
     return case.load.kind == "force"
 
 
-def _table(rows: Rows) -> str:
+def table(rows: Rows) -> str:
     """Return a table of the rows that have a text."""
     return lines([(label, text) for label, text in rows if text])
 
 
 def _continuum_table(name: str, n_elements: int, cost: Cost, inputs: Inputs | None) -> str:
-    return _table(
+    return table(
         [
             ("case", name),
             ("elements", f"about {n_elements}"),
@@ -138,7 +138,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows
     if values["peak_overlap_beyond_law"]:
         overlap += " - beyond 0.2 R*, where the contact law ends"
     held, loss = values["held_by_first_rank"], values["loss"] or {}
-    return _table(
+    return table(
         [
             ("case", plan.name),
             (assembly.grains_called, grains),

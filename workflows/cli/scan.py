@@ -15,12 +15,11 @@ from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_o
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
-from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
-from granwave.workflows.cli.check import expected_cut, static_stage_note
+from granwave.workflows.cli.check import expected_cut, static_stage_note, table
 from granwave.workflows.cli.terminal import columns, print_json
 from granwave.workflows.scanning.batches import expected_scan_time, expected_time, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
@@ -187,7 +186,9 @@ def plan_text(scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slow
     unknown = [time for time in times if time.most_static > time.static]
     zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
     cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
-    return lines(
+    static = static_stage_note(unknown, jobs / (slowness or 1.0)) if unknown else ""
+    reaches = f"expected to reach a bound of the packing in {cut} of {len(points)} points" if cut else ""
+    return table(
         [
             ("scan", scan.name),
             ("points", counts),
@@ -195,14 +196,10 @@ def plan_text(scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slow
             (parts, f"{least} to {most}" if most > least else f"{least}"),
             ("jobs at once", f"{jobs}"),
             ("expected time", f"about {duration(values['wall_time_s'])}{measured}"),
-            *([("static stages", static_stage_note(unknown, jobs / (slowness or 1.0)))] if unknown else []),
+            ("static stages", static),
             ("memory", f"about {values['memory_bytes'] / 2**30:.2f} GiB"),
             ("disk", f"about {values['disk_bytes'] / 1e9:.3g} GB"),
-            *(
-                [("plastic zone", f"expected to reach a bound of the packing in {cut} of {len(points)} points")]
-                if cut
-                else []
-            ),
+            ("plastic zone", reaches),
             ("directory", str(values["directory"])),
         ]
     )
@@ -228,14 +225,14 @@ def outcome_text(outcome: ScanOutcome) -> str:
     asked = [quantity(REDUCTION)] if protects(result.varied, [point.summary for point in points]) else []
     shown = [one for one in [*asked, *SCAN_COLUMNS] if any(point.summary.get(one.name) is not None for point in points)]
     head = ["", *result.varied, *(one.heading for one in shown), ""]
-    table = [head]
+    rows = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
         values = [_value(one, summary.get(one.name)) for one in shown]
         labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
-        table.append([str(point.number), *labels, *values, ending])
-    text = columns(table, left=(len(head) - 1,))
+        rows.append([str(point.number), *labels, *values, ending])
+    text = columns(rows, left=(len(head) - 1,))
     if len(points) > _MOST_ROWS:
         text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
     text = f"{text}\n\n{_means_text(result)}" if points else ""

@@ -155,10 +155,9 @@ class SlurmJobs(Jobs):
             return []
         try:
             slurm.warn_of_pending(self.directory, self._name, self._reported)
-            live = slurm.unended(self._live, self._profile.status)
+            return list(slurm.ended(self._live, self._profile.status))
         except RunError:  # unknown
             return []
-        return [job for job in self._live if job not in live]
 
     def _has_room(self, batch: Batch) -> bool:
         return len(self._live) < self._at_once and not self.refusal

@@ -162,11 +162,12 @@ def jobs_of(directory: Path) -> list[QueuedJob]:
     return jobs
 
 
-def unended(jobs: Iterable[str], status: str) -> set[str]:
-    """Return those of these jobs that are pending or running, by ``status`` of the profile; raise as `jobs_of`."""
+def ended(jobs: Iterable[str], status: str) -> set[str]:
+    """Return those of these jobs that have ended, by ``status`` of the profile; raise as `jobs_of`."""
     asked = [*_STATES[status], *([f"--jobs={','.join(jobs)}"] if status == "sacct" else [])]
-    lines = [line.split("|") for line in ask(asked).splitlines()]
-    return {name for name, state in lines if state in _UNENDED}
+    states = {name: state for name, state in (line.split("|") for line in ask(asked).splitlines())}
+    unknown = "PENDING" if status == "sacct" else ""  # which learns of new jobs late
+    return {job for job in jobs if states.get(job, unknown) not in _UNENDED}
 
 
 def warn_of_pending(directory: Path, scan: str, reported: set[str]) -> None:
@@ -217,7 +218,7 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
         live = {name for job in jobs_of(directory) for name in job.points}
         for point in points:
             state = layout.state(directory, point)
-            job = state.get("job")
+            job = str(state.get("job") or "")
             left = point not in live and not layout.is_done(directory, point) and job and state.get("asked") != job
             if not left or not (reason := end_of(directory, job)):
                 continue
