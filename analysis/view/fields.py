@@ -7,8 +7,7 @@ repeat, which compress to a twentieth.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +25,8 @@ LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
 _DECADES = 4  # of a scale of forces, far below F_y, to include the elastic wave
 
 
-class Instants(ABC):
+@dataclass(frozen=True, eq=False)
+class Instants:
     """Values of the spheres at rising times.
 
     Attributes
@@ -35,63 +35,45 @@ class Instants(ABC):
         Times, s: (n_instants,).
     quantities
         Names that `values` knows, as of a snapshot.
+    values
+        Function of the number of an instant and a quantity: (n_spheres,) or (n_spheres, 3), SI units.
     """
 
     times: NDArray[np.float64]
     quantities: tuple[str, ...]
-
-    @abstractmethod
-    def values(self, number: int, quantity: str) -> NDArray[np.float64]:
-        """Return a quantity of all spheres at an instant: (n_spheres,) or (n_spheres, 3), SI units."""
+    values: Callable[[int, str], NDArray[np.float64]]
 
 
 def instants_of(result: Result) -> Instants:
-    """Return the instants of a run."""
+    """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record of a chain."""
     if "chain" in result and len(result["chain/time"]) > result.n_frames:
-        return _History(result)
-    return _Snapshots(result)
+        return _of_chain(result)
+    return Instants(
+        result.frame_times, result.quantities, lambda number, name: np.nan_to_num(result.frame(number, name))
+    )
 
 
-class _Snapshots(Instants):
-    def __init__(self, result: Result) -> None:
-        self.times, self.quantities, self._result = result.frame_times, result.quantities, result
+def _of_chain(result: Result) -> Instants:
+    """Return velocity and displacement, which point along the chain, and the largest force of each bead's contacts."""
+    time, n = result["chain/time"], result.n_spheres
+    rows = np.unique(np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int))
+    beads, force = result.rows(result["chain/id"]), np.zeros((len(time), n))
+    row = dict(zip(result["chain/id"].tolist(), beads.tolist(), strict=True))
+    for end in ("chain/contact_i", "chain/contact_j"):
+        for contact, sphere in enumerate(result[end].tolist()):
+            if sphere in row:  # else the face of a bar
+                np.maximum(force[:, row[sphere]], result["chain/contact_force"][:, contact], out=force[:, row[sphere]])
+    scalars = {"contact_force": force, "peak_force": np.maximum.accumulate(force, axis=0)}
+    along = {name: result[f"chain/{name}"] for name in ("velocity", "displacement")}
 
-    def values(self, number: int, quantity: str) -> NDArray[np.float64]:
-        """Read a snapshot, with 0 for what was not recorded."""
-        return np.nan_to_num(self._result.frame(number, quantity))
-
-
-class _History(Instants):
-    """Record of a chain: velocity and displacement along it, and the largest force of each bead's contacts."""
-
-    quantities = ("velocity", "displacement", "contact_force", "peak_force")
-
-    def __init__(self, result: Result) -> None:
-        time = result["chain/time"]
-        self._rows = np.unique(np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int))
-        self.times, self._n = time[self._rows], result.n_spheres
-        self._beads = result.rows(result["chain/id"])
-        force = result["chain/contact_force"]
-        self._force = np.zeros((len(time), self._n))
-        row = dict(zip(result["chain/id"].tolist(), self._beads.tolist(), strict=True))
-        for end in ("chain/contact_i", "chain/contact_j"):
-            for contact, sphere in enumerate(result[end].tolist()):
-                if sphere in row:  # else the face of a bar
-                    bead = self._force[:, row[sphere]]
-                    np.maximum(bead, force[:, contact], out=bead)
-        self._peak = np.maximum.accumulate(self._force, axis=0)
-        self._along = {name: result[f"chain/{name}"] for name in ("velocity", "displacement")}
-
-    def values(self, number: int, quantity: str) -> NDArray[np.float64]:
-        """Return what was recorded; vectors point along the chain."""
-        row = self._rows[number]
-        if quantity == "contact_force":
-            return self._force[row]
-        if quantity == "peak_force":
-            return self._peak[row]
-        found = np.zeros((self._n, 3))
-        found[self._beads, 2] = self._along[quantity][row]
+    def values(number: int, quantity: str) -> NDArray[np.float64]:
+        if quantity in scalars:
+            return np.asarray(scalars[quantity][rows[number]])
+        found = np.zeros((n, 3))
+        found[beads, 2] = along[quantity][rows[number]]
         return found
+
+    return Instants(time[rows], (*along, *scalars), values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,28 +139,19 @@ def fields(result: Result, instants: Instants, frames: Sequence[int], rows: NDAr
         ("dissipated energy", "Dissipated so far (J)", "dissipated_energy", losses, in_joules),
         ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
     ]
-    found = (_field(instants, frames, rows, *one) for one in wanted if one[2] in instants.quantities)
-    return [field for field in found if field is not None]
-
-
-def _field(
-    instants: Instants,
-    frames: Sequence[int],
-    rows: NDArray[np.int64] | slice,
-    name: str,
-    label: str,
-    quantity: str,
-    colours: str,
-    limits: tuple[float, ...] | None,
-) -> Field | None:
-    found = (instants.values(number, quantity) for number in frames)
-    values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in found])
-    largest = float(np.max(values, initial=0.0))
-    if not largest > 0:
-        return None
-    high = decades_up_to(largest, None)[1]
-    low, high = limits or (high / 10**_DECADES, high)
-    with np.errstate(divide="ignore"):
-        share = np.log(values / low) / np.log(high / low)
-    levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
-    return Field(name, label, colours, low, high, largest > high, levels.astype(np.float32))
+    found = []
+    for name, label, quantity, colours, limits in wanted:
+        if quantity not in instants.quantities:
+            continue
+        frame_values = (instants.values(number, quantity) for number in frames)
+        values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values])
+        largest = float(np.max(values, initial=0.0))
+        if not largest > 0:
+            continue
+        high = decades_up_to(largest, None)[1]
+        low, high = limits or (high / 10**_DECADES, high)
+        with np.errstate(divide="ignore"):
+            share = np.log(values / low) / np.log(high / low)
+        levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
+        found.append(Field(name, label, colours, low, high, largest > high, levels.astype(np.float32)))
+    return found

@@ -11,6 +11,7 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from granwave.analysis.figures.style import new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view.fields import Field, Instants
-from granwave.lammps_inputs.case.material import Cylinder, Shape
+from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.packing.walls import walls
 
@@ -78,7 +79,6 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
     times = [float(_MICRO * chosen.instants.times[number]) for number in chosen.frames]
     camera = _camera(result, place)
     bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
-    first = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot = k3d.plot(
         axes=["x", "y", r"\text{depth}"],
         camera_auto_fit=False,
@@ -95,30 +95,19 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
     )
     for one in (*_spheres(result, chosen, found, place, times), *_walls(result), *_bars(result)):
         plot += one
+    text = partial(k3d.text2d, is_html=True, label_box=False)
     for field in found:
-        plot += k3d.text2d(
-            _colour_bar(field), position=[0.0, 1.0], reference_point="lb", is_html=True, label_box=False,
-            name=f"colour bar of {field.name}", group=field.name, visible=field is found[0],
-        )  # fmt: skip
+        of_field = {"name": f"colour bar of {field.name}", "group": field.name, "visible": field is found[0]}
+        plot += text(_colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
     clock = {_key(time): f"{time:.1f} µs" for time in times}
-    plot += k3d.text2d(
-        clock, position=[0.5, 0.01], reference_point="ct", is_html=True, label_box=False, size=1.5, color=_INK,
-        name="clock",
-    )  # fmt: skip
-    plot += k3d.text2d(
-        _title(result, chosen), position=[0.005, 0.01], reference_point="lt", is_html=True, label_box=False, size=1.0,
-        color=_INK, name="title",
-    )  # fmt: skip
+    plot += text(clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock")
+    title = _title(result, chosen)
+    plot += text(title, position=[0.005, 0.01], reference_point="lt", size=1.0, color=_INK, name="title")
     cuts, cut = _cuts(result, place, camera)
-    plot.time = first
+    plot.time = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot.camera = camera
-    plot.custom_data = {
-        "fields": [field.name for field in found],
-        "cuts": cuts,
-        "cut": cut,
-        "times": times,
-        "camera": camera,
-    }
+    names = [field.name for field in found]
+    plot.custom_data = {"fields": names, "cuts": cuts, "cut": cut, "times": times, "camera": camera}
     return plot
 
 
@@ -138,68 +127,43 @@ def _title(result: Result, chosen: Chosen) -> str:
 def _spheres(
     result: Result, chosen: Chosen, found: Sequence[Field], place: NDArray[np.float64], times: Sequence[float]
 ) -> Iterator[Any]:
-    """Make the spheres of every field: those that stay in their places, and those that move."""
+    """Make the grains of every field: cylinders, spheres that stay in their places, and those that move."""
     import k3d
 
     moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
-    size = 2 * _MILLI * result["spheres/radius"][chosen.rows]
-    away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * size
-    round_ones = np.array([one is None for one in _shapes(result, chosen)])
-    if not round_ones.all():
-        yield from _cylinders(result, chosen, found, place, times, moved)
-    for rows, what in ((np.flatnonzero(~away & round_ones), ""), (np.flatnonzero(away & round_ones), ", moving")):
+    steps = {_key(time): one for time, one in zip(times, moved, strict=True)}
+    radius = _MILLI * result["spheres/radius"][chosen.rows]
+    away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * 2 * radius
+    grain_shapes = result.assembly.grain_shapes()
+    shapes = [grain_shapes[row] for row in chosen.rows]
+    is_round = np.array([one is None for one in shapes])
+
+    def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
+        """Return colours and name of some grains, of each of which so many points have colours."""
+        levels = {_key(time): np.repeat(field.levels[n, rows], corners) for n, time in enumerate(times)}
+        scale = {"attribute": levels, "color_range": [0.0, 1.0], "color_map": field.colours.ravel()}
+        return scale | {"name": f"{field.name}{what}", "group": field.name, "visible": field is found[0]}
+
+    if len(rows := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
+        outlines = np.stack([_outline(one, radius[row]) for row in rows if (one := shapes[row])])
+        n_corners = outlines.shape[1]
+        faces = (np.arange(len(rows))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
+        corners = {
+            key: ((place + one)[rows][:, None] + outlines).reshape(-1, 3).astype(np.float32)
+            for key, one in steps.items()
+        }
+        for field in found:
+            of_field = look(field, rows, ", cylinders", n_corners)
+            yield k3d.mesh(corners, faces, flat_shading=False, side="double", **of_field)
+    for rows, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
         if not len(rows):
             continue
         positions: Any = place[rows].astype(np.float32)
         if what:
-            positions = {
-                _key(time): (place[rows] + one[rows]).astype(np.float32) for time, one in zip(times, moved, strict=True)
-            }
+            positions = {key: (place[rows] + one[rows]).astype(np.float32) for key, one in steps.items()}
+        sizes = (2 * radius[rows]).astype(np.float32)
         for field in found:
-            levels = {_key(time): field.levels[n, rows] for n, time in enumerate(times)}
-            yield k3d.points(
-                positions, point_sizes=size[rows].astype(np.float32), attribute=levels, color_range=[0.0, 1.0],
-                color_map=field.colours.ravel(), shader="3d", name=f"{field.name}{what}", group=field.name,
-                visible=field is found[0],
-            )  # fmt: skip
-
-
-def _shapes(result: Result, chosen: Chosen) -> list[Shape]:
-    """Return the shapes of the grains on the page."""
-    shapes = result.assembly.grain_shapes()
-    return [shapes[row] for row in chosen.rows]
-
-
-def _cylinders(
-    result: Result,
-    chosen: Chosen,
-    found: Sequence[Field],
-    place: NDArray[np.float64],
-    times: Sequence[float],
-    moved: Sequence[NDArray[np.float64]],
-) -> Iterator[Any]:
-    """Make the cylinders of every field, as one mesh."""
-    import k3d
-
-    shapes, radius = _shapes(result, chosen), _MILLI * result["spheres/radius"][chosen.rows]
-    rows = np.array([row for row, one in enumerate(shapes) if one is not None])
-    outlines = np.stack([_outline(one, radius[row]) for row in rows if (one := shapes[row])])
-    first = np.arange(len(rows))[:, None, None] * outlines.shape[1]
-    faces = (first + _faces()).reshape(-1, 3).astype(np.uint32)
-    corners = {
-        _key(time): ((place + one)[rows][:, None] + outlines).reshape(-1, 3).astype(np.float32)
-        for time, one in zip(times, moved, strict=True)
-    }
-    for field in found:
-        levels = {
-            _key(time): np.repeat(field.levels[n, rows], outlines.shape[1]).astype(np.float32)
-            for n, time in enumerate(times)
-        }
-        yield k3d.mesh(
-            corners, faces, attribute=levels, color_range=[0.0, 1.0], color_map=field.colours.ravel(),
-            flat_shading=False, side="double", name=f"{field.name}, cylinders", group=field.name,
-            visible=field is found[0],
-        )  # fmt: skip
+            yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, rows, what))
 
 
 def _outline(shape: Cylinder, radius: float) -> NDArray[np.float64]:
