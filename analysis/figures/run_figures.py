@@ -8,10 +8,10 @@ import gc
 import logging
 import pickle
 import sys
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import partial
+from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
 
@@ -299,33 +299,21 @@ def work(requests: BinaryIO, outcomes: BinaryIO, directory: Path, names: Sequenc
     options
         How they are drawn.
     """
-    notes = _Notes()
+    notes = BufferingHandler(sys.maxsize)
+    notes.setLevel(logging.WARNING)
     logging.getLogger().addHandler(notes)
+    logging.captureWarnings(True)
     with painter(directory, options) as draw, contextlib.suppress(EOFError):
         while True:
             for number in pickle.load(requests):
-                notes.count = 0
-                with warnings.catch_warnings(record=True) as found:
-                    try:
-                        outcome = True, draw(names[number])
-                    except Exception:
-                        outcome = False, None
-                if found or notes.count:  # to be drawn where they are seen
+                notes.buffer.clear()
+                try:
+                    outcome = True, draw(names[number])
+                except Exception:
                     outcome = False, None
-                pickle.dump(outcome, outcomes)
+                # what gave warnings is drawn again where they are seen
+                pickle.dump((False, None) if notes.buffer else outcome, outcomes)
                 outcomes.flush()
-
-
-class _Notes(logging.Handler):
-    """Count of warnings in the log."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.count = 0
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Count a warning."""
-        self.count += 1
 
 
 if __name__ == "__main__":

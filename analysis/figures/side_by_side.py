@@ -15,10 +15,9 @@ import os
 import pickle
 import subprocess
 import sys
-import threading
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
+from queue import SimpleQueue
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
@@ -68,9 +67,7 @@ class Helpers:
 
     def __init__(self) -> None:
         self._processes: list[subprocess.Popen[bytes]] = []
-        self._threads: list[threading.Thread] = []
-        self._left: deque[Sequence[int]] | None = None  # shares that no process has taken; None before drawing
-        self._drawn: list[Future[tuple[bool, Outcome]]] = []  # success and outcome of each figure
+        self._threads: ThreadPoolExecutor | None = None  # one for each helper; None before drawing
 
     def start(self) -> None:
         """Start a helper."""
@@ -83,8 +80,8 @@ class Helpers:
         """End the helpers, whether or not they are at work."""
         for process in self._processes:
             process.kill()
-        for thread in self._threads:
-            thread.join()  # the pipe ended with the helper
+        if self._threads is not None:
+            self._threads.shutdown(cancel_futures=True)  # the pipes ended with the helpers
         for process in self._processes:
             process.communicate()
 
@@ -109,41 +106,46 @@ class Helpers:
             Numbers of the figures that one process takes at a time, in the order in which they are taken. By default
             each figure alone, in their order.
         """
-        if self._left is not None:
+        if self._threads is not None:
             raise ValueError("these helpers have drawn; start others")
-        self._left = deque([[number] for number in range(len(names))] if shares is None else shares)
-        self._drawn = [Future() for _ in names]
+        self._threads = ThreadPoolExecutor(len(self._processes) or 1)
+        if not self._processes:
+            yield from map(draw, names)
+            return
+        idle: SimpleQueue[subprocess.Popen[bytes]] = SimpleQueue()
         for process in self._processes:
-            self._threads.append(threading.Thread(target=self._hand_out, args=(process, request), daemon=True))
-            self._threads[-1].start()
+            with contextlib.suppress(OSError):
+                pickle.dump(request, process.stdin)  # type: ignore[arg-type]
+            idle.put(process)
+        given = shares or [[number] for number in range(len(names))]
+        waiting = {self._threads.submit(_drawn_beside, idle, share): share for share in given}
+        place = {number: future for future, share in waiting.items() for number in share}
+        drawn: dict[int, tuple[bool, Outcome]] = {}
         for number, name in enumerate(names):
-            while not self._drawn[number].done() and (share := self._take()):
-                for one in share:
-                    self._drawn[one].set_result(_attempt(draw, names[one]))
-            succeeded, outcome = self._drawn[number].result()
+            while number not in drawn and not place[number].done() and (share := self._take(waiting)):
+                drawn |= {one: _attempt(draw, names[one]) for one in share}
+            if number not in drawn:
+                drawn |= place[number].result()
+            succeeded, outcome = drawn.pop(number)
             yield outcome if succeeded else draw(name)
 
-    def _take(self) -> Sequence[int]:
-        """Take a share for this process; empty if all are taken."""
-        with contextlib.suppress(IndexError):
-            return self._left.popleft() if self._left else ()
-        return ()
+    def _take(self, waiting: dict[Future[Any], Sequence[int]]) -> Sequence[int]:
+        """Take a share for this process that no helper has begun; empty if there is none."""
+        return next((waiting.pop(future) for future in list(waiting) if future.cancel()), ())
 
-    def _hand_out(self, process: subprocess.Popen[bytes], request: tuple[Any, ...]) -> None:
-        """Let a helper draw one share after the other, until all are taken or it ends."""
-        share: Sequence[int] = ()
-        assert self._left is not None and process.stdin is not None and process.stdout is not None
-        with contextlib.suppress(IndexError, EOFError, OSError, pickle.UnpicklingError):
-            pickle.dump(request, process.stdin)
-            while True:
-                share = self._left.popleft()
-                pickle.dump(share, process.stdin)
-                process.stdin.flush()
-                for number in share:
-                    self._drawn[number].set_result(pickle.load(process.stdout))
-        for number in share:
-            if not self._drawn[number].done():
-                self._drawn[number].set_result((False, None))
+
+def _drawn_beside(idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]) -> dict[int, tuple[bool, Outcome]]:
+    """Let an idle helper draw a share; return success and outcome of each figure by number, none if the helper died."""
+    process = idle.get()
+    assert process.stdin is not None and process.stdout is not None
+    try:
+        pickle.dump(share, process.stdin)
+        process.stdin.flush()
+        return {number: pickle.load(process.stdout) for number in share}
+    except (EOFError, OSError, pickle.UnpicklingError):
+        return dict.fromkeys(share, (False, None))
+    finally:
+        idle.put(process)
 
 
 def _attempt(draw: Callable[[str], Outcome], name: str) -> tuple[bool, Outcome]:

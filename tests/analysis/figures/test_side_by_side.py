@@ -74,7 +74,7 @@ def test_files_are_those_of_one_process(run, several, monkeypatch):
 def test_helpers_draw(run, several, monkeypatch):
     before = drawn_by_one(run, monkeypatch)
     with side_by_side.helpers(len(NAMES)) as others, style.style():
-        monkeypatch.setattr(others, "_take", lambda: ())
+        monkeypatch.setattr(others, "_take", lambda _: ())
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
@@ -138,7 +138,7 @@ def test_helpers_that_die(run, several, monkeypatch, moment):
                 process.kill()
                 process.wait()
         else:
-            monkeypatch.setattr(others, "_take", lambda: [process.kill() for process in processes] and take())
+            monkeypatch.setattr(others, "_take", lambda left: [process.kill() for process in processes] and take(left))
         draw_figures(run, names=NAMES, helpers=others)
     assert files(run) == before
 
