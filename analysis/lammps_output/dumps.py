@@ -22,21 +22,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dump_formats import (
-    BINARY,
-    Lines,
-    binary_frames,
-    rows_without_header,
-    text_frames,
-)
 from granwave.analysis.lammps_output.frame import (
     AGAIN,
+    BINARY,
     CUT,
     DAMAGED,
     CutShortError,
     Frame,
+    Lines,
+    binary_frames,
     joined,
     read_rows,
+    rows_without_header,
+    text_frames,
     whole_number,
 )
 from granwave.lammps_inputs import run_directory as files

@@ -1,16 +1,21 @@
-"""Snapshots of a dump of LAMMPS (step, box, and a table of values), and rows of numbers in text files.
+"""Snapshots of a dump of LAMMPS (step, box, and a table of values), text or binary, and rows of numbers in text files.
 
-Errors of rows name file, line and column.
+Errors of rows name file, line and column. A snapshot of a binary dump (``dump custom`` to a file that ends in .bin, in
+its second form) is a header of integers and the box, the names of the columns, and a block of float64 from each rank.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
+import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
@@ -18,7 +23,13 @@ from granwave.analysis.errors import OutputFormatError
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file was cut, {AGAIN}"
-WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
+_WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
+_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
+BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
+_MAGIC = b"DUMPCUSTOM"
+_ENDIAN, _REVISION = 1, 2
+_LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
+_AHEAD = 4096  # bytes that are read at once of a header
 
 
 def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
@@ -42,7 +53,7 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
     values = read_numbers(" ".join(rows))
     if values is not None and values.size == shape[0] * shape[1]:
         table = values.reshape(shape)
-        whole = [n for n, name in enumerate(columns) if name in WHOLE]
+        whole = [n for n, name in enumerate(columns) if name in _WHOLE]
         if np.array_equal(table[:, whole], np.rint(table[:, whole])):
             return table
     for n, row in enumerate(rows):
@@ -73,7 +84,7 @@ def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
             return f"found {word!r} for {name}, expected a number"
         if not math.isfinite(value):
             return f"found {word} for {name}, expected a finite number"
-        if name in WHOLE and value != round(value):
+        if name in _WHOLE and value != round(value):
             return f"found {word} for {name}, expected a whole number"
     return ""
 
@@ -148,42 +159,241 @@ def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
             parts = []
 
 
-def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
-    """Return the rows of spheres in a table sorted by id: id - 1 unless spheres are missing.
-
-    Parameters
-    ----------
-    ids
-        Ids in the table, rising: (n,).
-    wanted
-        Ids of the spheres, of any shape.
-
-    Raises
-    ------
-    KeyError
-        There is no such sphere, for instance at a vacancy.
-    """
-    wanted = np.asarray(wanted, dtype=np.int64)
-    if not len(ids) or ids[-1] == len(ids):
-        return rows_of_all(len(ids), wanted)
-    rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
-    _refuse_unknown(wanted, ids[rows] == wanted, len(ids))
-    return rows
-
-
-def rows_of_all(n_spheres: int, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the rows of spheres in a table in which none is missing; raise as `rows_of`."""
-    _refuse_unknown(wanted, (wanted >= 1) & (wanted <= n_spheres), n_spheres)
-    return wanted - 1
-
-
-def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spheres: int) -> None:
-    if not np.all(found):
-        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing")
-
-
 class CutShortError(Exception):
     """Error of a dump that ends within snapshot ``number``, counted from 0; ``place`` is the file and place in it."""
 
     def __init__(self, place: str, number: int) -> None:
         super().__init__(f"{place}: snapshot {number} is cut short")
+
+
+class Lines:
+    """Lines of a text file, counted for messages."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.n_read = path, 0
+
+    def __enter__(self) -> Lines:
+        self._file = open(self.path, encoding="ascii", errors="replace")  # other bytes give an error with their line
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
+
+    def take(self, n: int | None) -> list[str]:
+        """Return the next n lines, or those that are left; all of them if n is None."""
+        found = list(itertools.islice(self._file, n))
+        self.n_read += len(found)
+        return found
+
+    def place(self, back: int = 0) -> str:
+        """Return the file and the number of the last line read, or of one ``back`` lines before it."""
+        return f"{self.path}: line {self.n_read - back}"
+
+    def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
+        """Return the frame of rows of a snapshot that were just taken; box and columns are those of another."""
+        if rows and not rows[-1].endswith("\n"):
+            raise CutShortError(self.place(), number)
+        last = len(rows) - 1
+        values = read_rows(rows, like.columns, lambda row: f"{self.place(last - row)} (snapshot {number})")
+        return like.with_rows(values, more=more)
+
+
+def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the snapshots of a text dump, of ``dump custom`` or ``dump local``, in the order of the file.
+
+    Parameters
+    ----------
+    at_once
+        Largest number of rows in a frame; None: a frame holds a whole snapshot.
+
+    Raises
+    ------
+    CutShortError
+        The file ends within a snapshot.
+    OutputFormatError
+        It is damaged.
+    """
+    with Lines(path) as lines:
+        for number in itertools.count():
+            if (header := _header(lines, number)) is None:
+                return
+            bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
+            box = read_rows(bounds, ("low", "high"), lambda _, number=number: f"{path}: box of snapshot {number}")  # type: ignore[misc]
+            columns, left = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
+            frame = Frame(int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True)
+            while frame.more:
+                n_rows = left if at_once is None else min(left, at_once)
+                rows, left = lines.take(n_rows), left - n_rows
+                if len(rows) < n_rows:
+                    raise CutShortError(lines.place(), number)
+                yield (frame := lines.frame(rows, frame, number, more=left > 0))
+
+
+def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the first.
+
+    Box and columns are those of ``like``, a frame of the file that has a header; else as `text_frames`.
+    """
+    with Lines(path) as lines:
+        while rows := lines.take(at_once):
+            yield lines.frame(rows, like, 0, more=True)
+
+
+def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
+    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
+    header: dict[str, list[str]] = {}
+    while titles := lines.take(1):
+        title = titles[0]
+        if not title.endswith("\n"):
+            raise CutShortError(lines.place(), number)
+        if not title.startswith("ITEM:"):
+            raise OutputFormatError(
+                f"{lines.place()}: expected the header of snapshot {number}, found {title.strip()[:60]!r}; {DAMAGED}"
+            )
+        if title.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
+            header["columns"] = titles
+            break
+        name = " ".join(title.split()[1:3])
+        if name in header:
+            raise OutputFormatError(f"{lines.place()}: a second {name} in snapshot {number}; {DAMAGED}")
+        header[name] = lines.take(3 if name == "BOX BOUNDS" else 1)
+        if name in _COUNTS and header[name]:
+            whole_number(header[name][0], _COUNTS[name], lines.place())
+    if not header:
+        return None
+    if "columns" not in header:
+        raise CutShortError(lines.place(), number)
+    if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
+        raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
+    return header
+
+
+class _Bytes:
+    """Bytes of a binary dump, from ``place`` on in snapshot ``number``.
+
+    The file is open only while some are read, so that the dumps of thousands of ranks can be read side by side.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.size, self.place, self.number = path, path.stat().st_size, 0, 0
+        self._ahead, self._from = b"", 0
+
+    def take(self, form: str) -> tuple[Any, ...]:
+        """Read values of a header, as `struct` names them."""
+        n = struct.calcsize(f"={form}")
+        self._check_room(n)
+        start = self.place - self._from
+        if not 0 <= start <= len(self._ahead) - n:
+            with open(self.path, "rb") as file:
+                file.seek(self.place)
+                self._ahead, self._from, start = file.read(max(n, _AHEAD)), self.place, 0
+        self.place += n
+        return struct.unpack_from(f"={form}", self._ahead, start)
+
+    def text(self) -> str:
+        """Read a text and its length before it."""
+        (length,) = self.take("i")
+        if not 0 <= length <= _LONGEST_TEXT:
+            raise self.damaged(f"found a text of {length} bytes in the header")
+        return self.take(f"{length}s")[0].decode("ascii", errors="replace")
+
+    def values(self, n: int) -> NDArray[np.float64]:
+        """Read so many values of a block: (n,)."""
+        self._check_room(8 * n)
+        found = np.fromfile(self.path, dtype=np.float64, count=n, offset=self.place)
+        self.place += 8 * n
+        return found
+
+    def _check_room(self, n: int) -> None:
+        if self.place + n > self.size:
+            raise CutShortError(self._where(), self.number)
+
+    def damaged(self, fault: str) -> OutputFormatError:
+        """Return the error of a damaged file."""
+        return OutputFormatError(f"{self._where()}: {fault}; {DAMAGED}")
+
+    def _where(self) -> str:
+        return f"{self.path}: byte {self.place} (snapshot {self.number})"
+
+    def header(self) -> tuple[Frame, int, int]:
+        """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
+        (length,) = self.take("q")
+        if length != -len(_MAGIC) or self.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
+            raise self.damaged("expected the header of a binary dump of LAMMPS")
+        endian, revision = self.take("ii")
+        if (endian, revision) != (_ENDIAN, _REVISION):
+            raise OutputFormatError(
+                f"{self._where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
+                f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
+            )
+        step, n_rows, triclinic, *_ = self.take("qq7i")
+        box = np.array(self.take("6d")).reshape(3, 2)
+        if triclinic:
+            self.take("3d")
+        (n_columns,) = self.take("i")
+        self.text()  # units
+        if self.take("b")[0]:
+            self.take("d")  # time
+        columns = tuple(self.text().split())
+        (n_blocks,) = self.take("i")
+        if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
+            raise self.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
+        if not np.all(np.isfinite(box)):
+            raise self.damaged("the box is not finite")
+        self._check_room(8 * n_rows * len(columns))
+        return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks
+
+    def pieces(self, n_blocks: int, n_values: int) -> Iterator[NDArray[np.float64]]:
+        """Iterate over the blocks of a snapshot, each in pieces of at most so many values."""
+        for _ in range(n_blocks):
+            (left,) = self.take("i")
+            if left < 0:
+                raise self.damaged(f"found a block of {left} values")
+            while left:
+                piece = self.values(min(left, n_values))
+                left -= len(piece)
+                yield piece
+
+
+def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
+    """Iterate over the snapshots of a binary dump, in the order of the file; parameters and errors as of `text_frames`.
+
+    Dumps of a machine with another order of bytes, or of a LAMMPS before 2021, are errors too.
+    """
+    data = _Bytes(path)
+    while data.place < data.size:
+        like, n_rows, n_blocks = data.header()
+        width = max(1, len(like.columns))
+        pieces = data.pieces(n_blocks, width * (n_rows if at_once is None else at_once) or 1)
+        frame, first, rest = like, 0, np.empty(0)
+        while first < n_rows or frame is like:
+            wanted = n_rows - first if at_once is None else min(n_rows - first, at_once)
+            parts = [rest]
+            while (n := sum(map(len, parts))) < wanted * width:
+                if (piece := next(pieces, None)) is None:
+                    raise data.damaged(f"found {first + n // width} of {n_rows} rows")
+                parts.append(piece)
+            values = parts[1] if len(parts) == 2 and not len(rest) else np.concatenate(parts)
+            values, rest = values[: wanted * width], values[wanted * width :]
+            if first + wanted == n_rows and (len(rest) or next(pieces, None) is not None):
+                raise data.damaged(f"found more than {n_rows} rows")
+            table = values.reshape(wanted, len(like.columns))
+            _check_values(data, table, like.columns, first)
+            first += wanted
+            frame = like.with_rows(table, more=first < n_rows)
+            if not frame.more:
+                data.number += 1
+            yield frame
+
+
+def _check_values(data: _Bytes, table: NDArray[np.float64], columns: tuple[str, ...], first: int) -> None:
+    """Check the rows from ``first`` on: finite numbers, and whole ones for ids."""
+    finite = np.isfinite(table)
+    if not finite.all():
+        row, column = np.argwhere(~finite)[0]
+        found = f"found {table[row, column]} for {columns[column]}"
+        raise data.damaged(f"row {first + row}: {found}, expected a finite number")
+    for n, name in enumerate(columns):
+        if name in _WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
+            row = int(np.argmax(strange))
+            raise data.damaged(f"row {first + row}: found {table[row, n]} for {name}, expected a whole number")

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.lammps_output.frame import Frame, rows_of
+from granwave.analysis.lammps_output.frame import Frame
+from granwave.analysis.result.hdf5_file import rows_of
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.assembly import assemble

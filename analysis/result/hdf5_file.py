@@ -1,4 +1,4 @@
-"""Files of the analysis: HDF5 written atomically, and groups of ``result.h5`` with their units.
+"""Files of the analysis: HDF5 written atomically, groups of ``result.h5`` with their units, and rows by id.
 
 HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are therefore hidden from it,
 and their error is raised after HDF5 has closed the file.
@@ -14,7 +14,7 @@ from typing import Any
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.lammps_inputs.deck.columns import CONTACTS, LEDGER, MOVING_WALL, WALL_CONTACTS
 from granwave.lammps_inputs.files import naming, replacing
@@ -143,3 +143,30 @@ def unit_of(group: str, column: str) -> str:
         quantity = column.rsplit("_", 1)[1]
         return _UNITS.get(quantity) or _PROBE_UNITS[quantity[0]]
     return _UNITS.get(column, "1")
+
+
+def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
+    """Return the rows of spheres (ids of any shape) in a table of rising ids (n,): id - 1 unless spheres are missing.
+
+    Raises
+    ------
+    KeyError
+        There is no such sphere, for instance at a vacancy.
+    """
+    wanted = np.asarray(wanted, dtype=np.int64)
+    if not len(ids) or ids[-1] == len(ids):
+        return rows_of_all(len(ids), wanted)
+    rows = np.minimum(np.searchsorted(ids, wanted), len(ids) - 1)
+    _refuse_unknown(wanted, ids[rows] == wanted, len(ids))
+    return rows
+
+
+def rows_of_all(n_spheres: int, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the rows of spheres in a table in which none is missing; raise as `rows_of`."""
+    _refuse_unknown(wanted, (wanted >= 1) & (wanted <= n_spheres), n_spheres)
+    return wanted - 1
+
+
+def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spheres: int) -> None:
+    if not np.all(found):
+        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing")

@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.frame import rows_of, rows_of_all
-from granwave.analysis.result.hdf5_file import AT_ONCE
+from granwave.analysis.result.hdf5_file import AT_ONCE, rows_of, rows_of_all
 from granwave.analysis.result.not_a_run import damage_of, why_no_run
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.lammps_inputs.case.case import Case

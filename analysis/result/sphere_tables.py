@@ -23,7 +23,7 @@ from granwave.analysis.lammps_output.dumps import (
     read_initial_forces,
     read_initial_wall_forces,
 )
-from granwave.analysis.lammps_output.frame import AGAIN, Frame, rows_of
+from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.contacts import (
     Contacts,
     dissipated_share,
@@ -33,7 +33,7 @@ from granwave.analysis.result.contacts import (
     sphere_values,
     touching_pairs,
 )
-from granwave.analysis.result.hdf5_file import PartwiseGroup, write_group
+from granwave.analysis.result.hdf5_file import PartwiseGroup, rows_of, write_group
 from granwave.analysis.result.start import Dents, Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, read_data, refuse_ids
-from granwave.analysis.lammps_output.frame import DAMAGED, Frame, rows_of, rows_of_all
+from granwave.analysis.lammps_output.frame import DAMAGED, Frame
+from granwave.analysis.result.hdf5_file import rows_of, rows_of_all
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
 _MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for rounding
