@@ -75,6 +75,26 @@ def lmp():
     return run
 
 
+@pytest.fixture
+def log_of(lmp, tmp_path):
+    """Run an input script with the plain `lmp` command in the folder of the test, to its end; return the log."""
+
+    def run(text: str, ranks: int = 1) -> str:
+        (tmp_path / "in.script").write_text(text, encoding="utf-8")
+        done = lmp(tmp_path / "in.script", ranks=ranks)
+        path = tmp_path / "log.lammps"
+        log = path.read_text(encoding="utf-8") if path.exists() else ""
+        assert done.returncode == 0, done.stdout + done.stderr + log[-1000:]
+        return log
+
+    return run
+
+
+def printed(log: str, word: str) -> list[str]:
+    """Words behind this one in the last line that begins with it."""
+    return [line.split()[1:] for line in log.splitlines() if line.split()[:1] == [word]][-1]
+
+
 def refuses(lmp, commands: str, message: str) -> None:
     """Assert that the commands end with this error, of which the module of LAMMPS 29 Aug 2024 passes on 100 characters."""
     with pytest.raises(Exception, match=message if lmp.version() >= 20250722 else None):
@@ -128,12 +148,6 @@ def script_of(
         extra,
     ]
     return "\n".join(lines) + "\n"
-
-
-@pytest.fixture
-def spheres():
-    """Text of a LAMMPS input script of a few spheres."""
-    return script_of
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

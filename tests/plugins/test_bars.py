@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import script_of
+from tests.conftest import printed, script_of
 from tests.helpers.two_spheres import BOX, MASS, R, value
 
 
@@ -55,7 +55,7 @@ def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
     assert value(lmp, "f_push") == pytest.approx(1000**2 * 60e-6 / 2 / impedance, rel=0.01)  # integral of F^2/Z
 
 
-def test_beads_and_bar_on_two_processors_give_the_same_bits(lmp, tmp_path):
+def test_beads_and_bar_on_two_processors_give_the_same_bits(log_of, tmp_path):
     found = []
     for ranks in (1, 2):
         script = bar(60, beads=5, load="half-sine 5000 4e-5", ranks=ranks)[0]
@@ -64,11 +64,7 @@ def test_beads_and_bar_on_two_processors_give_the_same_bits(lmp, tmp_path):
         script += (
             'print "result $(c_ke+ebond+c_ep+c_ep[1]:%.15g) $(f_push:%.15g) $(c_ep[1]:%.15g) $(c_ep[2]) $(ebond)"\n'
         )
-        (tmp_path / "in.bar").write_text(script)
-        done = lmp(tmp_path / "in.bar", ranks=ranks)
-        log = (tmp_path / "log.lammps").read_text()
-        assert done.returncode == 0, log[-1000:]
-        result = [float(w) for w in log.rpartition("\nresult ")[2].split("\n")[0].split()]
+        result = [float(word) for word in printed(log_of(script, ranks), "result")]
         found.append(((tmp_path / "all.dump").read_text(), result))
     assert found[0][0] == found[1][0]
     assert found[1][1] == pytest.approx(found[0][1], rel=1e-12)
@@ -76,7 +72,7 @@ def test_beads_and_bar_on_two_processors_give_the_same_bits(lmp, tmp_path):
     assert energy == pytest.approx(work, rel=1e-4) and lost > 0 and yielded == 5 and in_bar > 0.01 * work
 
 
-def test_bar_goes_on_from_a_restart_on_other_processors(lmp, tmp_path):
+def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
     """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
     script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace("timestep", "timestep 2.4e-8\n# was")
     script += "run 800\nwrite_restart r\nrun 2000\nwrite_dump all custom all.dump id x y z vx vy vz modify format float %.17g sort id\n"
@@ -89,13 +85,10 @@ def test_bar_goes_on_from_a_restart_on_other_processors(lmp, tmp_path):
     found = []
     for ranks, text in ((1, script), (2, goes_on)):
         text += 'print "result $(f_push:%.15g) $(f_push[2]:%.15g) $(f_push[3]:%.15g)"\n'
-        (tmp_path / "in.bar").write_text(text)
-        done = lmp(tmp_path / "in.bar", ranks=ranks)
-        log = (tmp_path / "log.lammps").read_text()
-        assert done.returncode == 0, log[-1000:]
-        found.append(((tmp_path / "all.dump").read_text(), log.rpartition("\nresult ")[2].split("\n")[0].split()))
+        result = [float(word) for word in printed(log_of(text, ranks), "result")]
+        found.append(((tmp_path / "all.dump").read_text(), result))
     assert found[0][0] == found[1][0]
-    assert [float(w) for w in found[1][1]] == pytest.approx([float(w) for w in found[0][1]], rel=1e-13)
+    assert found[1][1] == pytest.approx(found[0][1], rel=1e-13)
 
 
 def on_a_face(lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 INF", speed=2.0, steps=20000):

@@ -154,7 +154,7 @@ def test_sphere_between_cylinders(lammps):
     assert np.abs(found[:9] - wanted[:9]).max() < 1e-9
 
 
-def test_ranks_and_restart_alike(lmp, tmp_path):
+def test_ranks_and_restart_alike(log_of, tmp_path):
     """With friction, to the last bit: one and two processors, and a run that was cut in two."""
     comm, motion = "comm_modify vel yes\n", "unfix motion\nfix motion all nve/sphere\n"
     text = between_cylinders(friction=" friction 0.3") + comm + motion
@@ -166,10 +166,7 @@ def test_ranks_and_restart_alike(lmp, tmp_path):
         "fix motion all nve/sphere\ntimestep 1e-8\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\nrun 8000\n",
     }
     for name, ranks in (("one", 1), ("one", 2), ("cut", 1)):
-        script = tmp_path / f"in.{name}"
-        script.write_text(texts[name] + dump.format(tmp_path / f"{name}{ranks}"), encoding="utf-8")
-        done = lmp(script, "-log", f"log.{name}", ranks=ranks)
-        assert done.returncode == 0, done.stdout + done.stderr + (tmp_path / f"log.{name}").read_text()[-500:]
+        log_of(texts[name] + dump.format(tmp_path / f"{name}{ranks}"), ranks)
     one, two, cut = ((tmp_path / name).read_text() for name in ("one1", "one2", "cut1"))
     assert one == two == cut
     spin = np.loadtxt((tmp_path / "one1").read_text().splitlines()[9:])[:, 7:]

@@ -165,7 +165,7 @@ def test_relaxed_under_pressure_then_begun(lammps):
     assert value(lmp, "c_en[5]") == pytest.approx(forces.mean(), rel=1e-6)
 
 
-def test_two_ranks_take_the_same_dents(lmp, tmp_path):
+def test_two_ranks_take_the_same_dents(log_of, tmp_path):
     """Row of spheres on two processors, with dents of every second contact and of a wall, and `begin` after a run."""
     n = 12
     places = [(2 * R * k, 0, 0) for k in range(n)]
@@ -177,10 +177,7 @@ def test_two_ranks_take_the_same_dents(lmp, tmp_path):
         text += "gran/dents begin\nset atom 1 vx 6.0\nrun 6000\n"
         text += f"variable lost equal c_en[1]\nprint 'lost $(v_lost:%.12g)' file {tmp_path}/lost.{ranks}\n"
         text += f"write_dump all custom {tmp_path}/{ranks}.dump id x vx f_end[*] modify sort id format float %.17g\n"
-        script = tmp_path / f"in.{ranks}"
-        script.write_text(text)
-        done = lmp(script, "-log", f"log.{ranks}", ranks=ranks)
-        assert done.returncode == 0, (tmp_path / f"log.{ranks}").read_text()[-2000:]
+        log_of(text, ranks)
     assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
     assert (tmp_path / "lost.1").read_text() == (tmp_path / "lost.2").read_text() != "lost 0\n"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.conftest import printed
 from tests.helpers.rubbing import BRASS, HERTZ, MU, R, oblique, packing, rubbing, state
 from tests.helpers.two_spheres import value
 
@@ -101,8 +102,9 @@ def test_springs_outlive_new_lists_and_sorting(lammps, how):
     assert found[0]["loss"] == pytest.approx(found[1]["loss"], rel=1e-12)
 
 
-def test_two_ranks_give_the_same_bits(lmp, tmp_path):
+def test_two_ranks_give_the_same_bits(log_of, tmp_path):
     places, speeds, spins = packing()
+    rows = []
     for ranks in (1, 2):
         text = rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, gap=2e-4)
         text += "compute dents all gran/hysteretic/local\ncompute sums all reduce sum c_dents[13] c_dents[15] inputs local\n"
@@ -110,19 +112,9 @@ def test_two_ranks_give_the_same_bits(lmp, tmp_path):
             "thermo_style custom step c_en c_en[*] c_sums[*]\nthermo_modify norm no format float %.15g\nthermo 1000\n"
         )
         text += f"run 4000\nwrite_dump all custom {tmp_path}/{ranks}.dump id x y z vx vy vz omegax omegay omegaz tqx modify sort id format float %.17g"
-        script = tmp_path / f"in.{ranks}"
-        script.write_text(text)
-        done = lmp(script, "-log", f"log.{ranks}", ranks=ranks)
-        assert done.returncode == 0, (tmp_path / f"log.{ranks}").read_text()[-2000:]
+        rows.append(np.array(printed(log_of(text, ranks), "4000"), float))
     assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
-    rows = [
-        np.array(
-            [line.split() for line in (tmp_path / f"log.{r}").read_text().splitlines() if line.split()[:1] == ["4000"]],
-            float,
-        )
-        for r in (1, 2)
-    ]
-    assert rows[0] == pytest.approx(rows[1], rel=1e-12) and rows[0][0, -1] == pytest.approx(rows[0][0, 8], rel=1e-12)
+    assert rows[0] == pytest.approx(rows[1], rel=1e-12) and rows[0][-1] == pytest.approx(rows[0][7], rel=1e-12)
 
 
 def test_springs_keep_still_in_a_minimisation(lammps):
@@ -245,14 +237,11 @@ run 0
 
 
 @pytest.mark.parametrize("move", ["velocity all set 1 1 0\nrun 4", "displace_atoms all move 2e-4 2e-4 0 units box"])
-def test_spheres_with_many_records_cross_a_corner(lammps, lmp, tmp_path, monkeypatch, move):
+def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monkeypatch, move):
     """They are passed on by a rank that has no records of its own, or moved between runs: all records arrive."""
     monkeypatch.chdir(tmp_path)
     lammps(MANY)
-    (tmp_path / "in.crossing").write_text(CROSSING.format(move=move))
-    done = lmp(tmp_path / "in.crossing", "-log", "log.crossing", ranks=4)
-    log = (tmp_path / "log.crossing").read_text()
-    assert done.returncode == 0, done.stderr + log[-1000:]
+    log = log_of(CROSSING.format(move=move), ranks=4)
     rows = [line.split() for line in log.splitlines() if line.split()[:1] in (["1600"], ["1604"])]
     assert float(rows[0][1]) == pytest.approx(400 * 2e-6, rel=1e-6)
     assert rows[-1][1:] == rows[0][1:]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import load_at
-from tests.conftest import script_of
+from tests.conftest import printed, script_of
 from tests.helpers.manual import PAGES, Log
 from tests.helpers.two_spheres import DRIVEN, MASS, PAIR, REPORT, A, T, balance, pushed, table, value
 
@@ -52,30 +52,24 @@ def test_velocity_before_the_drive_is_not_its_work(lammps):
     assert value(lmp, "mass(all)*vcm(all,z)-f_push[2]") == pytest.approx(MASS, rel=1e-10)
 
 
-def test_driven_sphere_crosses_between_processors(lmp, tmp_path):
+def test_driven_sphere_crosses_between_processors(log_of):
     found = []
     for ranks in (1, 2):
         script = script_of(PAIR, box=[-0.02, 0.02, -0.02, 0.02, -0.02, 0.02002], extra=DRIVEN)
         script = script.replace("boundary m m m", f"boundary p p p\nprocessors 1 1 {ranks}")  # in contact at z = 1e-5
         script += f"fix push driven gran/load z displacement harmonic 2e-5 8e3{REPORT}neigh_modify check no every 10\nrun 6000\n"
         script += 'print "result $(z[1]:%.17g) $(z[2]:%.17g) $(f_push:%.15g) $(f_push[2]:%.15g) $(f_push[3]:%.15g)"\n'
-        (tmp_path / "in.two").write_text(script)
-        done = lmp(tmp_path / "in.two", ranks=ranks)
-        log = (tmp_path / "log.lammps").read_text()
-        assert done.returncode == 0, log[-1000:]
-        found.append(log.rpartition("\nresult ")[2].split("\n")[0].split())
+        found.append(printed(log_of(script, ranks), "result"))
     assert found[0][:2] == found[1][:2]
     assert [float(w) for w in found[1]] == pytest.approx([float(w) for w in found[0]], rel=1e-12)
 
 
-def test_example_of_the_manual(lmp, tmp_path):
+def test_example_of_the_manual(log_of, tmp_path):
     """Example of a bar in the manual page of the pair style; LAMMPS warns of two kinds of masses in hybrid atom styles."""
     page = (PAGES / "pair_gran_hysteretic.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"^```LAMMPS\n(# Example of a bar.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    (tmp_path / "in.bar").write_text(script)
-    done = lmp(tmp_path / "in.bar")
-    log = (tmp_path / "log.lammps").read_text()
-    assert done.returncode == 0 and log.count("WARNING") == log.count("WARNING: Atom style hybrid defines both"), log
+    log = log_of(script)
+    assert log.count("WARNING") == log.count("WARNING: Atom style hybrid defines both"), log
     run = Log(tmp_path / "log.lammps").runs[0]
     assert np.abs(run["v_balance"]).max() < 1e-6
     assert run["c_end[5]"][-1] > 0.5 * run["f_push"][-1]

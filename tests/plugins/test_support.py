@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import script_of
+from tests.conftest import printed, script_of
 from tests.helpers.two_spheres import value
 
 R = 0.005
@@ -237,16 +237,9 @@ print "found $(f_plate[10]:%.17g) $(f_plate[11]:%.17g) $(f_plate[13]:%.17g) $(f_
 """
 
 
-def test_two_ranks_give_the_same_bits(lmp, tmp_path):
-    found = []
-    for ranks in (1, 2):
-        (tmp_path / "in.sheet").write_text(SHEET, encoding="utf-8")
-        done = lmp(tmp_path / "in.sheet", ranks=ranks)
-        assert done.returncode == 0, done.stdout + done.stderr
-        log = (tmp_path / "log.lammps").read_text(encoding="utf-8")
-        found.append([line for line in log.splitlines() if line.startswith("found")][-1])
-    assert found[0] == found[1]
-    assert abs(float(found[0].split()[1])) > 1e-7
+def test_two_ranks_give_the_same_bits(log_of):
+    one, two = (printed(log_of(SHEET, ranks), "found") for ranks in (1, 2))
+    assert one == two and abs(float(one[0])) > 1e-7
 
 
 # --------------------------------------------------------------------------- statics and messages
