@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -84,6 +85,13 @@ class Inference:
         """Root of the sum of squares of the residuals over that of the right-hand sides."""
         size = float(np.linalg.norm(self.equations.data(self.factor)))
         return float(np.linalg.norm(self.residual)) / size if size > 0 else 0.0
+
+    @property
+    def errors(self) -> tuple[Array, Array]:
+        """Standard errors of the normal forces, and of each component of the tangential ones: (m,) each, N."""
+        assert self.spread is not None
+        shear = np.linalg.norm(self.spread[:, 1:], axis=1) / math.sqrt(self.spread.shape[1] - 1)
+        return self.spread[:, 0], np.asarray(shear)
 
     @property
     def n_free(self) -> int:

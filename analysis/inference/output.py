@@ -11,10 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import tomli_w
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
 
+from granwave.analysis.figures.series import one_panel
 from granwave.analysis.figures.style import (
     BLUE,
     FORCE_MAP,
@@ -24,13 +27,11 @@ from granwave.analysis.figures.style import (
     Columns,
     Drawing,
     FigureFolder,
-    new_figure,
     style,
     write_csv,
 )
 from granwave.analysis.inference.grains import Array
 from granwave.analysis.inference.infer import Inference
-from granwave.analysis.inference.tables import force_columns, grain_columns
 from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files
 from granwave.lammps_inputs.run_directory import (
@@ -80,18 +81,30 @@ class Inferred:
     noise: Array | None = None
 
     @property
-    def forces(self) -> Columns:
-        """Columns of forces.csv, of a run with the true forces."""
-        columns = dict(force_columns(self.found, self.times))
+    def forces(self) -> pd.DataFrame:
+        """Columns of forces.csv, of a run with the true forces: a row for each candidate contact.
+
+        ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the name of a wall. In
+        the plane a tangential force is positive along (-ny, nx); in space its vector is given. Forces act on ``i``.
+        """
+        table = self._joined([_forces(one) for one in self.found])
         if self.true is not None:
-            shear = self.true[:, 1] if self.true.shape[1] == 2 else np.linalg.norm(self.true[:, 1:], axis=1)
-            columns |= {"true_normal_force_N": self.true[:, 0], "true_tangential_force_N": shear}
-        return columns
+            table["true_normal_force_N"], table["true_tangential_force_N"] = self.true[:, 0], _tangential(self.true)
+        return table
 
     @property
-    def grains(self) -> Columns:
-        """Columns of grains.csv."""
-        return grain_columns(self.found, self.times)
+    def grains(self) -> pd.DataFrame:
+        """Columns of grains.csv: residuals of the equations of each grain, NaN where nothing was measured."""
+        names = ("id", "residual_motion_N", "residual_stress_N")
+        columns = [(one.grains.ids, *one.residual_of_grains()) for one in self.found]
+        return self._joined([pd.DataFrame(dict(zip(names, values, strict=True))) for values in columns])
+
+    def _joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
+        """Put the tables of the instants below each other, after a column of times if these are known."""
+        for table, time in zip(tables, self.times, strict=True):
+            if not math.isnan(time):
+                table.insert(0, "time_s", time)
+        return pd.concat(tables, ignore_index=True)
 
     def write(self, directory: Path, *, figures: bool = True) -> None:
         """Write the files into a directory, created if necessary; earlier ones are replaced.
@@ -105,7 +118,7 @@ class Inferred:
         """
         directory.mkdir(parents=True, exist_ok=True)
         clear(directory, WRITTEN)
-        written = {INFERRED_FORCES: self.forces, INFERRED_GRAINS: self.grains}
+        written: dict[str, Columns] = {INFERRED_FORCES: dict(self.forces), INFERRED_GRAINS: dict(self.grains)}
         if self.measurement is not None:
             written[MADE_MEASUREMENT] = self.measurement
         texts = {SUMMARY_FILE: json.dumps(plain(dict(self.summary)), indent=2, allow_nan=False) + "\n"}
@@ -128,45 +141,53 @@ class Inferred:
                 folder.draw(partial(against_noise, *self.noise), FIGURES[-1])
 
 
+def _tangential(force: Array) -> Array:
+    """Tangential forces of components (m, d): with a sign in the plane, sizes in space."""
+    return force[:, 1] if force.shape[1] == 2 else np.asarray(np.linalg.norm(force[:, 1:], axis=1))
+
+
+def _forces(one: Inference) -> pd.DataFrame:
+    """Return the rows of forces.csv of one instant."""
+    contacts, ids, axes = one.contacts, one.grains.ids, list("xyz"[: one.grains.dimension])
+    vectors, points = contacts.vectors(one.force), one.grains.position[contacts.first] + contacts.arm
+    table = pd.DataFrame({"i": ids[contacts.first], "j": contacts.partners(ids)})
+    table[[f"n{axis}" for axis in axes]] = contacts.normal
+    table["normal_force_N"], table["tangential_force_N"] = one.force[:, 0], _tangential(one.force)
+    if one.spread is not None:
+        table["normal_error_N"], table["tangential_error_N"] = one.errors
+    table[[f"f{axis}_N" for axis in axes]] = vectors
+    table[[f"{axis}_m" for axis in axes]] = points
+    return table
+
+
 def network(found: Inference) -> Drawing:
     """Draw the grains and the forces between them; lines are as wide as the force is large."""
-    first, second = _shown_axes(found)
-    x, radius, contacts = found.grains.position[:, [first, second]], found.grains.radius, found.contacts
+    contacts, ids, position = found.contacts, found.grains.ids, found.grains.position
     size = np.linalg.norm(found.force, axis=1)
-    figure, axes = _map(x, radius)
-    _discs(axes, x, radius, facecolors="#f4f4f4")
-    point = found.grains.position[contacts.first] + contacts.arm
-    ends = point.copy()
+    figure, axes, shown, _ = _map(found, facecolors="#f4f4f4")
+    ends = position[contacts.first] + contacts.arm
     pairs = contacts.second >= 0
-    ends[pairs] = found.grains.position[contacts.second[pairs]]
-    lines = np.stack([found.grains.position[contacts.first], ends], axis=1)[:, :, [first, second]]
+    ends[pairs] = position[contacts.second[pairs]]
     order = np.argsort(size)
-    widths = _WIDEST * size / (float(size.max(initial=0.0)) or 1.0)
+    lines = 1e3 * np.stack([position[contacts.first], ends], axis=1)[order][:, :, shown]
+    widths = _WIDEST * size[order] / (float(size.max(initial=0.0)) or 1.0)
     drawn = LineCollection(
-        list(1e3 * lines[order]), linewidths=widths[order], cmap=FORCE_MAP, capstyle="round", zorder=2
+        list(lines), linewidths=widths, array=size[order], cmap=FORCE_MAP, capstyle="round", zorder=2
     )
-    drawn.set_array(size[order])
     axes.add_collection(drawn)
     figure.colorbar(drawn, ax=axes, label="Contact force (N)", shrink=0.8, pad=0.02)
-    ids = found.grains.ids
-    _label(axes, first, second)
     columns = {"i": ids[contacts.first], "j": np.array(contacts.partners(ids), dtype=np.str_), "force_N": size}
     return Drawing(figure, columns)
 
 
 def residuals(found: Inference) -> Drawing:
     """Draw the residuals of each grain's equations, over the root mean square of the forces."""
-    first, second = _shown_axes(found)
-    x, radius = found.grains.position[:, [first, second]], found.grains.radius
     motion, stress = found.residual_of_grains()
     total = np.sqrt(np.nan_to_num(motion) ** 2 + np.nan_to_num(stress) ** 2)
     total[np.isnan(motion) & np.isnan(stress)] = np.nan
     scale = float(np.sqrt(np.mean(found.force[:, 0] ** 2))) or 1.0
-    figure, axes = _map(x, radius)
-    drawn = _discs(axes, x, radius, cmap="cividis")
-    drawn.set_array(total / scale)
-    figure.colorbar(drawn, ax=axes, label="Residual / rms normal force", shrink=0.8, pad=0.02)
-    _label(axes, first, second)
+    figure, axes, _, discs = _map(found, cmap="cividis", array=total / scale)
+    figure.colorbar(discs, ax=axes, label="Residual / rms normal force", shrink=0.8, pad=0.02)
     return Drawing(figure, {"id": found.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress})
 
 
@@ -175,19 +196,15 @@ def errors(found: Inference) -> Drawing | None:
     if found.spread is None:
         return None
     size = np.linalg.norm(found.force, axis=1)
-    figure = new_figure(2.6)
-    axes = figure.subplots()
-    shear = np.linalg.norm(found.spread[:, 1:], axis=1) / math.sqrt(found.spread.shape[1] - 1)
-    axes.plot(size, found.spread[:, 0], ".", color=BLUE, ms=4, label="normal force")
+    figure, axes = one_panel(2.6, "Contact force (N)", "Standard error (N)")
+    normal, shear = found.errors
+    axes.plot(size, normal, ".", color=BLUE, ms=4, label="normal force")
     if found.settings.friction > 0:
         axes.plot(size, shear, "+", color=ORANGE, ms=4, mew=0.7, label="tangential force")
     axes.plot([0, size.max()], [0, 0.1 * size.max()], "--", color=GREY, lw=0.8, label="10 % of the force")
-    axes.set_xlim(0, None)
-    axes.set_ylim(0, 1.25 * max(float(found.spread[:, 0].max()), float(shear.max()), 1e-30))
-    axes.set_xlabel("Contact force (N)")
-    axes.set_ylabel("Standard error (N)")
+    axes.set(xlim=(0, None), ylim=(0, 1.25 * max(float(normal.max()), float(shear.max()), 1e-30)))
     axes.legend(loc="upper right")
-    return Drawing(figure, {"force_N": size, "normal_error_N": found.spread[:, 0], "tangential_error_N": shear})
+    return Drawing(figure, {"force_N": size, "normal_error_N": normal, "tangential_error_N": shear})
 
 
 def modulus(found: Inference) -> Drawing | None:
@@ -197,15 +214,10 @@ def modulus(found: Inference) -> Drawing | None:
     scale = float(found.grains.modulus[0])
     values = scale * found.search.factors
     best = scale * found.factor
-    figure = new_figure(2.4)
-    axes = figure.subplots()
-    axes.semilogx(values / 1e6, found.search.chi2, "o-", color=BLUE, ms=3, lw=0.8)
-    axes.set_yscale("log")
+    figure, axes = one_panel(2.4, "Young's modulus (MPa)", r"$\chi^2$")
+    axes.loglog(values / 1e6, found.search.chi2, "o-", color=BLUE, ms=3, lw=0.8)
     axes.axvline(best / 1e6, color=ORANGE, lw=0.8)
-    error = 100 * found.search.error
-    axes.set_title(f"{best / 1e6:.4g} MPa ± {error:.2g} %")
-    axes.set_xlabel("Young's modulus (MPa)")
-    axes.set_ylabel(r"$\chi^2$")
+    axes.set_title(f"{best / 1e6:.4g} MPa ± {100 * found.search.error:.2g} %")
     return Drawing(figure, {"youngs_modulus_Pa": values, "chi2": found.search.chi2})
 
 
@@ -219,52 +231,42 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     error, spread
         Errors of the forces over the forces, means of the repetitions, and their standard deviations: (n,).
     """
-    figure = new_figure(2.4)
-    axes = figure.subplots()
+    figure, axes = one_panel(2.4, "Noise of strains and accelerations (%)", "Error of the forces (%)")
     axes.errorbar(100 * noise, 100 * error, yerr=100 * spread, fmt="o-", color=BLUE, ms=3, lw=0.8, capsize=2)
-    axes.set_xlim(0, None)
-    axes.set_ylim(0, None)
-    axes.set_xlabel("Noise of strains and accelerations (%)")
-    axes.set_ylabel("Error of the forces (%)")
+    axes.set(xlim=(0, None), ylim=(0, None))
     return Drawing(figure, {"noise": noise, "error": error, "standard_deviation": spread})
 
 
-def _shown_axes(found: Inference) -> tuple[int, int]:
-    """Return the axes of the view: in space those along which forces are largest, in their order."""
-    if found.grains.dimension == 2:
-        return 0, 1
-    along = np.abs(found.contacts.vectors(found.force)).sum(axis=0)
-    first, second = sorted(np.argsort(-along, kind="stable")[:2].tolist())
-    return first, second
+def _map(found: Inference, **options: Any) -> tuple[Figure, Axes, list[int], EllipseCollection]:
+    """Draw the grains as discs, in mm; z, the depth below the top of a packing, goes down.
 
-
-def _map(x: Array, radius: Array) -> tuple:
+    Returns
+    -------
+    figure, axes, shown, discs
+        ``shown`` are the axes of the view: in space those along which forces are largest, in their order.
+    """
+    shown = [0, 1]
+    if found.grains.dimension == 3:
+        along = np.abs(found.contacts.vectors(found.force)).sum(axis=0)
+        shown = sorted(np.argsort(-along, kind="stable")[:2].tolist())
+    x, radius = 1e3 * found.grains.position[:, shown], 1e3 * found.grains.radius
     low, high = (x - radius[:, None]).min(axis=0), (x + radius[:, None]).max(axis=0)
     width, height = high - low
-    tall = min(_TALLEST, max(1.6, 0.75 * WIDTH * height / width + 0.5))
-    figure = new_figure(tall)
-    axes = figure.subplots()
     margin = 0.03 * max(width, height)
-    axes.set_xlim(1e3 * (low[0] - margin), 1e3 * (high[0] + margin))
-    axes.set_ylim(1e3 * (low[1] - margin), 1e3 * (high[1] + margin))
-    axes.set_aspect("equal")
-    return figure, axes
-
-
-def _discs(axes: Axes, x: Array, radius: Array, **options: object) -> EllipseCollection:
-    """Draw grains as discs, in mm."""
-    size = 2e3 * radius
-    found = EllipseCollection(
-        size, size, np.zeros(len(size)), units="xy", offsets=1e3 * x, transOffset=axes.transData,
-        edgecolors=_OUTLINE, linewidths=0.4, **options,  # type: ignore[arg-type]
-    )  # fmt: skip
-    axes.add_collection(found)
-    return found
-
-
-def _label(axes: Axes, first: int, second: int) -> None:
-    """Label the axes; z, the depth below the top of a packing, goes down."""
-    axes.set_xlabel(f"${'xyz'[first]}$ (mm)")
-    axes.set_ylabel("Depth $z$ (mm)" if second == _DEPTH else f"${'xyz'[second]}$ (mm)")
-    if second == _DEPTH:
+    vertical = "Depth $z$ (mm)" if shown[1] == _DEPTH else f"${'xyz'[shown[1]]}$ (mm)"
+    figure, axes = one_panel(
+        min(_TALLEST, max(1.6, 0.75 * WIDTH * height / width + 0.5)),
+        f"${'xyz'[shown[0]]}$ (mm)",
+        vertical,
+        xlim=(low[0] - margin, high[0] + margin),
+        ylim=(low[1] - margin, high[1] + margin),
+        aspect="equal",
+    )
+    if shown[1] == _DEPTH:
         axes.invert_yaxis()
+    discs = EllipseCollection(
+        2 * radius, 2 * radius, np.zeros(len(radius)), units="xy", offsets=x, offset_transform=axes.transData,
+        edgecolors=_OUTLINE, linewidths=0.4, **options,
+    )  # fmt: skip
+    axes.add_collection(discs)
+    return figure, axes, shown, discs

@@ -1,8 +1,7 @@
-"""Tables, summary and main values in words of inferred forces; numbers of several instants are lists."""
+"""Summary and main values in words of inferred forces; numbers of several instants are lists."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +12,6 @@ from granwave.analysis.summary_table import lines
 from granwave.analysis.versions import versions_of
 
 if TYPE_CHECKING:
-    from granwave.analysis.figures.style import Columns
     from granwave.analysis.inference.infer import Inference
 
 ENTRIES = (
@@ -63,46 +61,6 @@ _SLIDING = 1e-3  # of the limit of friction
 _ERRORS = 2.0  # standard errors that a normal force exceeds to count as found
 _LOADED = 1e-6  # of the largest force; smaller ones are errors of the solver
 KIND = "inference"
-
-
-def force_columns(found: Sequence[Inference], times: Sequence[float]) -> Columns:
-    """Return the columns of forces.csv: a row for each candidate contact.
-
-    ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the name of a wall. In the
-    plane a tangential force is positive along (-ny, nx); in space its vector is given. Forces act on ``i``.
-    """
-    return _joined([_forces(one, time) for one, time in zip(found, times, strict=True)])
-
-
-def _forces(one: Inference, time: float) -> dict[str, Any]:
-    """Return the rows of forces.csv of one instant."""
-    contacts, ids, force, axes = one.contacts, one.grains.ids, one.force, "xyz"[: one.grains.dimension]
-    vectors, points = contacts.vectors(force), one.grains.position[contacts.first] + contacts.arm
-    columns: dict[str, Any] = {} if math.isnan(time) else {"time_s": np.full(len(contacts), time)}
-    columns |= {"i": ids[contacts.first], "j": np.array(contacts.partners(ids), dtype=np.str_)}
-    columns |= {f"n{axis}": values for axis, values in zip(axes, contacts.normal.T, strict=True)}
-    columns["normal_force_N"] = force[:, 0]
-    columns["tangential_force_N"] = force[:, 1] if len(axes) == 2 else np.linalg.norm(force[:, 1:], axis=1)
-    if one.spread is not None:
-        columns["normal_error_N"] = one.spread[:, 0]
-        columns["tangential_error_N"] = np.linalg.norm(one.spread[:, 1:], axis=1) / math.sqrt(len(axes) - 1)
-    columns |= {f"f{axis}_N": values for axis, values in zip(axes, vectors.T, strict=True)}
-    return columns | {f"{axis}_m": values for axis, values in zip(axes, points.T, strict=True)}
-
-
-def grain_columns(found: Sequence[Inference], times: Sequence[float]) -> Columns:
-    """Return the columns of grains.csv: residuals of the equations of each grain, NaN where nothing was measured."""
-    tables = []
-    for one, time in zip(found, times, strict=True):
-        motion, stress = one.residual_of_grains()
-        values = {} if math.isnan(time) else {"time_s": np.full(len(one.grains), time)}
-        tables.append({**values, "id": one.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress})
-    return _joined(tables)
-
-
-def _joined(tables: Sequence[Mapping[str, Any]]) -> Columns:
-    """Put the rows of tables below each other."""
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def instant_summary(one: Inference, time: float) -> dict[str, Any]:
