@@ -107,12 +107,16 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
         axes.plot(overlap[rows], force[rows], color=colour, label=label)
     rows = branch == "loading"
     axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
-    axes.set_xlabel("Overlap (µm)")
-    axes.set_ylabel("Force (N)")
-    axes.set_xlim(0, float(overlap.max()))
-    axes.set_ylim(0, 1.05 * float(force.max()))
+    limits = {"xlim": (0, float(overlap.max())), "ylim": (0, 1.05 * float(force.max()))}
+    axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
-        _normalised_axes(axes, law)
+        axes.tick_params(top=False, right=False)
+        for add, place, unit, name in (
+            (axes.secondary_xaxis, "top", law.yield_overlap * _MICRO, r"$\alpha/\alpha_\mathrm{y}$"),
+            (axes.secondary_yaxis, "right", law.yield_force, r"$F/F_\mathrm{y}$"),
+        ):
+            beside = add(place, functions=(lambda x, unit=unit: x / unit, lambda x, unit=unit: x * unit))
+            beside.set(**{"xlabel" if place == "top" else "ylabel": name})
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
@@ -138,15 +142,6 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
     return path
 
 
-def _normalised_axes(axes, law: ContactLaw) -> None:
-    overlap, force = law.yield_overlap * _MICRO, law.yield_force
-    axes.tick_params(top=False, right=False)
-    above = axes.secondary_xaxis("top", functions=(lambda x: x / overlap, lambda a: a * overlap))
-    above.set_xlabel(r"$\alpha/\alpha_\mathrm{y}$")
-    beside = axes.secondary_yaxis("right", functions=(lambda y: y / force, lambda f: f * force))
-    beside.set_ylabel(r"$F/F_\mathrm{y}$")
-
-
 def restitution(
     law: ContactLaw, mass: float, max_overlap: float = 400.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -169,16 +164,6 @@ def restitution(
     return np.sqrt(2 * work / mass), np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
 
 
-def restitution_table(contacts: Mapping[str, tuple[ContactLaw, float]], max_overlap: float = 400.0) -> Table:
-    """Return a curve for each named contact (law, effective mass): ``contact``, ``velocity_m_s``, ``restitution``."""
-    curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
-    return {
-        "contact": np.concatenate([np.full(_POINTS, name) for name in curves]),
-        "velocity_m_s": np.concatenate([velocity for velocity, _ in curves.values()]),
-        "restitution": np.concatenate([value for _, value in curves.values()]),
-    }
-
-
 def write_restitution(
     contacts: Mapping[str, tuple[ContactLaw, float]], path: str | Path, max_overlap: float = 400.0, title: str = ""
 ) -> Path:
@@ -189,17 +174,16 @@ def write_restitution(
     InputError
         A file of such a name exists, and granwave did not write it.
     """
-    path, table = Path(path), restitution_table(contacts, max_overlap)
+    path, curves = Path(path), {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
+    velocity, values = (np.concatenate(parts) for parts in zip(*curves.values(), strict=True))
+    table = {"contact": np.repeat(list(curves), _POINTS), "velocity_m_s": velocity, "restitution": values}
 
     def draw() -> Drawing:
         figure = new_figure(2.4)
         axes = figure.subplots()
-        for name, (colour, line) in zip(contacts, _LINES, strict=False):
-            rows = table["contact"] == name
-            axes.semilogx(table["velocity_m_s"][rows], table["restitution"][rows], line, color=colour, label=name)
-        axes.set_xlabel("Impact velocity (m/s)")
-        axes.set_ylabel("Coefficient of restitution")
-        axes.set_ylim(0, 1.05)
+        for (name, curve), (colour, line) in zip(curves.items(), _LINES, strict=False):
+            axes.semilogx(*curve, line, color=colour, label=name)
+        axes.set(xlabel="Impact velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0, 1.05))
         axes.legend(loc="lower left", title=title or None, alignment="left")
         return Drawing(figure, table)
 

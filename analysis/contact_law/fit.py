@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from pandas import DataFrame
 from scipy.optimize import minimize_scalar
 
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
@@ -66,26 +67,6 @@ _LEAST_RISE, _STIFF = 0.01, 100.0  # smallest slope of a_R at first yield, and w
 Array = NDArray[np.float64]
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Misfit:
-    """Deviation of a law from some of the rows.
-
-    Attributes
-    ----------
-    part
-        Description of these rows.
-    rows
-        Number of rows.
-    rms, largest
-        Root mean square and largest |r|, per cent.
-    """
-
-    part: str
-    rows: int
-    rms: float
-    largest: float
-
-
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
 class Fit:
     """Result of a fit.
@@ -104,8 +85,9 @@ class Fit:
         Materials of the two bodies, with the fitted yield strength, and radii, m.
     correlation
         Correlation of the residuals of neighbouring rows.
-    misfit, published_misfit
-        Misfits of both laws by part of the curve.
+    misfit
+        Deviations by part of the curve, in columns ``part``, ``rows``, number of rows, and ``rms_percent``,
+        ``largest_percent``, ``published_rms_percent``, ``published_largest_percent``, of both laws.
     """
 
     curve: Curve
@@ -117,8 +99,7 @@ class Fit:
     materials: tuple[Material, ...]
     radii: tuple[float, ...]
     correlation: float
-    misfit: tuple[Misfit, ...]
-    published_misfit: tuple[Misfit, ...]
+    misfit: DataFrame
 
     def value(self, name: str) -> float:
         """Return the value of a constant, or of the yield strength, Pa."""
@@ -202,8 +183,7 @@ def fit_law(
         materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
         correlation=rho,
-        misfit=_misfit(curve, law),
-        published_misfit=_misfit(curve, published),
+        misfit=_misfit(curve, law, published),
     )
 
 
@@ -331,12 +311,15 @@ def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
     return min(rho, 0.99) if rho > 2 / math.sqrt(np.count_nonzero(same)) else 0.0
 
 
-def _misfit(curve: Curve, law: ContactLaw) -> tuple[Misfit, ...]:
-    off, overlap, peak = (
-        np.abs(deviation(curve, law)),
-        curve.overlap / law.yield_overlap,
-        curve.peak / law.yield_overlap,
-    )
+def _misfit(curve: Curve, law: ContactLaw, published: ContactLaw) -> DataFrame:
+    """Return the deviations of both laws by part of the curve; overlaps are over that at first yield of each."""
+    other = _misfit_of(curve, published).set_index("part").drop(columns="rows").add_prefix("published_")
+    return _misfit_of(curve, law).join(other, on="part")
+
+
+def _misfit_of(curve: Curve, law: ContactLaw) -> DataFrame:
+    off = np.abs(deviation(curve, law))
+    overlap, peak = curve.overlap / law.yield_overlap, curve.peak / law.yield_overlap
     parts = {"loading below first yield": curve.loading & (overlap <= 1) & (overlap > 0)}
     parts["loading beyond it"] = curve.loading & (overlap > 1)
     for low, high in pairwise(RANGES):
@@ -345,16 +328,9 @@ def _misfit(curve: Curve, law: ContactLaw) -> tuple[Misfit, ...]:
     parts["un- and reloading"] = below & (peak > 1)
     for low, high in pairwise(RANGES):
         parts[f"  from {_range(low, high)}"] = below & (peak > low) & (peak <= high)
-    return tuple(
-        Misfit(
-            part=part,
-            rows=int(np.count_nonzero(rows)),
-            rms=float(np.sqrt(np.mean(off[rows] ** 2))),
-            largest=float(off[rows].max()),
-        )
-        for part, rows in parts.items()
-        if rows.any()
-    )
+    there = {part: off[rows] for part, rows in parts.items() if rows.any()}
+    rows = [(part, len(one), float(np.sqrt(np.mean(one**2))), float(one.max())) for part, one in there.items()]
+    return DataFrame(rows, columns=["part", "rows", "rms_percent", "largest_percent"])
 
 
 def _range(low: float, high: float) -> str:

@@ -63,7 +63,10 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     marker = read_marker(directory)
     claim(directory, [*files, *figure_files(FIGURE)], kind=marker.kind if marker else FIT)
     replace_text(directory / FIT_TOML, fit_toml(fit))
-    for name, table in ((FIT_TABLE, constants_table(fit)), (FIT_MISFIT, misfit_table(fit))):
+    for name, table in (
+        (FIT_TABLE, constants_table(fit)),
+        (FIT_MISFIT, fit.misfit.assign(part=fit.misfit.part.str.strip()).to_dict("list")),
+    ):
         with replacing(directory / name) as scratch:
             write_csv(table, scratch)
     if pair:
@@ -96,18 +99,6 @@ def state(fit: Fit, name: str) -> str:
     return "not determined: uncertainty exceeds it" if fit.undetermined(name) else "fitted"
 
 
-def misfit_table(fit: Fit) -> Columns:
-    """Return the deviations of fit and published law by part (overlaps over that at first yield), per cent."""
-    return {
-        "part": [misfit.part.strip() for misfit in fit.misfit],
-        "rows": [misfit.rows for misfit in fit.misfit],
-        "rms_percent": np.array([misfit.rms for misfit in fit.misfit]),
-        "largest_percent": np.array([misfit.largest for misfit in fit.misfit]),
-        "published_rms_percent": np.array([misfit.rms for misfit in fit.published_misfit]),
-        "published_largest_percent": np.array([misfit.largest for misfit in fit.published_misfit]),
-    }
-
-
 def fit_toml(fit: Fit) -> str:
     """Return the text of a case of two such spheres, with the tables [contact] and [material] for other cases."""
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
@@ -118,9 +109,9 @@ def fit_toml(fit: Fit) -> str:
         "# Copy [contact] and [material] into a case of your own and run it: granwave run case.toml",
         "# This file is a case too, two such spheres: granwave run fit.toml",
         *(
-            f"# off by {misfit.rms:.3g} % rms, {misfit.largest:.3g} % at most: {misfit.part.strip()}"
-            for misfit in fit.misfit
-            if not misfit.part.startswith(" ")
+            f"# off by {one.rms_percent:.3g} % rms, {one.largest_percent:.3g} % at most: {one.part}"
+            for one in fit.misfit.itertuples()
+            if not one.part.startswith(" ")
         ),
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
@@ -197,11 +188,8 @@ def fit_drawing(fit: Fit) -> Drawing:
     below.axhline(0, color="black", lw=0.5)
     limit = 1.1 * float(np.abs(off[curve.peak > fit.law.yield_overlap]).max(initial=0.0))
     below.set_ylim(-max(limit, 1e-3), 1.4 * max(limit, 1e-3))
-    above.set_ylabel("Force (N)")
-    above.set_xlim(0, None)
-    above.set_ylim(0, None)
-    below.set_xlabel("Overlap (µm)")
-    below.set_ylabel("Fit minus curve (%)")
+    above.set(ylabel="Force (N)", xlim=(0, None), ylim=(0, None))
+    below.set(xlabel="Overlap (µm)", ylabel="Fit minus curve (%)")
     above.legend(loc="upper left")
     below.legend(loc="upper left", ncols=2, markerscale=3)
     return Drawing(

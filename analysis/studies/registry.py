@@ -50,7 +50,7 @@ from granwave.lammps_inputs.errors import InputError
 
 #: Module of each study, below this package, in the order of a report.
 STUDIES: dict[str, str] = {
-    "bands": "bands.simulated",
+    "bands": "bands",
     "protected-height": "protection.heights",
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",

@@ -101,9 +101,8 @@ def fit_summary(found: Fit) -> str:
     for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
         rows.append([name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how])
     fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
-    for here, there in zip(found.misfit, found.published_misfit, strict=True):
-        numbers = (here.rms, here.largest, there.rms, there.largest)
-        fits.append([here.part, str(here.rows), *(f"{number:.3g}" for number in numbers)])
+    for part, n_rows, *numbers in found.misfit.itertuples(index=False):
+        fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
     text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
     if found.correlation:

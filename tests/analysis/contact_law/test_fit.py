@@ -70,8 +70,8 @@ def options(curve: Path, directory: Path, **more) -> argparse.Namespace:
 def test_exact_curve():
     found = fit_law(sampled(), [BRASS], [R])
     assert found.constants == pytest.approx(OTHER, rel=1e-6)
-    assert max(misfit.largest for misfit in found.misfit) < 1e-4
-    assert max(misfit.largest for misfit in found.published_misfit) > 10
+    assert found.misfit.largest_percent.max() < 1e-4
+    assert found.misfit.published_largest_percent.max() > 10
     assert not any(found.undetermined(name) for name in OTHER)
 
 
@@ -108,8 +108,8 @@ def test_noise():
     found = fit_law(sampled(0.01, 3), [BRASS], [R])
     for name, true in OTHER.items():
         assert abs(found.constants[name] - true) < 4 * found.uncertainty[name], name
-    beyond = {misfit.part: misfit for misfit in found.misfit}
-    assert 0.7 < beyond["loading beyond it"].rms < 1.3 and 0.7 < beyond["un- and reloading"].rms < 1.3
+    beyond = {one.part: one for one in found.misfit.itertuples()}
+    assert 0.7 < beyond["loading beyond it"].rms_percent < 1.3 and 0.7 < beyond["un- and reloading"].rms_percent < 1.3
 
 
 def test_outliers_count_little():
@@ -301,7 +301,7 @@ def test_eight_points_in_other_units(tmp_path, caplog, length, force, factors):
     assert curve.overlap == pytest.approx(overlap) and curve.force == pytest.approx(LAW.loading_force(overlap))
     with caplog.at_level(logging.WARNING, "granwave"):
         found = fit_law(curve, [BRASS], [R])
-    assert all(one.rms < 0.1 for one in found.misfit)
+    assert (found.misfit.rms_percent < 0.1).all()
     assert "unloading_exponent stays as published, since the curve has no unloading" in caplog.text
 
 

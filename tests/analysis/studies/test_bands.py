@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.spectra.band_structure import band_structure
-from granwave.analysis.studies.bands.scattered import scattered_line, without_scatter
+from granwave.analysis.studies.bands import scattered_line, without_scatter
 from granwave.workflows import load_case
 
 

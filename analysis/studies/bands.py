@@ -2,32 +2,44 @@
 
 A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the layers, are
 transformed in space and time, and the ridges of the transform compared with the bands of the same static state.
+
+Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at which it answers to
+a plane wave along z. Each mode at a wave vector k holds a share of the plane wave, in which the spheres move along z by
+exp(i k z). The line that a transform of the motion shows is at the mode of the largest share; the mean of it and of
+those near to it, weighed by their shares, is taken.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Sequence
-from functools import cached_property
+from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.hertz_lattices import line_of
 from granwave.analysis.measures.line_waves import (
     SpaceTime,
     space_time_transform,
+    speed_along_layers,
     velocities_along,
 )
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.band_structure import BandStructure, band_structure
-from granwave.analysis.studies.bands.scattered import scattered_line, without_scatter
-from granwave.analysis.studies.bands.unrun import rows_of_scatter, rows_of_square
+from granwave.analysis.spectra.band_structure import BandStructure, band_structure, long_wave_speeds
+from granwave.analysis.spectra.states import cell_state
+from granwave.analysis.spectra.stiffness import Stiffness, stiffness_of
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import KINDS, Kind
+from granwave.lammps_inputs.load_case import case_from_dict
 
 TITLE = "Bands of precompressed packings, and the transforms of their runs"
 TEXT = (
@@ -38,6 +50,10 @@ _POINTS, _FREQUENCIES = 101, 601
 _SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
 _SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
 _STRONGEST = 0.05  # of the largest amplitude, for a ridge
+_LAYERS = 12  # of a repeated piece: a multiple of 2 and of 3
+_WIDTH = 0.05  # of the frequency: modes around the largest share
+_SCATTER = 1e-6  # m
+_SEED = 1
 
 
 class Wave(FinishedRun):
@@ -104,18 +120,14 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
 
 
 def _fits(run: FinishedRun) -> bool:
-    case, assembly = run.case, run.assembly
-    if case.precompression is None or case.load.driven or case.packing.grains is not None:
+    case, kind = run.case, run.case.packing.kind
+    flat, layered = (kind != "chain" and ("z" in KINDS[kind].axes) == there for there in (False, True))
+    if case.precompression is None or case.load.kind != "impact" or case.packing.grains is not None:
         return False
-    if case.packing.kind == "chain":
-        if case.precompression.kind != "uniaxial" or case.load.kind != "impact":
-            return False
-    elif "z" not in KINDS[case.packing.kind].axes:
-        if case.precompression.kind != "uniform" or case.load.kind != "impact" or not assembly.plain:
-            return False
-    elif case.precompression.kind != "uniaxial" or case.load.kind != "impact" or case.boundary.sides != "periodic" or (
-        case.packing.vacancies or case.replace or case.striker
-    ):  # fmt: skip
+    if case.precompression.kind != ("uniform" if flat else "uniaxial") or (flat and not run.assembly.plain):
+        return False
+    unlike = case.packing.vacancies or case.replace or case.striker
+    if layered and (case.boundary.sides != "periodic" or unlike):
         return False
     try:
         return run.seen_as(Wave).structure is not None
@@ -170,10 +182,6 @@ def _closed_forms(run: Wave) -> Iterator[Row]:
 
 def _speed(run: Wave) -> float:
     """Speed of long waves by the crests of the layers, m/s."""
-    from granwave.analysis.measures.hertz_lattices import line_of
-    from granwave.analysis.measures.line_waves import speed_along_layers
-    from granwave.lammps_inputs.contact.law import sphere_contact
-
     with Result(run.directory) as result:
         return speed_along_layers(result, line_of(run.case, sphere_contact(run.case)))
 
@@ -202,3 +210,93 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
             f"computed bands (dashed), {run.label_of_kind}. Dark ridges on dashed lines confirm the bands"
         )
         yield Picture(name, caption, Drawing(figure, columns))
+
+
+def without_scatter(case: Case) -> Case:
+    """Return the case with like spheres."""
+    return _changed(case, {"diameter_scatter": 0.0}, {})
+
+
+def scattered_line(case: Case, k: float) -> float:
+    """Return the frequency of the plane longitudinal wave of the wave number k along z, rad/m, in Hz."""
+    stiffness = _piece(case.to_toml())
+    network = stiffness.network
+    values, vectors = np.linalg.eigh(stiffness.dense(np.array([[0.0, 0.0, k]]))[0])
+    grain, direction = network.freedoms
+    # the phase between cells is that of their periods alone; within a cell it is that of the places
+    wave = np.where(direction == 2, np.sqrt(network.masses) * np.exp(1j * k * network.position[grain, 2]), 0.0)
+    share: Array = np.abs(wave.conj() @ vectors) ** 2
+    frequency = np.sqrt(np.maximum(values, 0.0)) / (2 * math.pi)
+    near = np.abs(frequency / frequency[int(np.argmax(share))] - 1) < _WIDTH
+    return float(np.average(frequency[near], weights=share[near]))
+
+
+@cache
+def _piece(case: str) -> Stiffness:
+    whole = case_from_dict(tomllib.loads(case), "case")
+    nx, ny, _ = whole.packing.size
+    return stiffness_of(
+        cell_state(_changed(whole, {"size": [nx, ny, _LAYERS]}, {"sides": "periodic", "bottom": "periodic"})).network
+    )
+
+
+def _changed(case: Case, packing: dict[str, object], boundary: dict[str, object]) -> Case:
+    data = case.to_dict()
+    keep = {name: data[name] for name in ("name", "material", "contact", "precompression") if name in data}
+    return case_from_dict(
+        keep | {"packing": data["packing"] | packing, "boundary": data.get("boundary", {}) | boundary}
+    )
+
+
+def rows_of_square(like: Case) -> Iterator[Row]:
+    """Edges at X of a square packing of such spheres with friction under pressure: closed forms, to rounding."""
+    case = _case(like, {"kind": "square", "size": [4, 4]}, 1e5, {"bottom": "free"}, friction=0.3)
+    network = cell_state(case).network
+    springs, mass, inertia = network.springs, float(network.mass[0]), float(network.inertia[0])
+    k, kt, f, d = (float(one[0]) for one in (springs.stiffness, springs.tangential, springs.force, springs.distance))
+    lever = float(springs.lever[0, 0])
+    at_edge = np.array([[math.pi / like.packing.diameter, 0.0, 0.0]])
+    ours = np.sqrt(np.sort(np.linalg.eigvalsh(stiffness_of(network).dense(at_edge)[0]))) / (2 * math.pi)
+    known = {
+        "longitudinal, 4 k/m": 4 * k / mass,
+        "transverse, 4 (k_t - F/d)/m": 4 * (kt - f / d) / mass,
+        "rotational, 4 k_t l^2/I": 4 * kt * lever**2 / inertia,
+    }
+    order = np.argsort(list(known.values()))
+    for place, number in enumerate(order.tolist()):
+        name, square = list(known.items())[number]
+        theory = math.sqrt(square) / (2 * math.pi)
+        quantity = f"Square with friction, 1e+05 Pa, omega^2 at the edge of the zone: {name}"
+        yield Row(quantity, "Hz", None, float(ours[place]), "", "", theory, True)
+
+
+def rows_of_scatter(like: Case) -> Iterator[Row]:
+    """Speeds of long waves along [111] in a cell of FCC with scattered diameters, beside like spheres."""
+    boundary = {"sides": "periodic", "bottom": "periodic"}
+    direction = np.array([[0.0, 0.0, 1.0]])
+    speeds = []
+    for scatter in ({}, {"diameter_scatter": _SCATTER, "seed": _SEED}):
+        case = _case(like, {"kind": "fcc", "size": [6, 6, 6], **scatter}, 1e6, boundary)
+        speeds.append(long_wave_speeds(stiffness_of(cell_state(case).network), direction)[0])
+    for name, place in (("transverse", 0), ("longitudinal", -1)):
+        yield Row(
+            f"Speed of {name} waves along [111] of FCC, 1e+06 Pa from all sides, scatter of 1 um", "m/s", None,
+            float(speeds[1][place]), "like spheres", "Smaller spheres bear less.", float(speeds[0][place]),
+        )  # fmt: skip
+
+
+def _case(
+    like: Case, packing: dict[str, Any], pressure: float, boundary: dict[str, Any], friction: float = 0.0
+) -> Case:
+    """A case of spheres as those of another, under pressure from all sides."""
+    material = like.to_dict()["material"]
+    return case_from_dict(
+        {
+            "name": packing["kind"],
+            "material": material,
+            "packing": {"diameter": like.packing.diameter, **packing},
+            "contact": {"law": "hertz", "friction": friction},
+            "precompression": {"kind": "uniform", "pressure": pressure},
+            "boundary": boundary,
+        }
+    )

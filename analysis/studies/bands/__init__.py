@@ -1,1 +1,0 @@
-"""Bands beside sources, closed forms and simulated waves."""
