@@ -111,12 +111,11 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
         axes.tick_params(top=False, right=False)
-        for add, place, unit, name in (
-            (axes.secondary_xaxis, "top", law.yield_overlap * _MICRO, r"$\alpha/\alpha_\mathrm{y}$"),
-            (axes.secondary_yaxis, "right", law.yield_force, r"$F/F_\mathrm{y}$"),
-        ):
-            beside = add(place, functions=(lambda x, unit=unit: x / unit, lambda x, unit=unit: x * unit))
-            beside.set(**{"xlabel" if place == "top" else "ylabel": name})
+        a_y, f_y = law.yield_overlap * _MICRO, law.yield_force
+        above = axes.secondary_xaxis("top", functions=(lambda x: x / a_y, lambda x: x * a_y))
+        above.set_xlabel(r"$\alpha/\alpha_\mathrm{y}$")
+        beside = axes.secondary_yaxis("right", functions=(lambda y: y / f_y, lambda y: y * f_y))
+        beside.set_ylabel(r"$F/F_\mathrm{y}$")
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")

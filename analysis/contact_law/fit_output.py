@@ -63,10 +63,8 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     marker = read_marker(directory)
     claim(directory, [*files, *figure_files(FIGURE)], kind=marker.kind if marker else FIT)
     replace_text(directory / FIT_TOML, fit_toml(fit))
-    for name, table in (
-        (FIT_TABLE, constants_table(fit)),
-        (FIT_MISFIT, fit.misfit.assign(part=fit.misfit.part.str.strip()).to_dict("list")),
-    ):
+    misfit = fit.misfit.assign(part=fit.misfit.part.str.strip()).to_dict("list")
+    for name, table in ((FIT_TABLE, constants_table(fit)), (FIT_MISFIT, misfit)):
         with replacing(directory / name) as scratch:
             write_csv(table, scratch)
     if pair:
