@@ -17,7 +17,7 @@ from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
 from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
-from granwave.workflows.scanning.batches import Outlook, expected_scan_time, expected_time, make_batches
+from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.engine import submission
 from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.scanning.slurm import Profile
@@ -127,38 +127,38 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 def test_a_scan_takes_its_points_and_what_is_around_them(points: list[Point]) -> None:
-    alone = sum(map(expected_time, points))
-    assert alone + 4 < expected_scan_time(points, None, 1) < alone + 40
-    assert expected_scan_time(points, None, 2, slowness=50) < expected_scan_time(points, None, 1, slowness=50)
-    assert expected_scan_time(points, None, 100, slowness=50) > 50 * expected_time(points[-1])
-    assert expected_scan_time([], None, 2) == batches.PUBLISH
-    assert expected_scan_time(points, Profile(), 1) > expected_scan_time(points, None, 1)
+    alone = sum(point.plan.wall_time for point in points)
+    assert alone + 4 < Machine(1).time(points) < alone + 40
+    assert Machine(2, None, 50).time(points) < Machine(1, None, 50).time(points)
+    assert Machine(100, None, 50).time(points) > 50 * points[-1].plan.wall_time
+    assert Machine(2).time([]) == batches.PUBLISH
+    assert Machine(1, Profile()).time(points) > Machine(1).time(points)
 
 
 def test_ranks_share_the_cores_of_this_machine(points: list[Point]) -> None:
     both = [dataclasses.replace(point, ranks=2) for point in points]
-    assert expected_scan_time(both, None, 2, 50) > 1.5 * expected_scan_time(points, None, 2, 50)
-    assert expected_scan_time(both, Profile(), 2, 50) < 1.5 * expected_scan_time(points, Profile(), 2, 50)
+    assert Machine(2, None, 50).time(both) > 1.5 * Machine(2, None, 50).time(points)
+    assert Machine(2, Profile(), 50).time(both) < 1.5 * Machine(2, Profile(), 50).time(points)
 
 
 def test_figures_of_every_point_are_planned(tmp_path: Path) -> None:
     read = reader(tmp_path)
     text = SMALL + "[grid]\nload.velocity = [1, 2]\n"
     without, drawn = read(text).points[0], read("figures = true\n" + text).points[0]
-    assert expected_time(drawn) - expected_time(without) > 3
+    assert drawn.plan.wall_time - without.plan.wall_time > 3
 
 
 def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     small = SMALL.replace("run.end_time = 5e-5", 'run.end_time = "auto"')
     scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
-    batch = make_batches(scan.points, workers=1, job_start=2, prefix="", slowness=1e4)[0]
+    batch = Machine(1, slowness=1e4).batches(scan.points, "")[0]
     assert batch.longest > 3 * batch.wall_time  # 100 blocks, and first timesteps all along
     (minutes,) = [int(word[7:]) for word in submission(Profile(), batch, "")[0] if word.startswith("--time=")]
     assert minutes * 60 >= batch.longest
 
 
 def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: list[float]) -> None:
-    outlook = Outlook(points, None, 2, slowness=100.0)
+    outlook = Outlook(points, Machine(2, slowness=100.0))
     words = {}
     for clock[0] in (101.0, 130.0):
         words[clock[0]] = outlook.text(points, {})
@@ -169,19 +169,19 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
-    outlook, (first, *others, longest) = Outlook(points[:-1] + points[-1:], None, 1, slowness=1.0), points
+    outlook, (first, *others, longest) = Outlook(points[:-1] + points[-1:], Machine(1)), points
     clock[0] += 70
-    outlook.done(first, 100 * expected_time(first))
-    left = 100 * (sum(map(expected_time, others)) + expected_time(longest)) + batches.PUBLISH
+    outlook.done(first, 100 * first.plan.wall_time)
+    left = 100 * (sum(point.plan.wall_time for point in others) + longest.plan.wall_time) + batches.PUBLISH
     assert outlook.text([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
-    ages = {longest.id: 100 * expected_time(longest), others[0].id: 1e9}  # nothing is subtracted twice
-    left = 100 * sum(map(expected_time, others[1:])) + batches.PUBLISH
+    ages = {longest.id: 100 * longest.plan.wall_time, others[0].id: 1e9}  # nothing is subtracted twice
+    left = 100 * sum(point.plan.wall_time for point in others[1:]) + batches.PUBLISH
     assert outlook.text([*others, longest], ages) == f"70 s, about {left:.0f} s left"
     assert outlook.text([], {}) == "70 s; table, figures and report are next"
 
 
 def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
-    outlook = Outlook(points[1:], None, 1, slowness=1.0)
+    outlook = Outlook(points[1:], Machine(1))
     outlook.done(points[0], 1e6)
     assert outlook.text(points[1:], {}).startswith("0 s of about ")
 

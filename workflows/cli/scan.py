@@ -21,7 +21,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.check import expected_cut, static_stage_note, table
 from granwave.workflows.cli.terminal import columns, print_json
-from granwave.workflows.scanning.batches import expected_scan_time, expected_time, slowness_of
+from granwave.workflows.scanning.batches import Machine, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM
@@ -65,7 +65,7 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
         left = points_left(part, place, fresh=options.force)
         measured = _slowness(left, options, jobs)
         slowness[part.name] = measured or 1.0
-        plans.append(plan_values(part, place, left, profile, jobs, measured))
+        plans.append(plan_values(part, place, left, Machine(jobs, profile, measured or 1.0)))
         total += plans[-1]["wall_time_s"]
         if not options.json:
             print(plan_text(part, left, plans[-1], measured) + "\n" * isinstance(found, Suite))
@@ -141,14 +141,13 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 def _slowness(left: Sequence[Point], options: argparse.Namespace, jobs: int) -> float | None:
     """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
-    if options.executor == SLURM or sum(map(expected_time, left)) / jobs < _WORTH_MEASURING:
+    ordered = sorted(left, key=lambda point: point.plan.wall_time)
+    if options.executor == SLURM or sum(point.plan.wall_time for point in left) / jobs < _WORTH_MEASURING:
         return None
-    return slowness_of(sorted(left, key=expected_time)[len(left) // 2], jobs)
+    return slowness_of(ordered[len(left) // 2], jobs)
 
 
-def plan_values(
-    scan: Scan, directory: Path, left: Sequence[Point], profile: Profile | None, jobs: int, slowness: float | None
-) -> dict[str, Any]:
+def plan_values(scan: Scan, directory: Path, left: Sequence[Point], machine: Machine) -> dict[str, Any]:
     """Return the values of a planned scan with these points left to be run; units are part of the names."""
     points = scan.distinct.values()
     sizes = [point.size for point in points]
@@ -163,9 +162,9 @@ def plan_values(
         "n_left": len(left),
         f"n_{parts}_least": min(sizes),
         f"n_{parts}_most": max(sizes),
-        "jobs": jobs,
-        "wall_time_s": scan.scale * expected_scan_time(left, profile, jobs, slowness or 1.0),
-        "memory_bytes": sum(sorted((point.plan.memory for point in left), reverse=True)[:jobs]),
+        "jobs": machine.jobs,
+        "wall_time_s": scan.scale * machine.time(left),
+        "memory_bytes": sum(sorted((point.plan.memory for point in left), reverse=True)[: machine.jobs]),
         "disk_bytes": scan.scale * sum(point.plan.disk for point in left),
     }
 

@@ -28,7 +28,7 @@ from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.scanning.slurm import Profile
-from granwave.workflows.solvers import GRANULAR
+from granwave.workflows.solvers import GRANULAR, Cost
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Python, libraries
 PUBLISH = 4.0  # s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads much
@@ -72,78 +72,77 @@ class Batch:
         replace_text(path, json.dumps({"points": points, "ranks": self.ranks, **settings}))
 
 
-def expected_time(point: Point, slowness: float = 1.0) -> float:
-    """Return the expected wall time of a point, s; ``slowness`` is measured over planned time."""
-    return point.plan.wall_time * slowness
+@dataclasses.dataclass(frozen=True)
+class Machine:
+    """This machine or a cluster, where points run.
 
-
-def expected_scan_time(points: Iterable[Point], profile: Profile | None, workers: int, slowness: float = 1.0) -> float:
-    """Return the expected wall time of a scan with these points left, without waiting in a queue, s.
-
-    Parameters
+    Attributes
     ----------
+    jobs
+        Simultaneous jobs; on this machine cores, of which a point takes one for each rank.
     profile
         Profile of the cluster; None for this machine.
-    workers
-        Simultaneous jobs; on this machine cores, of which a point takes one for each rank.
+    slowness
+        Measured over planned time of a point.
     """
-    start = start_of_job(profile)
-    batches = make_batches(points, workers=workers, job_start=start, prefix="", slowness=slowness)
-    if not batches:
-        return PUBLISH
-    times = [start + batch.wall_time for batch in batches]
-    return spread(times, [batch.ranks for batch in batches], profile, workers) + PUBLISH
+
+    jobs: int
+    profile: Profile | None = None
+    slowness: float = 1.0
+
+    def batches(self, points: Iterable[Point], prefix: str) -> list[Batch]:
+        """Distribute points over batches, the longest first.
+
+        A batch lasts about ``sqrt(2 s T / jobs)``, with the time s to start a job and the total time T of all points,
+        and at least s. This balances the start-up of many jobs against idle ones at the end.
+
+        Parameters
+        ----------
+        prefix
+            Prefix of the ids, different for each round.
+        """
+        points = list(points)
+        times = {point.id: self.slowness * point.plan.wall_time for point in points}
+        length = min(max(math.sqrt(2 * self._start * sum(times.values()) / self.jobs), self._start), _LONGEST)
+        groups: list[list[Point]] = []
+        lasts = 0.0  # the last group
+        for point in sorted(points, key=lambda point: (-times[point.id], point.number)):
+            if groups and point.ranks == 1 == groups[-1][0].ranks and lasts + times[point.id] <= length:
+                groups[-1].append(point)
+                lasts += times[point.id]
+            else:
+                groups.append([point])
+                lasts = times[point.id]
+        return [
+            Batch(
+                id=f"{prefix}x{n:04d}",
+                points=tuple(group),
+                ranks=group[0].ranks,
+                memory=max(point.plan.memory for point in group),
+                wall_time=sum(times[point.id] for point in group),
+                longest=self.slowness * sum(_longest(point.plan) for point in group),
+            )
+            for n, group in enumerate(groups)
+        ]
+
+    def time(self, points: Iterable[Point]) -> float:
+        """Return the expected wall time of a scan with these points left, without waiting in a queue, s."""
+        batches = self.batches(points, prefix="")
+        return self.spread([self._start + batch.wall_time for batch in batches], [batch.ranks for batch in batches])
+
+    def spread(self, times: Sequence[float], ranks: Sequence[int]) -> float:
+        """Return the wall time of jobs of these times (s) and ranks, and of table, figures and report, s."""
+        cores = [1 if self.profile else min(n, self.jobs) for n in ranks]
+        shared = sum(time * n for time, n in zip(times, cores, strict=True)) / self.jobs
+        return max(shared, max(times, default=0.0)) + PUBLISH
+
+    @property
+    def _start(self) -> float:
+        return self.profile.job_start if self.profile else _LOCAL_START
 
 
-def spread(times: Sequence[float], ranks: Sequence[int], profile: Profile | None, workers: int) -> float:
-    """Return the wall time of jobs of given times (s) and ranks on ``workers``, as in `expected_scan_time`."""
-    cores = [1 if profile else min(n, workers) for n in ranks]
-    return max(sum(time * n for time, n in zip(times, cores, strict=True)) / workers, max(times, default=0.0))
-
-
-def start_of_job(profile: Profile | None) -> float:
-    """Return the time to start a job, s."""
-    return profile.job_start if profile else _LOCAL_START
-
-
-def make_batches(
-    points: Iterable[Point], *, workers: int, job_start: float, prefix: str, slowness: float = 1.0
-) -> list[Batch]:
-    """Distribute points over batches, the longest first.
-
-    A batch lasts about ``sqrt(2 job_start T / workers)``, with the total time T of all points, and at least
-    ``job_start``. This balances the start-up of many jobs against idle workers at the end.
-
-    Parameters
-    ----------
-    job_start
-        Time to start a job, s.
-    prefix
-        Prefix of the ids, different for each round.
-    """
-    ordered = sorted(points, key=lambda point: (-expected_time(point, slowness), point.number))
-    total = sum(expected_time(point, slowness) for point in ordered)
-    length = min(max(math.sqrt(2 * job_start * total / workers), job_start), _LONGEST)
-    groups: list[list[Point]] = []
-    lengths: list[float] = []
-    for point in ordered:
-        time = expected_time(point, slowness)
-        if groups and point.ranks == 1 == groups[-1][0].ranks and lengths[-1] + time <= length:
-            groups[-1].append(point)
-            lengths[-1] += time
-        else:
-            groups.append([point])
-            lengths.append(time)
-    return [
-        _batch(f"{prefix}x{n:04d}", group, time, slowness)
-        for n, (group, time) in enumerate(zip(groups, lengths, strict=True))
-    ]
-
-
-def _batch(name: str, points: Sequence[Point], time: float, slowness: float) -> Batch:
-    plans = [point.plan for point in points]
-    longest = slowness * sum(one.times.longest if isinstance(one, Plan) else one.wall_time for one in plans)
-    return Batch(name, tuple(points), points[0].ranks, max(one.memory for one in plans), time, longest)
+def _longest(plan: Cost) -> float:
+    return plan.times.longest if isinstance(plan, Plan) else plan.wall_time
 
 
 class Outlook:
@@ -153,14 +152,14 @@ class Outlook:
     ----------
     points
         Points to be run.
-    profile, workers, slowness
-        As in `expected_scan_time`.
+    machine
+        Where they run.
     """
 
-    def __init__(self, points: Sequence[Point], profile: Profile | None, workers: int, slowness: float) -> None:
-        self._profile, self._workers = profile, workers
+    def __init__(self, points: Sequence[Point], machine: Machine) -> None:
+        self._machine = machine
         self._ids = {point.id for point in points}
-        self._planned = expected_scan_time(points, profile, workers, slowness)
+        self._planned = machine.time(points)
         self._taken = self._expected = 0.0  # by the points that are done, s
         self._begin = time.monotonic()
 
@@ -169,7 +168,7 @@ class Outlook:
         if point.id not in self._ids:
             return
         self._taken += seconds
-        self._expected += expected_time(point)
+        self._expected += point.plan.wall_time
 
     def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
         """Return elapsed and remaining time as text.
@@ -189,8 +188,8 @@ class Outlook:
             longer = seconds > self._planned
             return f"{passed}{', longer than the planned' if longer else ' of about'} {duration(self._planned)}"
         pace = self._taken / self._expected
-        times = [max(0.0, expected_time(point, pace) - ages.get(point.id, 0.0)) for point in left]
-        rest = spread(times, [point.ranks for point in left], self._profile, self._workers) + PUBLISH
+        times = [max(0.0, pace * point.plan.wall_time - ages.get(point.id, 0.0)) for point in left]
+        rest = self._machine.spread(times, [point.ranks for point in left])
         return f"{passed}, about {duration(rest)} left"
 
 

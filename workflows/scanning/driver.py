@@ -21,7 +21,7 @@ from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, slurm
-from granwave.workflows.scanning.batches import Outlook, make_batches, start_of_job
+from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.directory import decide, prepare
 from granwave.workflows.scanning.engine import SLURM, Jobs, Processes, SlurmJobs, launcher_of
 from granwave.workflows.scanning.scan_file import Point, Scan
@@ -118,7 +118,8 @@ def run_scan(
         if force:
             clear(directory)
         prepare(scan, directory, on_cluster=profile is not None)
-        run = _ScanRun(scan, directory, profile, jobs or default_jobs(profile), stop, progress, slowness)
+        machine = Machine(jobs or default_jobs(profile), profile, slowness)
+        run = _ScanRun(scan, directory, machine, stop, show=progress)
         run.work()
         return run.outcome()
 
@@ -129,18 +130,8 @@ def default_jobs(profile: Profile | None) -> int:
 
 
 class _ScanRun:
-    def __init__(
-        self,
-        scan: Scan,
-        directory: Path,
-        profile: Profile | None,
-        jobs: int,
-        stop: Interrupts,
-        show: bool,
-        slowness: float,
-    ) -> None:
-        self.scan, self.directory, self.profile, self.jobs, self.stop = scan, directory, profile, jobs, stop
-        self.show, self.slowness = show, slowness
+    def __init__(self, scan: Scan, directory: Path, machine: Machine, stop: Interrupts, *, show: bool) -> None:
+        self.scan, self.directory, self.machine, self.stop, self.show = scan, directory, machine, stop, show
         self.open = dict(scan.distinct)  # points not known to be done or failed
         self.running: dict[str, float] = {}  # start times of running points, by id
         self.result = ScanResult(directory)
@@ -149,7 +140,7 @@ class _ScanRun:
         self.stopped: str | None = None
         self.finished: set[str] = set()  # ids of the points that are done
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
-        self.outlook = Outlook(left, profile, jobs, slowness)
+        self.outlook = Outlook(left, machine)
 
     def work(self) -> None:
         """Run rounds of jobs until every point is done or has failed; update table and figures."""
@@ -172,20 +163,19 @@ class _ScanRun:
 
     def _wait_for_adopted(self) -> None:
         """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
-        while self.profile and not self.stop.count and slurm.jobs_of(self.directory):
+        while self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory):
             self._look("jobs of an earlier start go on")
             time.sleep(_QUEUE_POLL)
         self._update_points()
 
     def _round(self, points: Sequence[Point], prefix: str) -> None:
-        job_start = start_of_job(self.profile)
-        batches = make_batches(points, workers=self.jobs, job_start=job_start, prefix=prefix, slowness=self.slowness)
+        batches, profile = self.machine.batches(points, prefix), self.machine.profile
         for batch in batches:
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
-            batch.write(path, figures=self.scan.figures, launcher=launcher_of(self.profile, batch))
-        jobs: Jobs = Processes(self.directory, batches, self.jobs)
-        if self.profile:
-            jobs = SlurmJobs(self.directory, batches, self.jobs, self.profile, self.scan.name)
+            batch.write(path, figures=self.scan.figures, launcher=launcher_of(profile, batch))
+        jobs: Jobs = Processes(self.directory, batches, self.machine.jobs)
+        if profile:
+            jobs = SlurmJobs(self.directory, batches, self.machine.jobs, profile, self.scan.name)
         before = self._states(points)
         try:
             jobs.running()
@@ -201,7 +191,7 @@ class _ScanRun:
             if not refused and self._states(points) == before:
                 raise RunError(f"no job has started a point; their logs are in {self.directory / layout.LOGS}")
             note_refused(self.directory, refused, jobs.refusal)
-            if self.profile:
+            if profile:
                 note_ended(self.directory, [point.id for point in points])
         self._update_points()
 

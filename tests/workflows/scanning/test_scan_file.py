@@ -12,6 +12,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.scan import plan_text, plan_values
+from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
@@ -333,7 +334,7 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     assert (scan.n_points, len(scan.points), scan.scale) == (100_000, 50, 2000)
     assert (scan.n_values_of("load.velocity"), scan.n_values_of("packing.diameter")) == (10_000, 10)
     assert len({point.labels["packing.diameter"] for point in scan.points}) > 5
-    values = plan_values(scan, tmp_path / "out", scan.points, None, 2, None)
+    values = plan_values(scan, tmp_path / "out", scan.points, Machine(2))
     shown = plan_text(scan, scan.points, values, None)
     assert "100000, planned from 50 of them" in shown and "load.velocity (10000)" in shown
     assert (values["n_points"], values["n_planned"]) == (100_000, 50)
@@ -343,5 +344,5 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     whole = load(SMALL + VELOCITIES, most=50)
     assert (whole.n_points, whole.scale) == (2, 1)
     assert "planned from" not in plan_text(
-        whole, whole.points, plan_values(whole, tmp_path, whole.points, None, 2, None), None
+        whole, whole.points, plan_values(whole, tmp_path, whole.points, Machine(2)), None
     )

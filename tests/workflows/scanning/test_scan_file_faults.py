@@ -9,7 +9,7 @@ import pytest
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_profile, load_scan
-from granwave.workflows.scanning.batches import make_batches
+from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.engine import submission
 from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
 
@@ -195,7 +195,7 @@ def test_a_profile_tells_how_jobs_are_submitted(tmp_path: Path, load: Load) -> N
         '[slurm]\nmemory = 70\noptions = "-q long --comment2=\'a b\'"\nbefore = "module load x"\n'
     )
     points = list(load(SMALL + VELOCITIES).distinct.values())
-    (batch, *_) = make_batches(points, workers=1, job_start=1.0, prefix="a", slowness=1.0)
+    (batch, *_) = Machine(1).batches(points, "a")
     command, script = submission(load_profile(tmp_path / "p.toml"), batch, "my")
     assert command[-3:] == ["-q", "long", "--comment2=a b"] and "--mem=70" in command and "--ntasks=1" in command
     assert "\nmodule load x\nexec srun --ntasks=1 " in script and script.endswith(f"batches/{batch.id}.json\n")
