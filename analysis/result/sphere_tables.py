@@ -37,7 +37,8 @@ from granwave.analysis.result.hdf5_file import PartwiseGroup, rows_of, write_gro
 from granwave.analysis.result.start import Dents, Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.assembly import assemble, gap_tolerance
+from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.run_directory import INITIAL_WALL_FORCES_FILE
 
@@ -141,7 +142,7 @@ def write_tables(
 
 def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
-    tolerance, sides = gap_tolerance(case), periodic(case)
+    tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
     merged = merge_dents(dents)
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2

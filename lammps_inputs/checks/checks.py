@@ -16,10 +16,10 @@ from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble, lattice_of
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
-from granwave.lammps_inputs.packing.places import struck_spheres
+from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched
 
 _LOG = logging.getLogger("granwave")
@@ -176,7 +176,7 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
 def _check_struck_spheres(case: Case, errors: ErrorList) -> None:
     if case.load.hits_spheres and case.load.index is None:
         try:
-            struck_spheres(lattice_of(case), case.load.spheres)
+            struck_spheres(layout_of(case.packing, case.boundary), case.load.spheres)
         except ValueError as error:
             errors.add("load.spheres", f"found {case.load.spheres}, but {error}; use 1, or another packing")
 

@@ -14,10 +14,10 @@ from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.assembly import Assembly, lattice_of
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
-from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
@@ -67,7 +67,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         )  # fmt: skip
         if len(errors.lines) > before:
             return
-    places = lattice_of(case)
+    places = layout_of(case.packing, case.boundary)
     assert isinstance(places, Places)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
     if at_ends:
@@ -212,7 +212,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
         errors.add(key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}')
         return True
     grains = case.packing.grains
-    sites = sites_of(case, lattice_of(case))
+    sites = sites_of(case, layout_of(case.packing, case.boundary))
     used = dict.fromkeys(sites.bodies[k][0] for k in np.unique(sites.body[sites.present]))
     known = {
         "material": sorted({str(material.name) for material in used if material.name}),
@@ -230,7 +230,7 @@ def check_tube(case: Case, errors: ErrorList) -> None:
     tube = case.boundary.sides_tube
     if tube is None or errors.lines:
         return
-    lattice = lattice_of(case)
+    lattice = layout_of(case.packing, case.boundary)
     sites = sites_of(case, lattice)
     place = sites.positions(1, lattice.n_spheres)
     reach = np.hypot(place[:, 0], place[:, 1]) + sites.diameter / 2

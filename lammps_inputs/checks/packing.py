@@ -14,7 +14,8 @@ from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
-from granwave.lammps_inputs.packing.assembly import Assembly, lattice_of
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.places import layout_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
 from granwave.lammps_inputs.packing.walls import wall_fixes, walls
 
@@ -114,7 +115,7 @@ def check_room(case: Case, errors: ErrorList) -> None:
     """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
     if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
         return
-    sites = sites_of(case, lattice_of(case))
+    sites = sites_of(case, layout_of(case.packing, case.boundary))
     pairs, gaps = sites.near_larger()
     slack = -_OVERLAP * case.packing.diameter
     if gaps.min(initial=0.0) < slack:

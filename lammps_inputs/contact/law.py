@@ -27,39 +27,33 @@ _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield st
 
 def sphere_contact(case: Case) -> ContactLaw:
     """Return the law between two grains of the packing that are not replaced."""
-    radius, shape = case.packing.diameter / 2, case.packing.of_grain
-    return _law(case, (case.material, case.material), (radius, radius), (shape, shape))
+    grain = (case.material, case.packing.diameter / 2, case.packing.of_grain)
+    return _law(case, grain, grain)
 
 
 def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
     """Return the law between the two spheres with these ids."""
     assembly = assemble(case)
-    case = assembly.case
-    return _law(
-        case,
-        (assembly.material_of(first), assembly.material_of(second)),
-        (assembly.diameter_of(first) / 2, assembly.diameter_of(second) / 2),
-        (assembly.shape_of(first), assembly.shape_of(second)),
-    )
+    return _law(assembly.case, _grain(assembly, first), _grain(assembly, second))
 
 
 def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
     """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall (None)."""
     assembly = assemble(case)
-    case = assembly.case
-    return _law(
-        case,
-        (assembly.material_of(sphere), partner),
-        (assembly.diameter_of(sphere) / 2, math.inf),
-        (assembly.shape_of(sphere), None),
-    )
+    return _law(assembly.case, _grain(assembly, sphere), (partner, math.inf, None))
 
 
-def _law(
-    case: Case, materials: tuple[Material, Material | None], radii: tuple[float, float], shapes: tuple[Shape, Shape]
-) -> ContactLaw:
-    contact, plane_strain = case.contact_between(*materials), case.contact.line == "plane-strain"
-    return law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
+def _grain(assembly: Assembly, sphere: int) -> tuple[Material, float, Shape]:
+    return assembly.material_of(sphere), assembly.diameter_of(sphere) / 2, assembly.shape_of(sphere)
+
+
+def _law(case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]) -> ContactLaw:
+    """Return the law between two bodies: material, radius and shape of each."""
+    (material, radius, shape), (other, other_radius, other_shape) = first, second
+    return law_between(
+        case.contact_between(material, other), (material, other), (radius, other_radius),
+        shapes=(shape, other_shape), plane_strain=case.contact.line == "plane-strain",
+    )  # fmt: skip
 
 
 def law_between(
@@ -237,18 +231,14 @@ def viscous_loss(
         if isinstance(factor, DashpotRestitution):
             factor = dashpot_factor(factor.restitution)
         return ("dashpot", factor) if factor else None
-    own = nominal_grain(assembly, first, None if shapes is None else shapes[:1])
-    bodies, inverse_mass = [(assembly.diameter_of(own) / 2, assembly.shape_of(own))], 1 / assembly.mass_of(own)
-    if flat or second is None:
-        bodies.append((math.inf, None))
-    else:
-        other = nominal_grain(assembly, second, None if shapes is None else shapes[1:])
-        bodies.append((assembly.diameter_of(other) / 2, assembly.shape_of(other)))
-        inverse_mass += 1 / assembly.mass_of(other)
-    (radius, shape), (partner_radius, partner_shape) = bodies
+    materials = (first,) if flat or second is None else (first, second)
+    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(materials)]
+    bodies = [_grain(assembly, one)[1:] for one in ids] + [(math.inf, None)]  # a flat, where there is no second grain
+    (radius, shape), (other_radius, other_shape) = bodies[:2]
+    mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
     time = loss_time(
-        contact, (first, second), (radius, partner_radius), (shape, partner_shape), assembly.plane_strain,
-        1 / inverse_mass, loss.restitution, loss.velocity,
+        contact, (first, second), (radius, other_radius), (shape, other_shape), assembly.plane_strain, mass,
+        loss.restitution, loss.velocity,
     )  # fmt: skip
     return ("time", time) if time else None
 

@@ -13,18 +13,12 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, dents, num, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, lines, probes, wall_forces
-from granwave.lammps_inputs.deck.static_stage import (
-    dead_load_commands,
-    first_half,
-    moved_walls,
-    reference_state,
-    second_half,
-)
+from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, SCRIPT_FILE
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, MOVED_WALLS_FILE, SCRIPT_FILE, STATIC_FILE
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
@@ -46,6 +40,8 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     """
     case, resumed = assembly.case, bool(restart_from)
     static = case.precompression is not None
+    moved = ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
+    reference = ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
     parts = [
         _head(assembly),
         _system(assembly, restart_from),
@@ -53,11 +49,11 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         contacts(assembly),
         dead_load_commands(assembly) if static else [],
         first_half(assembly) if static and not resumed else [],
-        moved_walls(case) if resumed else [],
+        moved if resumed and case.precompression and case.precompression.presses else [],
         wall_commands(assembly),
         cylinder_commands(assembly, again=True),
         dents() if case.contact.initial_overlap and not resumed else [],
-        [*([] if resumed else second_half(assembly)), *reference_state()] if static else [],
+        [*([] if resumed else second_half(assembly)), *reference] if static else [],
         motion(assembly, schedule, resumed=resumed),
         ledger(assembly, schedule, resumed=resumed),
         wall_forces(assembly, schedule, resumed=resumed),

@@ -40,6 +40,7 @@ _STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static s
 LARGEST_MOVE = 0.1  # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 
 _SPHERES = "static_spheres"  # group of the moving spheres
+_STRIKERS = "static_strikers"  # group, and fix that holds them
 _PREFIX = "static_"  # prefix of the wall fixes of the stage
 _TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
 # With disorder or dents it takes tens of thousands of iterations, and single contacts may carry many times the mean:
@@ -114,6 +115,7 @@ def first_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
+    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"  # they wait until the run begins
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
@@ -122,7 +124,11 @@ def first_half(assembly: Assembly) -> list[str]:
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
-        *_waiting(assembly),
+        *(
+            [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
+            if case.striker
+            else []
+        ),
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "variable        static_moved equal c_static_moved",
         f"variable        static_most equal {num(largest_move(assembly))}",
@@ -182,25 +188,13 @@ def second_half(assembly: Assembly) -> list[str]:
         f"variable        static_load equal {num(force_of_contact(assembly))}",
         f'print           """{values}""" file {DUMPS}/{STATIC_STAGE_FILE} screen no',
         f"variable        static_all equal v_static_stored+{POTENTIAL}",
-        *(["unfix           static_strikers"] if case.striker else []),
+        *([f"unfix           {_STRIKERS}"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
         *(f"uncompute       static{name}" for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")),
         _STAGE_END,
         "",
     ]
-
-
-def moved_walls(case: Case) -> list[str]:
-    """Return the command that reads how far walls were moved to a force, for a run that is resumed."""
-    if case.precompression is None or not case.precompression.presses:
-        return []
-    return ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
-
-
-def reference_state() -> list[str]:
-    """Return the command that reads the reference energy of the ledger, stored by the static stage."""
-    return ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
 
 
 def load_tables(assembly: Assembly) -> dict[str, str]:
@@ -276,15 +270,6 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
         return []
     commands = relief_state if again else relief_commands
     return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
-
-
-def _waiting(assembly: Assembly) -> list[str]:
-    """Return the commands that hold strikers in place until the run begins."""
-    first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
-    name = "static_strikers"
-    return [f"group           {name} id {first}:{last}", f"fix             {name} {name} setforce 0 0 0"] * (
-        last >= first
-    )
 
 
 def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:

@@ -311,7 +311,7 @@ def assemble(case: Case | Assembly) -> Assembly:
 
 @lru_cache(maxsize=_KEPT)
 def _assemble(case: Case) -> Assembly:
-    lattice = lattice_of(case)
+    lattice = layout_of(case.packing, case.boundary)
     sites = sites_of(case, lattice)
     strikers = [(striker.material or case.material, striker.body) for striker in case.striker]
     species = tuple(Species(material, shape=shape) for material, shape in dict.fromkeys([*sites.bodies, *strikers]))
@@ -340,13 +340,3 @@ def _assemble(case: Case) -> Assembly:
             first = bars[-1].last + 1
     ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
-
-
-def lattice_of(case: Case) -> Layout:
-    """Return the lattice of a case, or the places of its grains."""
-    return layout_of(case.packing, case.boundary)
-
-
-def gap_tolerance(case: Case) -> float:
-    """Return the largest gap between spheres that count as touching at the start, m."""
-    return TOUCHING * case.packing.diameter

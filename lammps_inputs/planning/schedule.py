@@ -118,14 +118,14 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     assembly = assemble(case)
     case = assembly.case
     steps = _steps_of(assembly, timestep)
-    span, blocks = _span(case, steps.unit * steps.count * steps.n_units), isinstance(case.run.end_time, str)
+    span, blocks = _span(case, steps.unit * steps.tick * steps.n_units), isinstance(case.run.end_time, str)
     even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps) > 0
-    _check_counts(case, max(1, round(span * steps.per_first / (steps.unit * steps.count))), even=even)
+    _check_counts(case, max(1, round(span * steps.per_first / (steps.unit * steps.tick))), even=even)
     frame_every, frame_steps = _frames(case, steps)
     interval, instants = case.output.probe_interval, chain_history(assembly)
     probe = steps.records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else steps.units(interval)
     return Schedule(
-        timestep=steps.count,
+        timestep=steps.tick,
         n_steps=steps.unit * steps.n_units,
         block_steps=steps.unit * steps.in_block if blocks else 0,
         ledger_every=steps.unit * steps.in_ledger,
@@ -149,7 +149,7 @@ def _span(case: Case, end: float) -> float:
 class _Steps(NamedTuple):
     """Units that a run is made of: the timestep, or the longest one, whose multiples all records are."""
 
-    count: float  # time of a count of the step counter, s
+    tick: float  # time of a count of the step counter, s
     unit: int  # counts of a unit
     per_first: int  # first timesteps in a unit
     in_ledger: int  # units between rows of the ledger
@@ -159,7 +159,7 @@ class _Steps(NamedTuple):
 
     def units(self, time: float) -> int:
         """Units of a time, one or more."""
-        return max(1, round(time / (self.unit * self.count)))
+        return max(1, round(time / (self.unit * self.tick)))
 
     def records(self, most: int) -> int:
         """Units between records that are at most so many first timesteps apart, and divide a block."""
@@ -306,7 +306,7 @@ def _frames(case: Case, steps: _Steps) -> tuple[int, tuple[int, ...]]:
     """Counts between snapshots if they are evenly spaced; else 0, and the counts of those after the first."""
     frames, n_steps = case.run.frames, steps.unit * steps.n_units
     if isinstance(frames, tuple):
-        wanted = np.rint(np.array(case.run.frame_times) / steps.count)
+        wanted = np.rint(np.array(case.run.frame_times) / steps.tick)
     elif isinstance(case.run.end_time, str):
         return steps.unit * steps.units(_AUTO_FRAME_SPAN / frames), ()
     elif even := _even_frames(case, steps):
