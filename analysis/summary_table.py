@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_size import bounds_in_words
-from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
+from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, quantity
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
@@ -29,47 +29,12 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[Row]:
-    """Rows of the main values of a summary, as far as there are values.
-
-    Parameters
-    ----------
-    summary
-        Content of summary.json.
-    continuum
-        True for a run of finite elements.
-    """
+    """Rows of the main values of a summary, or of that of a run of finite elements, as far as there are values."""
     left_out = () if continuum or summary.get("friction_fraction") else FRICTION_SHARES
-    shown = [entry for entry in (CONTINUUM_ROWS if continuum else RUN_ROWS) if entry.name not in left_out]
-    return _rows(shown, summary)
-
-
-def summary_table(summary: Mapping[str, Any]) -> str:
-    """The main values of a summary."""
-    return _text(summary_rows(summary))
-
-
-def continuum_table(summary: Mapping[str, Any]) -> str:
-    """The main values of the summary of a continuum run."""
-    return _text(summary_rows(summary, continuum=True))
-
-
-def explanation(key: str) -> str:
-    """Return what a key of summary.json stands for: label, unit and meaning."""
-    entry = quantity(key)
-    unit = f" ({entry.unit})" if entry.unit else ""
-    meaning = meaning_of(key)
-    return f"{key}: {entry.label}{unit}" + (f". {meaning}" if meaning else "")
-
-
-def _text(rows: Sequence[Row]) -> str:
-    return lines([(row.label, row.text) for row in rows])
-
-
-def _rows(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> list[Row]:
     rows, before = [Row("case", str(summary["name"]), ("name",))], ""
     called = grains_called_in([summary])
-    for entry in shown:
-        value = summary.get(entry.name)
+    for entry in CONTINUUM_ROWS if continuum else RUN_ROWS:
+        value = None if entry.name in left_out else summary.get(entry.name)
         if value is not None:
             growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
             text = entry.text(value) + (", still moving out at the end" if growing else "")
@@ -81,6 +46,18 @@ def _rows(shown: Sequence[Quantity], summary: Mapping[str, Any]) -> list[Row]:
         if entry.name == _ZONE_AFTER:
             rows += _zone_rows(summary)
     return rows
+
+
+def summary_table(summary: Mapping[str, Any], *, continuum: bool = False) -> str:
+    """The main values of a summary as text; see `summary_rows`."""
+    return lines([(row.label, row.text) for row in summary_rows(summary, continuum=continuum)])
+
+
+def explanation(key: str) -> str:
+    """Return what a key of summary.json stands for: label, unit and meaning."""
+    entry = quantity(key)
+    unit = f" ({entry.unit})" if entry.unit else ""
+    return f"{key}: {entry.label}{unit}" + (f". {meaning}" if (meaning := meaning_of(key)) else "")
 
 
 def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:

@@ -169,14 +169,21 @@ def line_groups(
         if f"{column}x" in frames[0].columns
     }
     centre = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True))
-    time, across = np.asarray(steps * timestep, dtype=np.float64), _across(assembly)
+    time = np.asarray(steps * timestep, dtype=np.float64)
+    # lateral is the horizontal axis of a packing in a vertical plane; elsewhere that most nearly normal to the line
+    extended = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
+    # arrivals refer to the largest speed that the load gives at the start; of a force to the largest of all
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    reference = max([*speeds, assembly.case.load.velocity if assembly.case.load.plate is not None else 0.0])
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))
         chosen, position = np.searchsorted(rows, ids), np.array([centre[one] for one in ids.tolist()])
         own = {name: values[:, chosen] for name, values in motion.items()}
         speed = np.asarray(np.linalg.norm(own["velocity"], axis=2), dtype=np.float64)
-        pulses, row = first_pulses(time, speed, reference_speed(assembly) or float(speed.max(initial=0.0)))
+        pulses, row = first_pulses(time, speed, reference or float(speed.max(initial=0.0)))
+        way = np.abs(position[-1] - position[0])[:2]
+        lateral = np.argmax(extended) if np.count_nonzero(extended) == 1 else np.argmin(way)
         apart = np.linalg.norm(np.diff(position, axis=0), axis=1)
         groups[f"lines/{line.name}"] = {
             "time": time,
@@ -185,38 +192,15 @@ def line_groups(
             "distance": np.concatenate([[0.0], np.cumsum(apart)]),
             **own,
             **pulses,
-            "lateral_force": _lateral(own["force_sums"], row, position, across),
+            "lateral_force": _lateral(own["force_sums"], row, int(lateral)),
             "largest_speed": speed.max(axis=0),
         }
     return groups
 
 
-def reference_speed(assembly: Assembly) -> float:
-    """Return the speed that arrivals refer to: the largest that the load gives at the start, m/s; 0 of a force."""
-    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
-    if assembly.case.load.plate is not None:
-        speeds.append(assembly.case.load.velocity)
-    return max(speeds, default=0.0)
-
-
-def _lateral(
-    sums: NDArray[np.float64], row: NDArray[np.int64], position: NDArray[np.float64], across: int | None
-) -> NDArray[np.float64]:
-    """Return half the sum of the horizontal contact forces at the peaks: (n,), N; NaN without a peak.
-
-    In a packing in a vertical plane they are along ``across``, the horizontal axis of the plane, whatever the line;
-    elsewhere (None) along the horizontal axis that is most nearly normal to the line.
-    """
-    way = np.abs(position[-1] - position[0])
-    axis = int(np.argmin(way[:2])) if across is None else across
-    found = 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis]
-    return np.where(row >= 0, found, np.nan)
-
-
-def _across(assembly: Assembly) -> int | None:
-    """Return the horizontal axis of a packing in a vertical plane, 0 or 1; None for other packings."""
-    extent = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
-    return int(np.argmax(extent)) if np.count_nonzero(extent) == 1 else None
+def _lateral(sums: NDArray[np.float64], row: NDArray[np.int64], axis: int) -> NDArray[np.float64]:
+    """Return half the sum of the contact forces along an axis at the peaks: (n,), N; NaN without a peak."""
+    return np.where(row >= 0, 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis], np.nan)
 
 
 ARRIVAL = 0.05  # of the reference speed

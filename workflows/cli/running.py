@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.measures.zone_size import zone_warning
-from granwave.analysis.summary_table import continuum_table, summary_table
+from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
 from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
@@ -92,7 +92,9 @@ def continuum(options: argparse.Namespace) -> int:
     assert kind.run is not None  # of continuum cases
     with held(directory):
         summary = kind.run(case, directory, progress=True, **_how(options))
-    print_json(summary) if options.json else print(f"{continuum_table(summary)}\n\nresults in {directory}")
+    print_json(summary) if options.json else print(
+        f"{summary_table(summary, continuum=True)}\n\nresults in {directory}"
+    )
     _warn_of_zone(summary)
     return 0
 

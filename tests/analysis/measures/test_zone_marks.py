@@ -15,7 +15,7 @@ from granwave.analysis.measures.zone_size import LABELS, Mark, bounds_in_words, 
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
-from granwave.analysis.summary_table import continuum_table, summary_table
+from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import expected_zone
@@ -72,7 +72,7 @@ def test_terminal_tells_the_sizes_and_the_bounds():
     assert "depth 0.01, 0.018, 0.0198 m" in text
     assert "volume 1e-06, 1.8e-06, 1.98e-06 m3" in text
     assert text.splitlines()[-1].split() == ["bounds", "that", "it", "reaches", "bottom,", "sides"]
-    assert "none" in continuum_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE)
+    assert "none" in summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE, continuum=True)
     growing = summary_table({"name": "x", "plastic_zone_depth_m": 0.1, "zone_growing": ["depth"]})
     assert growing.endswith("0.1 m, still moving out at the end")
     hertz = dict.fromkeys([*SIZES, *CUT, "plastic_zone_radius_m"])
