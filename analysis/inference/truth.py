@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from scipy.interpolate import CubicHermiteSpline
 
 from granwave.analysis.inference.equations import make_equations
@@ -217,17 +218,15 @@ class Snapshots:
         shear = forces.vector("tx", "ty", "tz")[there] @ self.turn.T
         shear[swapped] *= -1
         vectors = forces["force"][there, None] * normal + shear
-        n = len(grains)
-        both = zip(contacts.first.tolist(), contacts.second.tolist(), strict=True)
-        place = {pair: m for m, pair in enumerate(both) if pair[1] >= 0}
-        columns = np.array([place.get(pair, -1) for pair in zip(i.tolist(), j.tolist(), strict=True)], dtype=np.int64)
+        pairs = contacts.second >= 0  # which are the first
+        candidates = pd.MultiIndex.from_arrays([contacts.first[pairs], contacts.second[pairs]])
+        columns = candidates.get_indexer(pd.MultiIndex.from_arrays([i, j]))
         if (columns < 0).any():
             raise InputError(
                 f"{self.directory}: a pair that bears a force lies beyond infer.contact_tolerance; raise it"
             )
-        if len(columns):
-            true[columns] = np.einsum("mij,mi->mj", contacts.basis[columns], vectors)
-        sums = np.zeros((n, self.dimension))
+        true[columns] = np.einsum("mij,mi->mj", contacts.basis[columns], vectors)
+        sums = np.zeros_like(grains.position)
         np.add.at(sums, i, vectors)
         np.add.at(sums, j, -vectors)
         return sums
@@ -240,15 +239,14 @@ class Snapshots:
         The normal forces were recorded. Tangential forces follow from the rest of a grain's force and torque, in which
         LAMMPS counts them with a lever of radius minus half the overlap, of cylinders minus the overlap.
         """
-        names = list(self.wall_fixes)
-        normal = {name: sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
-                  for name, (_, fixes) in self.wall_fixes.items()}  # fmt: skip
+        recorded = [sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
+                    for _, fixes in self.wall_fixes.values()]  # fmt: skip
         at_walls = np.flatnonzero(contacts.second < 0)
-        pushes = np.array([normal[names[contacts.wall[m]]][contacts.first[m]] for m in at_walls])
+        own = contacts.first[at_walls]
+        pushes = np.reshape(recorded, (-1, len(grains)))[contacts.wall[at_walls], own]
+        true[at_walls, 0] = pushes
         left = rest.copy()
-        for m, push in zip(at_walls.tolist(), pushes.tolist(), strict=True):
-            true[m, 0] = push
-            left[contacts.first[m]] -= push * contacts.normal[m]
+        np.subtract.at(left, own, pushes[:, None] * contacts.normal[at_walls])
         if not self.friction[1] or not len(at_walls):
             return left
         loaded = at_walls[pushes > 0]

@@ -57,12 +57,6 @@ class Elastoplastic:
         return lam + 2 * mu
 
     @property
-    def bulk_modulus(self) -> float:
-        """Bulk modulus, Pa."""
-        lam, mu = self.lame
-        return lam + 2 * mu / 3
-
-    @property
     def longitudinal_speed(self) -> float:
         """Speed of plane longitudinal waves, m/s."""
         return math.sqrt(self.longitudinal_modulus / self.density)

@@ -192,8 +192,11 @@ def plan(case: ContinuumCase) -> ElementPlan:
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())
-    speed = math.sqrt(material.longitudinal_modulus / material.density)
-    step = _STEP_OVER_CROSSING * thinnest / speed if isinstance(case.run.timestep, str) else case.run.timestep
+    step = (
+        _STEP_OVER_CROSSING * thinnest / material.longitudinal_speed
+        if isinstance(case.run.timestep, str)
+        else case.run.timestep
+    )
     check_steps(case.name, case.run.longest, step)
     n_steps = _expected_end(case) / step
     return ElementPlan(

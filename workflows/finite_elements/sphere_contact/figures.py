@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
@@ -23,9 +22,6 @@ from granwave.workflows.finite_elements.sphere_contact.case import SphereContact
 from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
 from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, yield_unit
 
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-
 Array = NDArray[np.float64]
 
 _CURVE = 500  # points of a curve of a law
@@ -42,11 +38,6 @@ class SphereContactResult(ElementResult):
         profiles = sorted(file.get("pressure", {}), key=int)
         self.profiles = [(float(file[f"pressure/{n}"].attrs["overlap"]), f"pressure/{n}") for n in profiles]
 
-    @cached_property
-    def law(self) -> ContactLaw:
-        """Contact law of the pair."""
-        return self.case.law
-
     @property
     def units(self) -> tuple[float, float]:
         """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in its place."""
@@ -56,7 +47,7 @@ class SphereContactResult(ElementResult):
     @property
     def plastic(self) -> bool:
         """True if first yield is reached."""
-        return self.law.yield_overlap < self.case.max_overlap
+        return self.case.law.yield_overlap < self.case.max_overlap
 
     @property
     def overlap_label(self) -> str:
@@ -66,13 +57,13 @@ class SphereContactResult(ElementResult):
     @property
     def strength(self) -> float:
         """Yield strength of the softer sphere, Pa; without yielding, the Hertzian mean pressure at the unit overlap."""
-        strength = self.law.yield_strength
+        strength = self.case.law.yield_strength
         unit, force = self.units
-        return strength if math.isfinite(strength) else force / (math.pi * self.law.effective_radius * unit)
+        return strength if math.isfinite(strength) else force / (math.pi * self.case.law.effective_radius * unit)
 
     def hertz(self, overlap: Array) -> Array:
         """Return the force of Hertz's law at overlaps (m), N."""
-        return 4 / 3 * self.law.effective_modulus * math.sqrt(self.law.effective_radius) * overlap**1.5
+        return 4 / 3 * self.case.law.effective_modulus * math.sqrt(self.case.law.effective_radius) * overlap**1.5
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
         """Return the indices of the entries of one branch."""
@@ -83,17 +74,12 @@ class SphereContactResult(ElementResult):
         """Numbers of the cycles."""
         return [int(number) for number in self["cycles/number"]]
 
-    @property
-    def overlaps(self) -> Array:
-        """Overlaps from 0 to the largest, for curves of laws, m."""
-        return np.linspace(0, self["loading/overlap"].max(), _CURVE)
-
 
 def force_overlap(result: SphereContactResult) -> Drawing:
     """Draw force against overlap with all cycles, the law, Hertz and Thornton."""
     unit, force_unit = result.units
     overlap, force = result["history/overlap"] / unit, result["history/force"] / force_unit
-    curve = result.overlaps
+    curve = np.linspace(0, result["loading/overlap"].max(), _CURVE)
     figure, axes = one_panel(3.0, result.overlap_label, r"Force $F/F_\mathrm{y}$")
     for cycle in result.cycles:
         down = result.branch(UNLOADING, cycle)
@@ -104,7 +90,7 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     rows = result.branch(LOADING)
     rows = rows[np.argsort(overlap[rows], kind="stable")]
     axes.plot(overlap[rows], force[rows], color="black", label="loading")
-    law = result.law.loading_force(curve) / force_unit
+    law = result.case.law.loading_force(curve) / force_unit
     axes.plot(curve / unit, law, "--", color=GREEN, label="contact law")
     columns: dict[str, NDArray] = {"overlap_normalised": overlap, "force_normalised": force}
     columns |= {"branch": result["history/branch"], "cycle": result["history/cycle"]}
@@ -122,7 +108,7 @@ def force_overlap(result: SphereContactResult) -> Drawing:
 
 def pressure_profiles(result: SphereContactResult) -> Drawing:
     """Draw the contact pressure along the surface."""
-    effective = result.law.effective_radius
+    effective = result.case.law.effective_radius
     figure, axes = one_panel(2.9, "Distance from the axis $r/R^*$", r"Contact pressure $p/\sigma_\mathrm{y}$")
     columns: dict[str, NDArray] = {}
     scale = Normalize(0, max(1, len(result.profiles) - 1))
@@ -158,7 +144,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     found = result["loading/mean_pressure"] / result.strength
     area = math.pi * result["loading/law_contact_radius"] ** 2
     law = result["loading/law_force"] / area / result.strength
-    hertz = result.hertz(overlap) / (math.pi * result.law.effective_radius * overlap) / result.strength
+    hertz = result.hertz(overlap) / (math.pi * result.case.law.effective_radius * overlap) / result.strength
     columns = {"overlap_normalised": overlap / unit, "finite_elements": found, "law": law, "hertz": hertz}
     drawing, axes = _compared(result, columns, r"Mean pressure $\bar p/\sigma_\mathrm{y}$")
     axes.set(xscale="log", xlim=(RESOLVED, None), ylim=(0, 1.15 * found[overlap > unit].max(initial=found.max())))
@@ -169,7 +155,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
 def contact_area(result: SphereContactResult) -> Drawing:
     """Draw the contact area against overlap."""
     unit, _ = result.units
-    overlap, area_unit = result["loading/overlap"] / unit, result.law.effective_radius * unit
+    overlap, area_unit = result["loading/overlap"] / unit, result.case.law.effective_radius * unit
     found, law = (result[f"loading/{name}"] ** 2 / area_unit for name in ("contact_radius", "law_contact_radius"))
     columns = {"overlap_normalised": overlap, "finite_elements": found, "law": law}
     drawing, axes = _compared(result, columns, r"Contact area $A/A_\mathrm{y}$")
@@ -196,7 +182,7 @@ def unloading(result: SphereContactResult) -> Drawing | None:
         rows = result.branch(UNLOADING, cycle)
         rows = np.append(rows[0] - 1, rows)
         scaled, force = (result["history/overlap"][rows] - residual) / (peak - residual), result["history/force"][rows]
-        label = f"{peak / result.law.effective_radius:.3g}"
+        label = f"{peak / result.case.law.effective_radius:.3g}"
         axes.plot(scaled, force / most, color=_colour(scale(n)), linewidth=0.9, label=label)
         columns |= {f"scaled_overlap_{label}": scaled, f"force_over_peak_{label}": force / most}
     if result.case.yields:
@@ -214,14 +200,14 @@ def residual_overlap(result: SphereContactResult) -> Drawing | None:
     peak, residual, exponent = (result[f"cycles/{name}"] for name in ("peak_overlap", "residual_overlap", "exponent"))
     curve = np.geomspace(min(unit, peak.min()), peak.max(), _CURVE)
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(2, 1))
-    law = result.law.residual_overlap(curve)
+    law = result.case.law.residual_overlap(curve)
     upper.loglog(peak / unit, residual / unit, "o", color=BLUE, markersize=4, label="finite elements")
     upper.loglog(curve / unit, law / unit, "--", color=GREEN, label="contact law")
     upper.set_ylim(bottom=0.3 * max(residual.min() / unit, 1e-2))
     upper.set_ylabel(r"Residual overlap $\alpha_\mathrm{R}/\alpha_\mathrm{y}$")
     upper.legend(loc="upper left")
     lower.semilogx(peak / unit, exponent, "o", color=BLUE, markersize=4)
-    lower.semilogx(curve / unit, result.law.unloading_exponent(curve), "--", color=GREEN)
+    lower.semilogx(curve / unit, result.case.law.unloading_exponent(curve), "--", color=GREEN)
     lower.set_ylabel("Exponent $n$")
     lower.set_ylim(1.2, 1.6)
     lower.set_xlabel(r"Largest overlap $\alpha_\mathrm{max}/\alpha_\mathrm{y}$")
@@ -297,7 +283,7 @@ def von_mises(result: SphereContactResult) -> Drawing | None:
             axes.add_collection(PolyCollection(points, linewidths=0.2, rasterized=True, **colours))
     axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
     figure.colorbar(ScalarMappable(scale, FORCE_MAP), ax=axes, label="Von Mises stress (MPa)", shrink=0.8)
-    axes.set_title(rf"$\alpha/R^*$ = {result['history/overlap'].max() / result.law.effective_radius:.3g}")
+    axes.set_title(rf"$\alpha/R^*$ = {result['history/overlap'].max() / result.case.law.effective_radius:.3g}")
     centre = corners.mean(axis=1) / _MILLI
     return Drawing(figure, {"body": body, "r_m": centre[:, 0], "z_m": centre[:, 1], "von_mises_Pa": stress / _MEGA})
 

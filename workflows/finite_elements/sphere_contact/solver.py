@@ -19,6 +19,7 @@ between its face and its contact is somewhat stiffer than a half-space, by the a
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from typing import NamedTuple
 
@@ -291,16 +292,11 @@ def _curve(line: NDArray[np.int64], arc: Array) -> tuple[NDArray[np.int64], Arra
     n = len(line) - 1
     around = np.column_stack([np.append(line[1], line[: n - 1]), line[:-1], line[1:], np.append(line[2:], line[-1])])
     places = np.column_stack([np.append(-arc[1], arc[: n - 1]), arc[:-1], arc[1:], np.append(arc[2:], arc[-1])])
-    weights = np.zeros((n, 2, 4))
-    for k in range(n):
-        for side, x in enumerate(_gauss_points(arc)[k]):
-            if k == n - 1:
-                share = (x - places[k, 1]) / (places[k, 2] - places[k, 1])
-                weights[k, side, 1:3] = 1 - share, share
-                continue
-            for first in (0, 1):
-                at = places[k, first : first + 3]
-                for m in range(3):
-                    others = np.delete(at, m)
-                    weights[k, side, first + m] += 0.5 * np.prod((x - others) / (at[m] - others))
+    x, weights = _gauss_points(arc), np.zeros((n, 2, 4))
+    for first, m in itertools.product((0, 1), range(3)):
+        at = places[:-1, None, first : first + 3]
+        others = np.delete(at, m, axis=2)
+        weights[:-1, :, first + m] += 0.5 * np.prod((x[:-1, :, None] - others) / (at[..., m : m + 1] - others), axis=2)
+    share = (x[-1] - places[-1, 1]) / (places[-1, 2] - places[-1, 1])
+    weights[-1, :, 1:3] = np.column_stack([1 - share, share])
     return around, weights
