@@ -39,7 +39,8 @@ logger = logging.getLogger(__name__)
 MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 _ASKED = 10  # designs that are refused until the model is made anew
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
-_LOST = 1.2  # times the best: a design whose worst run is beyond it is not run further
+_LOST = {"worst": 1.2}  # times the best: a design whose runs so far are beyond it is not run further ...
+_LOST_IN_THE_MEAN = 1.5  # ... where the mean or a quantile counts
 _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
@@ -292,7 +293,7 @@ class _Search:
                 end = f"{series[0][-1]:.3g} s"
                 return self._end(design, REFUSED, f"the force on the target still rises, or has not come, after {end}")
             run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
-        values = with_derived(ended.summary)
+        values = with_derived(ended.summary, design.known["smallest_diameter_m"])
         wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
         found = {name: float(values[name]) for name in wanted if values.get(name) is not None}
         found |= {name: value for name, value in design.known.items() if name in wanted}
@@ -301,7 +302,7 @@ class _Search:
         run["value"] = found
         if self._is_lost(design):
             self.queue = deque(entry for entry in self.queue if entry[0] is not design)
-            return self._end(design, PRUNED, "its worst run is beyond the best design's")
+            return self._end(design, PRUNED, "its first runs are far beyond the best design")
         if sum("value" in one for one in design.runs.values()) == len(self.problem.samples):
             self._complete(design)
         return None
@@ -310,18 +311,17 @@ class _Search:
         return any(fnmatchcase(one.name, pattern) for one in self.problem.objectives for pattern in _OF_PEAK)
 
     def _is_lost(self, design: Design) -> bool:
-        """Return True if the worst run so far is that much worse than the best design that more runs cannot help."""
+        """Return True if the runs so far are that much worse than the best design that more runs hardly help."""
         problem = self.problem
-        if problem.statistic != "worst" or len(problem.samples) == 1 or len(problem.objectives) > 1:
+        if len(problem.samples) == 1 or len(problem.objectives) > 1:
             return False
         best, (objective,) = next(iter(self.study.best()), None), problem.objectives
         values = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
         if best is None or len(values) == len(problem.samples):
             return False
-        worst = problem.statistic_of(objective, values)
-        design.objectives[objective.name] = worst
-        limit = best.objectives[objective.name] * _LOST**objective.sign
-        return objective.loss(worst) > objective.loss(limit) and limit > 0
+        so_far = design.objectives[objective.name] = problem.statistic_of(objective, values)
+        limit = best.objectives[objective.name] * _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
+        return limit > 0 and objective.loss(so_far) > objective.loss(limit)
 
     def _complete(self, design: Design) -> None:
         """Make objectives and margins of the values of all runs."""

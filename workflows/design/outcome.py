@@ -43,7 +43,11 @@ def check_best(
                 points.start(f"best-{guard.name}", tables)
             for ended in points.wait():
                 guard = made[ended.name]
-                findings.append(guards.finding_of(guard, problem, run["value"], with_derived(ended.summary)))
+                findings.append(
+                    guards.finding_of(
+                        guard, problem, run["value"], with_derived(ended.summary, best.known["smallest_diameter_m"])
+                    )
+                )
                 bar.update(total - len(waiting) - len(points), guard.what)
         if stop.count:
             points.stop()
@@ -52,13 +56,19 @@ def check_best(
     return sorted(findings, key=lambda one: not one.warning)
 
 
-def with_derived(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a summary with the values that are made of others, and those that are known before a run."""
+def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
+    """Return a summary with the values that are made of others, and those that are known before a run.
+
+    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest spheres, a quarter of
+    their diameter.
+    """
     count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
+    overlap = summary.get("peak_overlap_m")
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
         "height_m": summary.get("packing_height_m"),
+        "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
         "yielded_share": yielded / count if count and yielded is not None else None,
     }
 

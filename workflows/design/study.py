@@ -128,7 +128,8 @@ class Study:
             place = f"{POINTS}/{names(design.number, problem.samples)[0]}" if design.runs else ""
             cells = [_written(design.values[key]) for key in keys]
             known = [design.known.get(name, "") for name in more]
-            objectives = [design.objectives.get(name, "") for name in named]
+            known_all = design.state != PRUNED  # of a pruned design the objective is that of its first runs
+            objectives = [design.objectives.get(name, "") if known_all else "" for name in named]
             ends = [end for name in named for end in design.spread.get(name, ["", ""])] if spread else []
             reason = "; ".join([design.reason, *design.notes] if design.reason else design.notes)
             table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends])

@@ -203,12 +203,13 @@ def test_uncertainty_is_averaged(folder):
             assert low < row["target_peak_force_N"] or statistic == "mean"
             assert row["target_peak_force_N"] == pytest.approx(of(low, high))
     cases = [tomllib.loads((path / "case.toml").read_text()) for path in (folder / "mean/points").glob("1-*")]
+    assert set(found.table["state"]) <= {"complete", "pruned"}
     runs = sorted(case["load"]["velocity"] for case in cases)
     assert runs == [1.5, 2.5]  # the middles of two halves
 
 
 def test_limits_after_a_run(folder):
-    tables = {**problem_of(folder).tables, "limits": {"wall_impulse_Ns": 1e-9}}
+    tables = {**problem_of(folder).tables, "limits": {"wall_impulse_Ns": 1e-9, "overlap_over_radius": 0.5}}
     tables["search"] = {"evaluations": 2, "guards": False}
     found = gw.design(tables, directory=folder / "impossible", progress=False)
     assert found.best is None
