@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from pandas import DataFrame, Series, concat
 
+from granwave.analysis.document.cells import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
@@ -111,7 +112,7 @@ def _scales(varied: Sequence[str], done: Sequence[PointResult]) -> tuple[dict[in
 
 def _number(point: PointResult, name: str) -> float:
     value = point.summary.get(name)
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan
+    return float(value) if is_number(value) else math.nan
 
 
 def value_of(name: str) -> Value:

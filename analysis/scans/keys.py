@@ -109,7 +109,7 @@ class Key:
     @property
     def numeric(self) -> bool:
         """True if all values are numbers."""
-        return all(map(_is_number, self.values))
+        return all(map(is_number, self.values))
 
     @property
     def title(self) -> str:
@@ -131,7 +131,7 @@ class Key:
     def text(self, row: int) -> str:
         """Return the value of one point for a legend."""
         value = self.values[row]
-        if not _is_number(value):
+        if not is_number(value):
             return f"{self.naming.label}: {value}" if value == NONE else str(value)
         unit = f" {self.naming.unit}" if self.naming.unit else ""
         return f"{self.naming.symbol or self.naming.label} = {shown(value)}{unit}"
@@ -139,7 +139,7 @@ class Key:
     def tick(self, row: int) -> str:
         """Return the value of one point for an axis."""
         value = self.values[row]
-        return shown(value) if _is_number(value) else str(value)
+        return shown(value) if is_number(value) else str(value)
 
 
 def shown(value: float) -> str:
@@ -165,7 +165,7 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
         return Key(name, dataclasses.replace(naming, label=f"{naming.label} along {axis}"), along, tuple(labels))
     texts = unique_labels(labels)
     values = tuple(
-        float(f"{label / naming.scale:.12g}") if _is_number(label) else text
+        float(f"{label / naming.scale:.12g}") if is_number(label) else text
         for label, text in zip(labels, texts, strict=True)
     )
     return Key(name, naming, values, tuple(labels), unit)
@@ -175,7 +175,7 @@ def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
     """Return the naming of the load's amplitude: of a motion in the largest unit in which the largest is 1 or more."""
     if unit != "m":
         return dataclasses.replace(_AMPLITUDE, unit=unit)
-    largest = max((label for label in labels if _is_number(label)), default=0.0)
+    largest = max((label for label in labels if is_number(label)), default=0.0)
     shown_in = next(((name, scale) for name, scale in _OF_MOTION if largest >= scale), _OF_MOTION[-1])
     return dataclasses.replace(_AMPLITUDE, unit=shown_in[0], scale=shown_in[1])
 
@@ -198,7 +198,7 @@ def _of_entry(name: str) -> Naming | None:
 def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
     """Return the axis and the components of vectors that are all along it; None of anything else."""
     vectors = [vector for vector in map(_parsed, labels) if isinstance(vector, list) and len(vector) == 3]
-    if len(vectors) < len(labels) or not all(_is_number(part) for vector in vectors for part in vector):
+    if len(vectors) < len(labels) or not all(is_number(part) for vector in vectors for part in vector):
         return None
     axes = {axis for vector in vectors for axis in range(3) if vector[axis]}
     if len(axes) != 1:
@@ -233,10 +233,6 @@ def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
     found = [counts if isinstance(counts, list) else [counts] for counts in map(_parsed, labels)]
     whole = all(isinstance(n, int) and not isinstance(n, bool) for counts in found for n in counts)
     return [tuple(counts) for counts in found] if whole and all(found) else []
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 WORTH = 1e-12  # smallest value that is not rounding

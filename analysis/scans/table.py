@@ -18,6 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.document.cells import is_number
 from granwave.analysis.formatting.values import unit_of
 from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import quantity
@@ -326,13 +327,9 @@ def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
     return flat
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
 def _is_numeric(column: Sequence[Any]) -> bool:
     there = [value for value in column if value is not None]
-    return bool(there) and all(map(_is_number, there))
+    return bool(there) and all(map(is_number, there))
 
 
 def _text(value: Any) -> str:
@@ -353,7 +350,7 @@ def _array(column: Sequence[Any]) -> NDArray:
 
 
 def _write_csv(table: Columns, path: Path) -> None:
-    columns = [[value if _is_number(value) else _text(value) for value in column] for column in table.values()]
+    columns = [[value if is_number(value) else _text(value) for value in column] for column in table.values()]
     with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
         write_csv_rows(file, [list(table), *zip(*columns, strict=True)])
 
