@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -22,7 +22,6 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 AnyCase = TypeVar("AnyCase")
 Kind = TypeVar("Kind", bound="AnyRun[Any]")
-Item = TypeVar("Item")
 
 _NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
 
@@ -112,14 +111,6 @@ def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[
     """
     runs = (read_run(*one) for one in found if one[2].get("end_reason") != BALANCE_REFUSED)
     return [run for run in runs if isinstance(run, FinishedRun)]
-
-
-def rising(runs: Iterable[Item], key: Callable[[Item], float]) -> list[Item]:
-    """Runs, or what was made of them, in rising order of a key; of equal ones the first."""
-    unique: dict[float, Item] = {}
-    for run in runs:
-        unique.setdefault(key(run), run)
-    return [unique[value] for value in sorted(unique)]
 
 
 def all_but(case: Case, *left_out: str) -> str:

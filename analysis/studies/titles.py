@@ -25,7 +25,8 @@ def impact_title(case: Case, *, height: bool = True) -> str:
     height
         False: of packings that differ in it.
     """
-    return f"{packing_title(case, height=height)}, {contact_label(case)}, {load_label(case)}"
+    law = _LAWS.get(case.contact.law, case.contact.law)
+    return f"{packing_title(case, height=height)}, {law} contacts, {load_label(case)}"
 
 
 def packing_title(case: Case, *, height: bool = True) -> str:
@@ -40,16 +41,6 @@ def packing_title(case: Case, *, height: bool = True) -> str:
     kind = "Chain" if packing.kind == "chain" else f"{kind_of(packing.kind).label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
-
-
-def contact_label(case: Case) -> str:
-    """``elasto-plastic contacts``."""
-    return f"{law_label(case)} contacts"
-
-
-def law_label(case: Case) -> str:
-    """``elasto-plastic``."""
-    return _LAWS.get(case.contact.law, case.contact.law)
 
 
 def load_label(case: Case) -> str:

@@ -1,7 +1,4 @@
-"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of target.
-
-Closed forms of a single elastic sphere that hits a target: displacement of a plate, energy into an impedance.
-"""
+"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of target."""
 
 from __future__ import annotations
 
@@ -26,8 +23,9 @@ _MICRO, _MILLI = 1e6, 1e3
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
     """Elastic spheres that hit a target with no packing between, for each impact."""
-    found = ([run for run in group if _alone(run)] for group in impacts(runs))
-    return [alone for alone in found if alone and rows(alone)]
+    elastic = [run for run in runs if run.case.contact.law == "hertz" and run.case.load.kind == "impact"]
+    groups = ([run for run in group if run.assembly.lattice.n_spheres == 1] for group in impacts(elastic))
+    return [alone for alone in groups if alone and rows(alone)]
 
 
 def title(runs: Sequence[TargetRun]) -> str:
@@ -38,11 +36,6 @@ def title(runs: Sequence[TargetRun]) -> str:
 def rows(runs: Sequence[TargetRun]) -> list[Row]:
     """Checks of each bottom against its closed form."""
     return [row for run, name in zip(runs, names(runs), strict=True) for row in _rows(run, name)]
-
-
-def _alone(run: TargetRun) -> bool:
-    case = run.case
-    return run.assembly.lattice.n_spheres == 1 and case.contact.law == "hertz" and case.load.kind == "impact"
 
 
 def _rows(run: TargetRun, name: str) -> Iterator[Row]:

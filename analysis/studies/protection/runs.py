@@ -13,7 +13,7 @@ from granwave.analysis.document.model import Cell, Column, Table
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import FinishedRun, all_but, rising
+from granwave.analysis.studies.runs import FinishedRun, all_but
 from granwave.analysis.studies.tables import numeric, table_of
 from granwave.analysis.studies.titles import bottom_label
 from granwave.lammps_inputs.case.boundary import Plate
@@ -145,8 +145,8 @@ def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
     for run in runs:
         boundary = run.case.to_dict()["boundary"]
         alike.setdefault(repr((boundary.get("bottom"), boundary.get("friction"), run.friction)), []).append(run)
-    found = (rising(one, lambda run: run.layers) for one in alike.values())
-    return [one for one in found if len(one) >= FEWEST_HEIGHTS]
+    found = [{run.layers: run for run in reversed(one)} for one in alike.values()]  # of equal heights the first
+    return [[one[layers] for layers in sorted(one)] for one in found if len(one) >= FEWEST_HEIGHTS]
 
 
 def names(runs: Sequence[TargetRun]) -> list[str]:
