@@ -28,7 +28,7 @@ from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
-from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import walls
 
 _OF_SPHERE = 0.4  # moment of inertia over m R^2
 #: Components of vectors of a run that are x and y of its measurement, by the axis of cylinders.
@@ -94,7 +94,7 @@ class Snapshots:
         self._read_grains(result)
         self._read_snapshots(result, about)
         self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {
-            wall.name: (wall, tuple(fix for fix, _, _ in wall_fixes(assembly, wall)))
+            wall.name: (wall, tuple(fix for fix, _, _ in wall.fixes))
             for wall in there
             if not wall.held_layer and "xyz"[wall.axis] != axis
         }

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.directories import changed_file
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import walls
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -141,7 +141,7 @@ def check_complete(directory: Path) -> Case:
     needed = [files.LINES_FILE] if case.line else []
     needed += [files.STATIC_STAGE_FILE] if case.precompression else []
     for wall in (wall for wall in found if not wall.held_layer):
-        needed += [files.WALL_CONTACTS_FILE.format(name) for name, _, _ in wall_fixes(assemble(case), wall)]
+        needed += [files.WALL_CONTACTS_FILE.format(name) for name, _, _ in wall.fixes]
     if missing := [dumps / name for name in needed if not (dumps / name).exists()]:
         raise MissingOutputError(f"{missing[0]} is missing; {AGAIN}")
     return case

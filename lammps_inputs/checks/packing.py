@@ -17,7 +17,7 @@ from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import layout_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
-from granwave.lammps_inputs.packing.walls import wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import walls
 
 _OVERLAP = 1e-9  # diameters; largest overlap of a larger sphere with another one, for rounding
 _WAYS = "index, a box from low to high, or share"
@@ -250,5 +250,5 @@ def _material_pairs(assembly: Assembly) -> Iterable[tuple[Material, Material | N
         yield from ((one.material, other.material, (one.shape, other.shape)) for other in grains[n:])
         yield from ((one.material, face.material, None) for face in assembly.species if face.role == "face")
     for wall in walls(assembly):
-        fixes = [] if wall.held_layer else wall_fixes(assembly, wall)
+        fixes = wall.fixes
         yield from ((material, wall.material, None) for _, _, material in fixes)

@@ -26,7 +26,7 @@ from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
 from granwave.lammps_inputs.packing.places import near_pairs
-from granwave.lammps_inputs.packing.walls import touched_by, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import touched_by, walls
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"
@@ -202,7 +202,7 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
         near = np.flatnonzero((wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres))
         if (chosen := touched_by(assembly, wall)) is not None:
             near = near[chosen[ids[near] - 1]]
-        for name, _, material in [] if wall.held_layer else wall_fixes(assembly, wall):
+        for name, _, material in wall.fixes:
             own = near[kind[near] == materials.index(material)]
             radius, place = wall.effective_radii(radii[own]), wall.nearest(positions[own])
             add((material, wall.material), np.full(len(own), name, dtype=object), own, radius, place)
@@ -256,8 +256,7 @@ def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int
     first, second, peaks = (column.tolist() for column in earlier["contacts"].values())
     found: dict[tuple[int | str, int], float] = dict(zip(zip(first, second, strict=True), peaks, strict=True))
     faces = {bar.name: bar.face for bar in assembly.bars}
-    fixes = {(wall.name, material): name for wall in walls(assembly) if not wall.held_layer
-             for name, _, material in wall_fixes(assembly, wall)}  # fmt: skip
+    fixes = {(wall.name, material): name for wall in walls(assembly) for name, _, material in wall.fixes}
     for wall, sphere, peak in zip(*(column.tolist() for column in earlier["wall_contacts"].values()), strict=True):
         what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
         if what is not None:

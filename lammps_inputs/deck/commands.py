@@ -16,7 +16,6 @@ from granwave.lammps_inputs.packing.walls import (
     materials_of_last_layer,
     touched_by,
     touched_groups,
-    wall_fixes,
     wall_friction,
     walls,
 )
@@ -230,7 +229,7 @@ def plane_names(assembly: Assembly) -> list[str]:
     """Return the names of the wall fixes, and of the fix that holds the last layer."""
     names = []
     for wall in walls(assembly):
-        names += ["held"] if wall.held_layer else [name for name, _, _ in wall_fixes(assembly, wall)]
+        names += ["held"] if wall.held_layer else [name for name, _, _ in wall.fixes]
     names += [name for name, hold in assembly.case.holds.items() if hold.axes]
     return names
 
@@ -259,7 +258,7 @@ def wall_commands(
         place = coordinate(case, wall)
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
-        for name, group, material in wall_fixes(assembly, wall):
+        for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
             words = [law_coefficients(_elastic(contact), material, wall.material)]
             line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
@@ -310,7 +309,7 @@ def _groups(assembly: Assembly) -> list[str]:
     if chosen is not None:
         lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
         planes = [wall for wall in planes if touched_by(assembly, wall) is None]
-    fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall_fixes(assembly, wall) if group != "all"]
+    fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall.fixes if group != "all"]
     groups = [group for group, _ in fixes]
     types = [
         joined(str(n) for n, one in enumerate(assembly.species, 1) if one.role == "sphere" and one.material == of)

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.deck.columns import (
 from granwave.lammps_inputs.deck.commands import command, dump, id_ranges, joined, time_series, write_dump
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
-from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, wall_fixes, walls
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import DUMPS, of_each_rank
 
@@ -42,7 +42,7 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
         columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
-        *(f"variable        {wall.name} equal {outward_force(assembly, wall)}" for wall in found),
+        *(f"variable        {wall.name} equal {outward_force(wall)}" for wall in found),
         *time_series(
             "walls",
             schedule.wall_every,
@@ -54,9 +54,9 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
     ]
 
 
-def outward_force(assembly: Assembly, wall: Wall, prefix: str = "") -> str:
+def outward_force(wall: Wall, prefix: str = "") -> str:
     """Return the formula of the force of the spheres on a wall, positive outwards; ``prefix``: of its fixes."""
-    sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall_fixes(assembly, wall)]
+    sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall.fixes]
     sign = "-" if wall.outward < 0 else "+"
     return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
 

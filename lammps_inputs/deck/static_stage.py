@@ -213,7 +213,7 @@ def _record(assembly: Assembly) -> dict[str, str]:
     """Return what the record holds: its columns, and the formulas of their values."""
     record = dict(RECORD)
     for name, pressed in _pressed_walls(assembly).items():
-        mean = "+".join(f"({outward_force(assembly, wall)})" for wall in pressed)
+        mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     return record
@@ -240,7 +240,7 @@ def _pressing(assembly: Assembly) -> list[str]:
     for number in range(_ROUNDS):
         for name, pressed in _pressed_walls(assembly).items():
             here, level = f"v_{moved_wall(name)}", f"static_level_{name}"
-            force = "+".join(f"({outward_force(assembly, wall, _PREFIX)})" for wall in pressed)
+            force = "+".join(f"({outward_force(wall, _PREFIX)})" for wall in pressed)
             share = f"abs({force})/{num(len(pressed) * stage.presses[name])}"
             if number:
                 lines.append(f"variable        static_before_{name} equal $(v_{level}:%.17g)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,8 @@ class Wall:
         Support of a moving plane; None if it does not move.
     plate
         Mass (kg) and velocity (m/s) of a rigid plate on the free top; None for other walls.
+    fixes
+        Its LAMMPS fixes, one for each material: name, group and material of the grains.
     """
 
     name: str
@@ -56,6 +59,7 @@ class Wall:
     material: Material | None = None
     support: Support | None = None
     plate: tuple[float, float] | None = None
+    fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(default=(), repr=False, compare=False)
 
     def gaps(self, positions: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps: (n,), m."""
@@ -78,7 +82,11 @@ class Wall:
 
 def walls(case: Case | Assembly) -> tuple[Wall, ...]:
     """Return the walls of a case: the bottom first, then a plate on the top, then the sides."""
-    assembly = assemble(case)
+    return _walls(assemble(case))
+
+
+@lru_cache(maxsize=4)
+def _walls(assembly: Assembly) -> tuple[Wall, ...]:
     case = assembly.case
     found = []
     if case.boundary.bottom not in ("free", "periodic"):
@@ -100,7 +108,7 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
             inwards -= max(case.boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
-    return tuple(found)
+    return tuple(dataclasses.replace(wall, fixes=_fixes(assembly, wall)) for wall in found)
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -155,34 +163,30 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
     return float((place - reach).min()), float((place + reach).max())
 
 
-def wall_fixes(assembly: Assembly, wall: Wall) -> list[tuple[str, str, Material]]:
-    """Return the LAMMPS fixes of a plane, one for each material: name, group and material of the grains.
-
-    Walls act on the spheres of the packing; strikers, which are outside, can pass them.
-    """
+def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
+    """Return the fixes of a wall; it acts on the spheres of the packing, and strikers, which are outside, pass it."""
     case = assembly.case
     chosen = touched_by(assembly, wall)
+    if wall.held_layer:
+        return ()
     if chosen is not None:
-        groups = touched_groups(assembly, chosen)
-        names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(groups) + 1))]
-        return [(name, group, material) for name, (group, material, _) in zip(names, groups, strict=True)]
-    if case.packing.kind == "chain" and wall.name == "bottom":
-        return [(wall.name, "all", assembly.material_of(assembly.lattice.n_spheres))]
-    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
-    if len(materials) == 1 and not case.striker:
-        return [(wall.name, "all", materials[0])]
-    names = [wall.name, *(f"{wall.name}_{n}" for n in range(2, len(materials) + 1))]
-    fixes = [
-        (name, f"species{n}", material) for n, (name, material) in enumerate(zip(names, materials, strict=True), 1)
-    ]
-    if wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
-        return [(wall.name, group, material) for _, group, material in fixes if material in materials_on_top(assembly)]
-    return fixes
+        groups = [(group, material) for group, material, _ in touched_groups(assembly, chosen)]
+    else:
+        materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
+        groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
+        if case.packing.kind == "chain" and wall.name == "bottom":
+            groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
+        elif len(materials) == 1 and not case.striker:
+            groups = [("all", materials[0])]
+        elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
+            groups = [one for one in groups if one[1] in materials_on_top(assembly)]
+            return tuple((wall.name, *one) for one in groups)
+    return tuple((f"{wall.name}_{n}" if n > 1 else wall.name, *one) for n, one in enumerate(groups, start=1))
 
 
 def plane_fixes(assembly: Assembly) -> list[str]:
-    """Return the names of the fixes of all planes and of a tube; a last layer held in place has none."""
-    return [fix for wall in walls(assembly) if not wall.held_layer for fix, _, _ in wall_fixes(assembly, wall)]
+    """Return the names of the fixes of all planes and of a tube."""
+    return [fix for wall in walls(assembly) for fix, _, _ in wall.fixes]
 
 
 def touched_groups(assembly: Assembly, chosen: NDArray[np.bool_]) -> list[tuple[str, Material, NDArray[np.int64]]]:
@@ -223,7 +227,7 @@ def moving_fix(assembly: Assembly) -> str | None:
     for wall in walls(assembly):
         if wall.support is not None:
             resting = materials_of_last_layer(assembly)[0]
-            return next(name for name, _, material in wall_fixes(assembly, wall) if material == resting)
+            return next(name for name, _, material in wall.fixes if material == resting)
     return None
 
 

@@ -213,6 +213,7 @@ class Encounter:
 
 
 def some_encounters(assembly: Assembly) -> list[Encounter]:
+    """Return the encounters, if there are any, and all have a stiffness."""
     if not (found := encounters(assembly)):
         raise ValueError("no contact takes up any energy")
     if not all(map(_has_stiffness, found)):

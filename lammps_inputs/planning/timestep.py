@@ -111,11 +111,6 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
     return sorted([*found, *_limits_of_load(assembly), *_limits_at_any_time(assembly)], key=lambda limit: limit.step)
 
 
-def shortest_time(assembly: Assembly) -> float:
-    """Return the smallest sqrt(mass/stiffness) of the contacts expected, s."""
-    return math.sqrt(min(encounter.mass / encounter.stiffness for encounter in some_encounters(assembly)))
-
-
 def largest_timestep(assembly: Assembly) -> float:
     """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without these."""
     return min((limit.step for limit in _limits_at_any_time(assembly)), default=math.inf)
@@ -166,7 +161,8 @@ def check_load_frequency(assembly: Assembly) -> None:
     if not load.driven or not load.oscillates or assembly.bars or case.precompression is None:
         return
     try:
-        cutoff = _OF_CUTOFF / (2 * math.pi * shortest_time(assembly))
+        shortest = math.sqrt(min(one.mass / one.stiffness for one in some_encounters(assembly)))
+        cutoff = _OF_CUTOFF / (2 * math.pi * shortest)
     except (ArithmeticError, ValueError):  # no contact takes up energy
         return
     highest = load.frequencies[1]
