@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
-from granwave.analysis.figures.sphere_renderer import Camera, Picture, Surface, lit_surface, painted
+from granwave.analysis.figures.sphere_renderer import Camera, Surface, lit_surface, painted
 from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.walls import walls
@@ -22,6 +22,7 @@ _HIGHEST = 6.5  # inches, of the picture
 _AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
+_CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
 _BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
@@ -54,15 +55,22 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
         return None
     positions = result["spheres/position"]
     camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
-    kept = np.flatnonzero(~_cut_away(positions - result.origin, camera, result.case.packing.diameter))
+    beyond, towards = (positions - result.origin)[:, :2], np.sign(camera.towards[:2])
+    facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)  # the quarter that is cut away
+    kept = np.flatnonzero(~facing)
     values = colouring.values[kept]
-    picture = painted(_surface(result, kept, camera), _colours(values, colouring))
+    colours = colormaps[colouring.map](colouring.norm(np.clip(values, colouring.low, colouring.high)))[:, :3]
+    colours[values < colouring.low] = to_rgb(BLANK)
+    picture = painted(_surface(result, kept, camera), colours)
     left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
     figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    axes.imshow(_bytes(picture, result), extent=(left, right, bottom, top), interpolation="antialiased")
+    pixels = picture.pixels
+    if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
+        pixels = pixels[..., :3] * pixels[..., 3:] + (1 - pixels[..., 3:])
+    axes.imshow(np.rint(pixels * 255).astype(np.uint8), extent=(left, right, bottom, top), interpolation="antialiased")
     axes.set_axis_off()
     if _has_outlines(result):
         _draw_walls(axes, result, camera)
@@ -72,7 +80,10 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     _scale_bar(axes, left, right, bottom)
     _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
-    return Drawing(figure, _visible(result, kept, picture, colouring))
+    rows = kept[picture.visible]
+    columns = {"id": result["spheres/id"][rows]}
+    columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
+    return Drawing(figure, columns | {colouring.column: colouring.values[rows]})
 
 
 def _surface(result: Result, kept: NDArray[np.int64], camera: Camera) -> Surface:
@@ -96,15 +107,6 @@ def _axes(result: Result, kept: NDArray[np.int64]) -> NDArray[np.float64] | None
     return np.array([nothing if (one := shapes[row]) is None else one.vector * one.length / 2 for row in kept])
 
 
-def _bytes(picture: Picture, result: Result) -> NDArray[np.uint8]:
-    """Return the pixels as bytes, on white where no lines are seen behind, which makes files smaller."""
-    pixels = picture.pixels
-    if not _has_outlines(result):
-        alpha = pixels[..., 3:]
-        pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
-    return np.asarray(np.rint(pixels * 255), dtype=np.uint8)
-
-
 def bar_location(size: tuple[float, float] | None) -> str:
     """Return where the colour bar goes: to the right in a figure that is wider than high."""
     return "right" if size is not None and size[0] > size[1] else "bottom"
@@ -114,21 +116,6 @@ def can_be_cut(result: Result) -> bool:
     """Return True for a packing that extends along x and y; of a chain curves show more."""
     positions = result["spheres/position"]
     return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
-
-
-def _cut_away(offset: NDArray[np.float64], camera: Camera, diameter: float) -> NDArray[np.bool_]:
-    """Select the quarter that faces the viewer; spheres on the cutting planes stay."""
-    edge = 0.3 * diameter
-    towards = np.sign(camera.towards[:2])
-    return (offset[:, 0] * towards[0] > edge) & (offset[:, 1] * towards[1] > edge)
-
-
-def _colours(values: NDArray[np.float64], colouring: Colouring) -> NDArray[np.float64]:
-    """Return red, green, blue of each sphere; blank for values below the scale."""
-    scaled = np.clip(values, colouring.low, colouring.high)
-    colours = colormaps[colouring.map](colouring.norm(scaled))[:, :3]
-    colours[values < colouring.low] = to_rgb(BLANK)
-    return colours
 
 
 def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
@@ -181,13 +168,6 @@ def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
 
 def _has_outlines(result: Result) -> bool:
     return any(wall.tube or wall.plate is not None for wall in walls(result.assembly))
-
-
-def _visible(result: Result, kept: NDArray, picture: Picture, colouring: Colouring) -> dict[str, NDArray]:
-    rows = kept[picture.visible]
-    place = result["spheres/position"][rows]
-    columns = {"id": result["spheres/id"][rows], "x_m": place[:, 0], "y_m": place[:, 1], "z_m": place[:, 2]}
-    return columns | {colouring.column: colouring.values[rows]}
 
 
 _CORNERS = 64  # of the rim of a tube; a multiple of 4

@@ -12,8 +12,8 @@ from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.scales import ticks_at
-from granwave.analysis.figures.series import column_name, legend_outside, one_panel
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing, new_figure
+from granwave.analysis.figures.series import column_name, legend_outside, one_panel, panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached
 from granwave.analysis.measures.target_theory import Curves
@@ -73,8 +73,7 @@ def reached_targets(targets: Mapping[str, tuple[Reached, Array, Array]]) -> Draw
     targets
         By name: record of the target, and times, s, with the work on the target by then, J, (n_instants,) each.
     """
-    figure = new_figure(5.6, 4.6)
-    panels = figure.subplots(3, 1, sharex=True)
+    figure, *stack = panels(5.6, rows=3, width=4.6, sharex=True)
     columns: dict[str, Array] = {}
     for (name, (reached, ledger, energy)), (line, colour) in zip(targets.items(), _STYLES, strict=False):
         word = column_name(name)
@@ -84,11 +83,11 @@ def reached_targets(targets: Mapping[str, tuple[Reached, Array, Array]]) -> Draw
             ("Impulse (mN s)", reached.time, reached.impulse, 1e-3, "impulse_Ns"),
             ("Energy (mJ)", ledger, energy, 1e-3, "energy_J"),
         )
-        for axes, (label, time, values, unit, column) in zip(panels, shown, strict=True):
+        for axes, (label, time, values, unit, column) in zip(stack, shown, strict=True):
             axes.plot(_MICRO * time, values / unit, line, color=colour, linewidth=1.0, label=name)
             axes.set_ylabel(label)
             columns[f"{word}_{column}"] = values
-    panels[-1].set(xlabel="Time (µs)", xlim=(0, _MICRO * max(reached.time[-1] for reached, _, _ in targets.values())))
+    stack[-1].set(xlabel="Time (µs)", xlim=(0, _MICRO * max(reached.time[-1] for reached, _, _ in targets.values())))
     legend_outside(figure, 2, fontsize=7)
     return Drawing(figure, columns)
 
@@ -116,26 +115,25 @@ class Heights:
 
 def reductions(found: Sequence[Heights]) -> Drawing:
     """Peak reduction, and what a kilogram adds to it, against layers: a colour for each bottom, a mark for friction."""
-    figure = new_figure(2.9, 7.0)
-    panels = figure.subplots(1, 2, sharex=True)
+    figure, *row = panels(2.9, 2, width=7.0, sharex=True)
     columns: dict[str, Array] = {}
     bottoms, frictions = list(dict.fromkeys(one.bottom for one in found)), sorted({one.friction for one in found})
     for one in found:
         place, colour = frictions.index(one.friction), _COLOURS[bottoms.index(one.bottom) % len(_COLOURS)]
         look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
-        for axes, values in zip(panels, (one.reduction, one.gain_per_mass), strict=True):
+        for axes, values in zip(row, (one.reduction, one.gain_per_mass), strict=True):
             (line,) = axes.plot(one.layers, values, look, color=colour, label=one.name)
             line.set(markersize=3.5, markerfacecolor="none" if place else colour)
         word = column_name(one.name)
         columns |= {f"{word}_layers": one.layers, f"{word}_reduction": one.reduction}
         columns |= {f"{word}_per_kg": one.gain_per_mass, f"{word}_mass_kg": one.mass}
     ticks = sorted({float(layers) for one in found for layers in one.layers})
-    for axes, label in zip(panels, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
+    for axes, label in zip(row, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")
         axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
         axes.xaxis.set_major_formatter("{x:g}")
-    panels[0].set_yscale("log")
-    panels[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
+    row[0].set_yscale("log")
+    row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
     return Drawing(figure, columns)
 

@@ -36,8 +36,9 @@ def force_map(result: Result) -> Drawing | None:
         nodes = result[f"bars/{bar.name}/position"]
         part = (bar.name.replace("_", " "), 0.5 * (nodes[1:] + nodes[:-1]), np.abs(result[f"bars/{bar.name}/force"]))
         parts.insert(0 if bar.face == bar.last else len(parts), part)
-    static, waves = _static_force(result), "chain/contact_force"
-    if small := static is not None and np.abs(result[waves] - static).max() < static.max():
+    waves = result["chain/contact_force"]
+    pressed = result.case.precompression is not None and np.any(waves[0] > 0)
+    if small := pressed and np.abs(waves - waves[0]).max() < waves[0].max():
         parts = [(name, place, force - force[0]) for name, place, force in parts]  # what the waves add
     largest = max(float(np.abs(force).max()) for _, _, force in parts) or 1.0
     norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
@@ -67,14 +68,6 @@ def space_time_map(
     axes.set_xlabel("Place (mm)")
     options: Any = {"norm": norm, "cmap": map, "rasterized": True, "shading": "nearest"}
     return axes.pcolormesh(place * _MILLI, time * _MICRO, force, **options)
-
-
-def _static_force(result: Result) -> NDArray[np.float64] | None:
-    """Return the contact forces along the chain before the load: (n_contacts,), N; None where there are none."""
-    if result.case.precompression is None:
-        return None
-    static = result["chain/contact_force"][0]
-    return static if np.any(static > 0) else None
 
 
 def force_histories(result: Result) -> Drawing | None:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from granwave.analysis.figures.series import COLOURS, one_panel
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, WIDTH, Drawing, legend_above, new_figure
+from granwave.analysis.figures.series import COLOURS, one_panel, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, WIDTH, Drawing, legend_above
 from granwave.analysis.spectra.band_structure import BandStructure
 from granwave.analysis.spectra.bands import Gap, Modes
 from granwave.analysis.spectra.network import FREEDOMS
@@ -22,13 +22,15 @@ _LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
 def band_diagram(found: BandStructure) -> Drawing:
     """Draw the bands along the path, gaps shaded, with the attenuation beside them where it is known."""
     bands, decaying = found.bands, found.complex_bands
-    figure = new_figure(2.8, WIDTH * (1.45 if decaying is not None else 1.05))
-    widths = (3, 1) if decaying is not None else (1,)
-    panels = figure.subplots(1, len(widths), sharey=True, squeeze=False, width_ratios=widths)[0]
-    axes, top = panels[0], 1.08 * _KILO * float(np.nanmax(bands.frequency))
+    widths, width = ((3, 1), 1.45) if decaying is not None else ((1,), 1.05)
+    figure, *row = panels(2.8, len(widths), width=WIDTH * width, sharey=True, width_ratios=widths)
+    axes, top = row[0], 1.08 * _KILO * float(np.nanmax(bands.frequency))
     if decaying is not None:
         top = min(1.2 * top, _KILO * float(decaying.frequency[-1]))
-    _shade(panels, found, top)
+    for gap in found.gaps:
+        low, high = _KILO * gap.low, min(_KILO * gap.high, top)
+        for one in row if high - low > _LEAST_GAP * top else ():
+            one.axhspan(low, high, color="0.9", lw=0, zorder=0)
     starts = [0, *bands.path.breaks, len(bands.path.k)]
     for n in range(bands.frequency.shape[1]):
         for start, stop in pairwise(starts):
@@ -39,7 +41,7 @@ def band_diagram(found: BandStructure) -> Drawing:
         order = np.argsort(bands.share, axis=None)
         x, y, part = (one.ravel()[order] for one in (place, _KILO * bands.frequency, bands.share))
         dots = axes.scatter(x, y, c=part, s=3, cmap="viridis_r", vmin=0, vmax=1, linewidths=0, zorder=3)
-        figure.colorbar(dots, ax=panels[-1], label="Energy in the upper quarter", pad=0.02)
+        figure.colorbar(dots, ax=row[-1], label="Energy in the upper quarter", pad=0.02)
     _mark_corners(axes, found)
     axes.set(ylabel="Frequency (kHz)", ylim=(0, top), xlim=(bands.path.distance[0], bands.path.distance[-1]))
     columns: dict[str, Any] = {"distance_rad_per_m": bands.path.distance}
@@ -47,22 +49,14 @@ def band_diagram(found: BandStructure) -> Drawing:
     if bands.share is not None:
         columns |= {f"share{n}": one for n, one in enumerate(bands.share.T, start=1)}
     if decaying is not None:
-        panels[1].plot(decaying.least, _KILO * decaying.frequency, color=ORANGE, lw=1.0)
-        panels[1].set(xlabel="Attenuation\nper plane", xlim=(0, None))
+        row[1].plot(decaying.least, _KILO * decaying.frequency, color=ORANGE, lw=1.0)
+        row[1].set(xlabel="Attenuation\nper plane", xlim=(0, None))
         columns |= {"attenuation_frequency_Hz": decaying.frequency, "attenuation_per_plane": decaying.least}
     unit = _KILO * found.unit_frequency
-    right = panels[-1].secondary_yaxis("right", functions=(lambda f: f / unit, lambda f: f * unit))
+    right = row[-1].secondary_yaxis("right", functions=(lambda f: f / unit, lambda f: f * unit))
     right.set_ylabel(r"$\omega/\sqrt{k/m}$")
-    panels[-1].tick_params(right=False)
+    row[-1].tick_params(right=False)
     return Drawing(figure, columns)
-
-
-def _shade(panels: Any, found: BandStructure, top: float) -> None:
-    for gap in found.gaps:
-        low, high = _KILO * gap.low, min(_KILO * gap.high, top)
-        if high - low > _LEAST_GAP * top:
-            for axes in panels:
-                axes.axhspan(low, high, color="0.9", lw=0, zorder=0)
 
 
 def _mark_corners(axes: Axes, found: BandStructure) -> None:
@@ -83,8 +77,7 @@ def _mark_corners(axes: Axes, found: BandStructure) -> None:
 def group_velocities(found: BandStructure) -> Drawing:
     """Draw the group velocities of the bands along the path."""
     bands = found.bands
-    figure = new_figure(2.4, WIDTH * 1.05)
-    axes = figure.subplots()
+    figure, axes = panels(2.4, width=WIDTH * 1.05)
     step = np.gradient(bands.path.k, axis=0)
     along = step / np.maximum(np.linalg.norm(step, axis=1, keepdims=True), 1e-300)
     velocity = np.einsum("kna,ka->kn", bands.velocity, along)
@@ -102,8 +95,7 @@ def slowness_curves(found: BandStructure) -> Drawing | None:
     curves = found.surface
     if curves is None or np.isnan(curves.speed).all():
         return None
-    figure = new_figure(2.8)
-    axes = figure.subplots()
+    figure, axes = panels(2.8)
     angle = np.append(curves.angle, curves.angle[0])
     columns: dict[str, Any] = {"angle_rad": curves.angle}
     for n, one in enumerate(curves.slowness.T):
@@ -122,8 +114,8 @@ def equal_frequency_curves(found: BandStructure) -> Drawing | None:
     if curves is None:
         return None
     n = min(3, curves.frequency.shape[2])
-    figure = new_figure(2.3, WIDTH * (0.35 + 0.75 * n))
-    for number, axes in enumerate(figure.subplots(1, n, sharey=True, squeeze=False)[0]):
+    figure, *row = panels(2.3, n, width=WIDTH * (0.35 + 0.75 * n), sharey=True)
+    for number, axes in enumerate(row):
         values = np.ma.masked_invalid(_KILO * curves.frequency[:, :, number])
         if values.count():
             lines = axes.contour(curves.k, curves.k, values, 8, linewidths=0.8, cmap="viridis")
@@ -151,10 +143,10 @@ def mode_shapes(found: BandStructure) -> Drawing | None:
     phase = np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape), axis=0), np.arange(shape.shape[1])]))
     shape = shape * phase
     n = min(bands.frequency.shape[1], 6)
-    figure = new_figure(0.5 + 0.75 * n, WIDTH)
+    figure, *stack = panels(0.5 + 0.75 * n, rows=n, sharex=True)
     names = [f"{network.ids[g]} {FREEDOMS[d]}" for g, d in zip(grain, direction, strict=True)]
     place = np.arange(len(names))
-    for number, axes in enumerate(figure.subplots(n, 1, sharex=True, squeeze=False)[:, 0]):
+    for number, axes in enumerate(stack):
         axes.bar(place - 0.2, shape[:, number].real, 0.4, color=BLUE, label="in phase")
         axes.bar(place + 0.2, shape[:, number].imag, 0.4, color=GREY, label="quarter period off")
         frequency = bands.frequency[row, number]

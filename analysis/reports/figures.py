@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Collection, Mapping, Sequence
-from itertools import cycle
 from pathlib import Path
 
 import h5py
@@ -15,20 +14,8 @@ from PIL import Image
 
 from granwave.analysis.document.model import Block, Figure, Gallery, Group, Link, Note, Section
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    Drawing,
-    FigureFolder,
-    lay_out,
-    legend_above,
-    new_figure,
-    style,
-)
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import SCAN_FIGURES, readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -265,14 +252,6 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     return blocks
 
 
-def _pages(directory: Path, inputs: Inputs) -> list[Note]:
-    """Return links to the page and the films of a run, as far as they have been made."""
-    found = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
-    found += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
-    there = [(name, text) for name, text in found if (directory / name).is_file()]
-    return [Note(text, links=(inputs.link(directory / name, name),)) for name, text in there]
-
-
 def _pictures(
     item: Run | Scan, inputs: Inputs, name: str, what: str, width: int, left_out: Collection[str] = ()
 ) -> tuple[Gallery | Note, ...]:
@@ -288,16 +267,13 @@ def _pictures(
             figures.append(_picture(path, item, inputs, name, what, width, in_words=True))
         except _UNREADABLE as error:
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
-    pages = _pages(item.directory, inputs) if isinstance(item, Run) else []
+    there = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
+    there += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
+    there = [one for one in there if isinstance(item, Run) and (item.directory / one[0]).is_file()]
+    pages = [Note(text, links=(inputs.link(item.directory / name, name),)) for name, text in there]
     gallery = [Gallery(tuple(figures))] if figures else []
     failed = [Note(f"The {one}.", "bad") for one in FigureFolder(item.directory).not_drawn().values()]
     return (*pages, *gallery, *damaged, *failed)
-
-
-def _called(item: Run | Scan) -> str:
-    """Return what the grains of a run or scan are called."""
-    runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
-    return grains_called_in(run.summary for run in runs)
 
 
 def _picture(
@@ -313,7 +289,8 @@ def _picture(
         True to say after the caption what a figure of a scan shows.
     """
     png, size, inches = shrunk(path, width)
-    called = _called(item)
+    runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
+    called = grains_called_in(run.summary for run in runs)
     caption = in_grains(_caption(path.stem, _labels_of_keys(item) if isinstance(item, Scan) else {}), called)
     look = in_grains(_LOOK.get(path.stem, ""), called)
     data = path.with_suffix(".csv")
@@ -322,7 +299,8 @@ def _picture(
     alt = f"{caption}: {what}"
     said = _seen(item, path.stem) if in_words else ""
     shown = (caption if alone else alt) + (f". {look}" if look else "") + said
-    return Figure(_slug(f"{name}-{path.stem}"), shown, alt, png, size, link, inches)
+    slug = re.sub(r"[^a-z0-9]+", "-", f"{name}-{path.stem}".lower()).strip("-")
+    return Figure(slug, shown, alt, png, size, link, inches)
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
@@ -341,15 +319,12 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
 
 
 def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
-    figure = new_figure(2.9)
-    axes = figure.subplots()
-    colours = cycle((BLUE, ORANGE, GREEN, PURPLE, SKY, GREY))
-    for n, ((label, time, share), colour) in enumerate(zip(curves, colours, strict=False)):
-        name = label if len(label) <= 32 else label[:15] + "…" + label[-16:]
+    figure, axes = panels(2.9)
+    for n, (run, time, share) in enumerate(curves):
+        name = run if len(run) <= 32 else run[:15] + "…" + run[-16:]
         line = ("-", "--")[n // 6 % 2]
-        axes.plot(1e6 * time, share, line, color=colour, label=name.replace("$", r"\$").lstrip("_") or "run")
-    axes.set_xlabel("Time (µs)")
-    axes.set_ylabel("Dissipated share of the input")
+        axes.plot(1e6 * time, share, line, label=name.replace("$", r"\$").lstrip("_") or "run")
+    label(axes, "Time (µs)", "Dissipated share of the input")
     ends = [1e6 * time[-1] for _, time, _ in curves]
     if min(ends) * _UNLIKE < max(ends):
         axes.set_xscale("log")
@@ -359,10 +334,6 @@ def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
     axes.set_ylim(0, 1.0 if max(share.max() for _, _, share in curves) <= 1 else None)
     legend_above(axes, 2)
     return Drawing(figure, {})
-
-
-def _slug(text: str) -> str:
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")
 
 
 def _first_line(error: BaseException) -> str:
