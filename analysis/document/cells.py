@@ -14,6 +14,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from granwave.analysis.document.model import Cell, Column, Group, Report, Table, changed
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
@@ -22,11 +24,11 @@ from granwave.analysis.summary_table import meaning_of
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 BLANK = "\u2013"  # a value that does not apply
+_EMPTY = ("", BLANK)
 _DIGITS = 5
 _ROUNDING = 1e-12
 _LEAST = 1e-100
 _UNIT = "Unit"  # heading of the column that has the units where each row is a quantity
-Numbers = tuple[float, ...]  # of one cell: a value, or a mean and its half-width; empty where there is none
 
 
 def label_of(key: str, called: str = SPHERES) -> str:
@@ -155,67 +157,46 @@ def tidied(report: Report) -> Report:
 
 def tidied_table(table: Table) -> Table:
     """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
-    rows = _without_rounding(table)
-    if table.by_row and (full := [row for row in rows if _has_value(table, row)]):
-        rows = full
-    kept = [n for n in range(len(table.columns)) if not rows or any(row[n].text not in ("", BLANK) for row in rows)]
-    return dataclasses.replace(
-        table,
-        columns=tuple(table.columns[n] for n in kept),
-        rows=tuple(tuple(row[n] for n in kept) for row in rows),
-    )
+    rows, numbers = _without_rounding(table), _columns_of_numbers(table)
+    if table.by_row and numbers:
+        rows = [row for row in rows if any(row[n].text not in _EMPTY for n in numbers)] or rows
+    kept = [n for n in range(len(table.columns)) if not rows or any(row[n].text not in _EMPTY for row in rows)]
+    return table.keeping(kept, rows=rows)
 
 
-def _has_value(table: Table, row: Sequence[Cell]) -> bool:
-    """True if any of the numbers of a quantity is known, or there are no columns of numbers."""
-    values = [cell.text for cell, column in zip(row, table.columns, strict=True) if column.numeric and not column.key]
-    return not values or any(text not in ("", BLANK) for text in values)
+def _columns_of_numbers(table: Table) -> list[int]:
+    return [n for n, column in enumerate(table.columns) if column.numeric and not column.key]
 
 
 def _without_rounding(table: Table) -> list[list[Cell]]:
-    """Cells by row and column."""
-    shown = [n for n, column in enumerate(table.columns) if column.numeric and not column.key]
-    cells = [[row[n] for n in shown] for row in table.rows]
+    """Return the cells by row and column, with a bound in place of each number that is rounding."""
+    rows, shown = [list(row) for row in table.rows], _columns_of_numbers(table)
+    if not rows or not shown:
+        return rows
+    sizes = np.array([[max(map(abs, _numbers(row[n])), default=0.0) for n in shown] for row in rows])
     units = [table.columns[n].unit for n in shown]
-    if table.by_row:  # to quantities in columns, and back
-        named = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
-        units = [row[named[0]].text if named else "" for row in table.rows]
-        cells = [list(column) for column in zip(*cells, strict=True)]
-    cells = _bounded(cells, units)
+    if table.by_row:  # then a quantity is a row
+        of_units = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
+        units, sizes = [row[of_units[0]].text if of_units else "" for row in rows], sizes.T
+    scales = np.empty_like(sizes)  # by run and quantity
+    for unit in set(units):
+        alike = np.array([one == unit for one in units])
+        of_a_run = unit != "" and alike.sum() > 1
+        scales[:, alike] = sizes[:, alike].max(axis=1 if of_a_run else 0, keepdims=True)
+    limits = np.maximum(_ROUNDING * scales, _LEAST)
+    rounding = (sizes > 0) & (sizes < limits)
     if table.by_row:
-        cells = [list(column) for column in zip(*cells, strict=True)]
-    rows = [list(row) for row in table.rows]
-    for row, found in zip(rows, cells, strict=False):  # none without numeric columns
-        for n, cell in zip(shown, found, strict=True):
-            row[n] = cell
+        limits, rounding = limits.T, rounding.T
+    for row, n in np.argwhere(rounding):
+        bound = f"< 1e{math.ceil(math.log10(limits[row, n]) - 1e-9)}"  # the power of ten above
+        rows[row][shown[n]] = dataclasses.replace(rows[row][shown[n]], text=bound)
     return rows
 
 
-def _bounded(cells: Sequence[Sequence[Cell]], units: Sequence[str]) -> list[list[Cell]]:
-    """Cells by run and quantity, with a bound in place of each that is rounding."""
-    sizes = [[max(map(abs, _numbers(cell)), default=0.0) for cell in row] for row in cells]
-    largest = [max(column) for column in zip(*sizes, strict=True)]
-    bounded = []
-    for row, own in zip(cells, sizes, strict=True):
-        found = []
-        for n, cell in enumerate(row):
-            alike = [size for size, unit in zip(own, units, strict=True) if unit == units[n]]
-            scale = max(alike) if units[n] and len(alike) > 1 else largest[n]
-            limit = max(_ROUNDING * scale, _LEAST)
-            found.append(dataclasses.replace(cell, text=_bound(limit)) if 0 < own[n] < limit else cell)
-        bounded.append(found)
-    return bounded
-
-
-def _numbers(cell: Cell) -> Numbers:
-    """``0.7`` or ``0.70 ± 0.25``; nothing of any other text."""
+def _numbers(cell: Cell) -> tuple[float, ...]:
+    """A value, ``0.7``, or a mean and its half-width, ``0.70 ± 0.25``; nothing of any other text."""
     try:
         found = tuple(map(float, cell.text.split(" ± ")))
     except ValueError:
         return ()
     return found if all(map(math.isfinite, found)) else ()
-
-
-def _bound(limit: float) -> str:
-    """The power of ten above."""
-    return f"< 1e{math.ceil(math.log10(limit) - 1e-9)}"

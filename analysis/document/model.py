@@ -7,7 +7,7 @@ All texts are plain: a writer escapes what its format needs.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, TypeVar
 
 Tone = Literal["", "lead", "good", "note", "bad"]
@@ -57,6 +57,11 @@ class Column:
     key: bool = False
     meaning: str = ""
 
+    @property
+    def title(self) -> str:
+        """The heading with its unit."""
+        return f"{self.heading} ({self.unit})" if self.unit else self.heading
+
 
 @dataclasses.dataclass(frozen=True)
 class Table:
@@ -77,6 +82,11 @@ class Table:
     captioned: bool = True
     by_row: bool = False
     kind: Literal["table"] = "table"
+
+    def keeping(self, columns: Sequence[int], **changes: Any) -> Table:
+        """The table with only the columns of these numbers; ``changes``: as of ``dataclasses.replace``."""
+        rows = tuple(tuple(row[n] for n in columns) for row in changes.pop("rows", self.rows))
+        return dataclasses.replace(self, columns=tuple(self.columns[n] for n in columns), rows=rows, **changes)
 
 
 @dataclasses.dataclass(frozen=True)

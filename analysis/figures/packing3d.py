@@ -69,7 +69,8 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     axes = figure.subplots()
     pixels = picture.pixels
     if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
-        pixels = pixels[..., :3] * pixels[..., 3:] + (1 - pixels[..., 3:])
+        alpha = pixels[..., 3:]
+        pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
     axes.imshow(np.rint(pixels * 255).astype(np.uint8), extent=(left, right, bottom, top), interpolation="antialiased")
     axes.set_axis_off()
     if _has_outlines(result):

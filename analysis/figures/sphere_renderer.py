@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,13 +216,13 @@ class _Grains:
             rows, columns = np.mgrid[
                 box[0].start : min(box[0].stop, shape[0]), box[1].start : min(box[1].stop, shape[1])
             ]
-            found = self._of_cylinder(grain, rows, columns, pitch)[0]
+            found = self._of_cylinder(int(grain), rows, columns, pitch)[0]
             nearer = found > depth[box]
             front[box][nearer], depth[box][nearer] = grain, found[nearer]
         return front
 
     def surface(
-        self, front: NDArray[np.int32], rows: NDArray[np.int64], columns: NDArray[np.int64], pitch: float
+        self, front: NDArray[np.int32], rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the place towards the viewer and the normal of what is seen in pixels: (n,), m, and (n, 3)."""
         grain = front[rows, columns]
@@ -230,13 +231,13 @@ class _Grains:
             normal[:, axis] = (self.low[axis] + (pixels + 0.5) * pitch - self.seen[grain, axis]) / radius
         normal[:, 2] = np.sqrt(np.clip(1 - normal[:, 0] ** 2 - normal[:, 1] ** 2, 0.0, 1.0))
         depth = (self.seen[grain, 2] + radius * normal[:, 2]).astype(np.float32)
-        for one in np.unique(grain[self.halves.any(axis=1)[grain]]):
+        for one in set(grain.tolist()) & set(np.flatnonzero(self.halves.any(axis=1)).tolist()):
             own = grain == one
             depth[own], normal[own] = self._of_cylinder(one, rows[own], columns[own], pitch)
         return depth, normal
 
     def _of_cylinder(
-        self, grain: int, rows: NDArray[np.int64], columns: NDArray[np.int64], pitch: float
+        self, grain: int, rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         x, y = (self.low[axis] + (pixels + 0.5) * pitch for axis, pixels in enumerate((columns, rows)))
         return surface_of_cylinder(self.seen[grain], self.halves[grain], self.radius[grain], x, y)

@@ -132,17 +132,13 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
     if not means.varies(main):
         return (sentence, *pictures)
     others = [key for _, key in shown[1:] if key != main][: max(_MOST_COLUMNS - 1 - len(means.keys), 1)]
-    crossed = len(means.keys) == 2 and len(means.counts) > _MOST_ROWS and _fills(means)
+    places = math.prod(len(set(key.values)) for key in means.keys)  # of their grid
+    crossed = len(means.keys) == 2 and _MOST_ROWS < len(means.counts) >= places / 2
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
     picture = studied or _main_figure(scan, inputs)
     if picture and picture.wide:
         return sentence, Gallery((picture,)), table
     return sentence, Beside(Gallery((picture,)), table) if picture else table
-
-
-def _fills(means: Means) -> bool:
-    """Return True if points are at half of the places, or more, of the grid of their keys."""
-    return 2 * len(means.counts) >= math.prod(len(set(key.values)) for key in means.keys)
 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:

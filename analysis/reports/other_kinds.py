@@ -62,9 +62,10 @@ _OF_SPECTRA = (
     ("n_modes", "Modes", "", 1.0),
     ("n_floppy", "Floppy modes", "", 1.0),
 )
-_TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
+TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
 _PER_CENT, _ROUNDING = 100.0, 1e-9  # shares below are errors of rounding
-_LABELS = {
+#: Labels of the values of these results.
+LABELS = {
     entry.name: entry.label
     for entry in (*inference.ENTRIES, *spectra.OF_BANDS, *spectra.OF_MODES, *spectra.OF_TRANSMISSION)
 }
@@ -101,16 +102,6 @@ def _span_cell(value: Any, scale: float) -> Cell:
         return Cell(f"< {plain(f'{scale * _ROUNDING:.0e}')}", max(values))
     low, high = (value_cell(one * scale if scale != 1 else one) for one in (min(values), max(values)))
     return low if low.text == high.text else Cell(f"{low.text} to {high.text}", low.value)
-
-
-def label_in(key: str) -> str:
-    """Return the label of a value of these results; empty if it has none."""
-    return _LABELS.get(key, "")
-
-
-def title_of(runs: Sequence[Run]) -> str:
-    """Return the title of the table of results of one kind."""
-    return _TITLES[str(runs[0].summary.get("kind"))]
 
 
 def in_words(run: Run) -> str:

@@ -42,6 +42,8 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     failures, studies = failures_section(inputs), studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
     picture = main_picture(studies, inputs)
+    heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
+    what = text_table("What this report is about", heads, [_input_row(item, inputs) for item in inputs.items])
     sections = (
         _answer(inputs, failures.slug, studies, picture),
         Section("Verdict", "verdict", verdicts(studies)),
@@ -51,7 +53,7 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
         failures,
         results_section(inputs),
         balance_section(inputs),
-        _what_was_run(inputs),
+        Section("Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))),
     )
     return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
 
@@ -104,12 +106,6 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
         text = "Every run finished, its energy balance closed, and no contact left the range of its law."
         notes.append(Note(text, "good"))
     return notes
-
-
-def _what_was_run(inputs: Inputs) -> Section:
-    heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
-    table = text_table("What this report is about", heads, [_input_row(item, inputs) for item in inputs.items])
-    return Section("Settings and versions", "inputs", (table, *settings_blocks(inputs), *_versions(inputs)))
 
 
 def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:

@@ -86,7 +86,7 @@ def compact_table(runs: Sequence[Run]) -> Table:
     Inferences, or small waves of one kind, have their values below each other.
     """
     if not runs[0].has_balance:
-        return other_kinds.table_of(runs, other_kinds.title_of(runs))
+        return other_kinds.table_of(runs, other_kinds.TITLES[str(runs[0].summary.get("kind"))])
     keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
@@ -99,8 +99,7 @@ def compact_table(runs: Sequence[Run]) -> Table:
     if any(run.status != "done" for run in runs):
         return table
     kept = [n for n, column in enumerate(table.columns) if column.heading != _STATUS]
-    rows = tuple(tuple(row[n] for n in kept) for row in table.rows)
-    return dataclasses.replace(table, columns=tuple(table.columns[n] for n in kept), rows=rows)
+    return table.keeping(kept)
 
 
 def value_rows(run: Run) -> Table:
@@ -160,7 +159,10 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     points, keys = scan.points, list(scan.source.varied)
     results = [(point.run.status, point.run.summary) if point.run else (point.result.status, {}) for point in points]
     head = Column("#", numeric=True, key=True)
-    heads = [_number_cell(point, inputs) for point in points]
+    heads = []
+    for one in (point.result for point in points):
+        link = inputs.link(one.directory, str(one.number)) if one.directory else None
+        heads.append(Cell(str(one.number), one.number, link=link))
     settings = _settings(keys, [[_label(point, key) for key in keys] for point in points], _cases(scan))
     shown = _worth_showing([summary for _, summary in results])
     table = _table(f"Scan {scan.label}", head, heads, settings, results, shown)
@@ -204,11 +206,6 @@ def _settings(
         shown = zip(column, unique_labels(column), numbers, strict=True)
         cells.append([value_cell(one) if number or one == text else Cell(text, text) for one, text, number in shown])
     return columns, list(zip(*cells, strict=True)) if cells else [()] * len(values)
-
-
-def _number_cell(point: Point, inputs: Inputs) -> Cell:
-    number, directory = point.result.number, point.result.directory
-    return Cell(str(number), number, link=inputs.link(directory, str(number)) if directory else None)
 
 
 def _table(
@@ -275,7 +272,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        label = (not runs[0].has_balance and other_kinds.label_in(key)) or label_of(key, called)
+        label = (not runs[0].has_balance and other_kinds.LABELS.get(key)) or label_of(key, called)
         row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))

@@ -9,17 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.document.cells import BLANK, named, percent, significant, value_cell
-from granwave.analysis.document.model import (
-    Block,
-    Cell,
-    Column,
-    Figure,
-    Gallery,
-    Group,
-    Note,
-    Section,
-    Table,
-)
+from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Group, Note, Section, Table
 from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import dataclasses
 import hashlib
 import io
 import re
@@ -16,7 +15,7 @@ import jinja2
 import matplotlib as mpl
 from markupsafe import Markup, escape
 
-from granwave.analysis.document.model import Column, Figure, Report, Table
+from granwave.analysis.document.model import Figure, Report, Table
 from granwave.lammps_inputs.errors import InputError
 
 Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
@@ -41,18 +40,13 @@ def template(name: str, *, escapes: bool, filters: Filters) -> jinja2.Template:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters.update({"heading": _heading, **filters})
+    environment.filters.update(filters)
     return environment.get_template(name)
 
 
 def text_of(name: str) -> str:
     """Return the text of a file of the folder."""
     return (_FOLDER / name).read_text(encoding="utf-8")
-
-
-def _heading(column: Column) -> str:
-    """Return the heading of a column with its unit."""
-    return f"{column.heading} ({column.unit})" if column.unit else column.heading
 
 
 _ACROSS = 12  # most columns of a table on a page of paper
@@ -68,16 +62,8 @@ def html_page(report: Report, *, paper: bool = False) -> str:
         True for the page that the PDF prints: unfolded, without script, policy and links to files.
     """
     css, script = text_of("report.css") + text_of("print.css"), text_of("report.js")
-    policy = "; ".join(
-        [
-            "default-src 'none'",
-            "img-src data:",
-            f"style-src '{_hash(css)}'",
-            f"script-src '{_hash(script)}'",
-            "base-uri 'none'",
-            "form-action 'none'",
-        ]
-    )
+    own = f"style-src '{_hash(css)}'; script-src '{_hash(script)}'"
+    policy = f"default-src 'none'; img-src data:; {own}; base-uri 'none'; form-action 'none'"
     titles = {section.slug: section.title for section in report.sections}
     filters: Filters = {"data_uri": data_uri, "breakable": breakable, "parts": parts}
     form = template("report.html.j2", escapes=True, filters=filters)
@@ -109,15 +95,8 @@ def parts(table: Table) -> list[Table]:
     found = []
     for part in range(number):
         kept = [*keys, *others[part * len(others) // number : (part + 1) * len(others) // number]]
-        found.append(
-            dataclasses.replace(
-                table,
-                caption=f"{table.caption}, part {part + 1} of {number}",
-                columns=tuple(table.columns[n] for n in kept),
-                rows=tuple(tuple(row[n] for n in kept) for row in table.rows),
-                captioned=True,
-            )
-        )
+        caption = f"{table.caption}, part {part + 1} of {number}"
+        found.append(table.keeping(kept, caption=caption, captioned=True))
     return found
 
 
@@ -148,19 +127,14 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
         pictures[name] = figure.png
         return f"{quote(folder)}/{name}"
 
-    anchors = {
-        section.slug: section.title.lower().replace(" ", "-") for section in report.sections
-    }  # as GitHub has them
     titles = {section.slug: section.title for section in report.sections}
-    filters: Filters = {"escaped": _escape, "paragraph": _paragraph, "file": file}
-    text = template("report.md.j2", escapes=False, filters=filters).render(
-        report=report, titles=titles, anchors=anchors
-    )
+    anchors = {slug: title.lower().replace(" ", "-") for slug, title in titles.items()}  # as GitHub has them
+    filters: Filters = {
+        "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
+    }  # fmt: skip
+    form = template("report.md.j2", escapes=False, filters=filters)
+    text = form.render(report=report, titles=titles, anchors=anchors)
     return _BLANK_LINES.sub("\n\n", text).strip() + "\n", pictures
-
-
-def _paragraph(text: str) -> str:
-    return _LINE_START.sub(r"\1\\\2", _escape(text))
 
 
 def _escape(text: str) -> str:
@@ -200,29 +174,18 @@ def pdf_file(report: Report) -> bytes:
                 return plutoprint.default_resource_fetcher.fetch_url(url)
             name = url.removeprefix(_ADDRESS)
             if name not in _FONTS.values():
-                raise _refuse(url)
-            return plutoprint.ResourceData((_font_folder() / name).read_bytes(), "font/ttf")
+                raise ValueError(f"{url}: not of this page")
+            return plutoprint.ResourceData((Path(mpl.get_data_path(), "fonts", "ttf", name)).read_bytes(), "font/ttf")
 
     book = plutoprint.Book(plutoprint.PAGE_SIZE_A4.landscape(), media=plutoprint.MEDIA_TYPE_PRINT)
     book.custom_resource_fetcher = OwnFiles()
     book.load_html(html_page(report, paper=True), user_style=_font_faces(), base_url=_ADDRESS)
-    for key, value in (
-        (plutoprint.PDF_METADATA_TITLE, report.title),
-        (plutoprint.PDF_METADATA_AUTHOR, "granwave"),
-        (plutoprint.PDF_METADATA_CREATION_DATE, "2000-01-01T00:00:00Z"),
-    ):
-        book.set_metadata(key, value)
+    book.set_metadata(plutoprint.PDF_METADATA_TITLE, report.title)
+    book.set_metadata(plutoprint.PDF_METADATA_AUTHOR, "granwave")
+    book.set_metadata(plutoprint.PDF_METADATA_CREATION_DATE, "2000-01-01T00:00:00Z")
     stream = io.BytesIO()
     book.write_to_pdf_stream(stream)
     return stream.getvalue().rstrip() + b"\n" + _MARK
-
-
-def _refuse(url: str) -> ValueError:
-    return ValueError(f"{url}: not of this page")
-
-
-def _font_folder() -> Path:
-    return Path(mpl.get_data_path()) / "fonts" / "ttf"
 
 
 def _font_faces() -> str:
