@@ -13,6 +13,7 @@ from __future__ import annotations
 import dataclasses
 import glob
 import json
+import os
 import re
 import tomllib
 from collections.abc import Iterator
@@ -144,6 +145,11 @@ def files_of(directory: Path, name: str) -> list[str]:
 def is_scan(directory: str | Path) -> bool:
     """Return True for the directory of a scan."""
     return (Path(directory) / SCAN_INDEX).is_file()
+
+
+def is_design(directory: str | Path) -> bool:
+    """Return True for the directory of a search for a design; False where it cannot be looked into."""
+    return os.access(Path(directory) / DESIGN_OUTCOME, os.R_OK)
 
 
 _VERSION = "0.1.0"

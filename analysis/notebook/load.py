@@ -26,6 +26,7 @@ from granwave.lammps_inputs.run_directory import (
     MADE_MEASUREMENT,
     SPECTRA_KINDS,
     SUITE_INDEX,
+    is_design,
     is_scan,
 )
 
@@ -301,7 +302,7 @@ def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Designs | D
     if (path / SUITE_INDEX).is_file():
         scans = ", ".join(str(place) for place in sorted(path.iterdir()) if is_scan(place))
         raise InputError(f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}")
-    if (path / DESIGN_OUTCOME).is_file():
+    if is_design(path):
         return Designs(path)
     if any((path / f"{kind}.json").is_file() for kind in SPECTRA_KINDS):
         from granwave.analysis.notebook.datasets import load_spectra

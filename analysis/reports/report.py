@@ -21,7 +21,7 @@ from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
-from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME
+from granwave.lammps_inputs.run_directory import is_design
 
 SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
@@ -67,7 +67,7 @@ def write_report(
     """
     output = output_path(output)
     errors = _errors_in(output)
-    if len(directories) == 1 and (Path(directories[0]) / DESIGN_OUTCOME).is_file() and not errors:
+    if len(directories) == 1 and is_design(directories[0]) and not errors:
         return _written(design_report(Path(directories[0])), output)
     named, faults = find_studies(studies, Path())
     errors += [f"--study: {fault}" for fault in faults]
