@@ -39,6 +39,12 @@ def state(lmp, *names) -> dict[str, np.ndarray]:
     return {name: lmp.numpy.extract_atom(name)[:n][order].copy() for name in names}
 
 
+def same(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
+    """Assert that all arrays have the same bits."""
+    for name, values in one.items():
+        assert np.array_equal(values, other[name]), name
+
+
 def oblique(lammps, tangential, normal=1.0, spins=(), steps=8000, radii=(R, R), density=8500.0, **options):
     """Two spheres in contact along z; the first has the velocity (tangential, 0, normal), the second is at rest."""
     lmp = lammps(

