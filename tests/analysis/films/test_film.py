@@ -36,7 +36,7 @@ def packing(tmp_path_factory):
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory):
     directory = tmp_path_factory.mktemp("chain")
-    case = case_of(6, load=PULSE, run={"end_time": 8e-5, "frames": 3}, output={"history": 12})
+    case = case_of(6, load=PULSE, run={"end_time": 8e-5, "frames": 3}, output={"history": 8})
     run_case(case, directory, figures=False)
     return directory
 
@@ -57,7 +57,7 @@ def test_mp4(chain, tmp_path):
     path = write_film(chain, tmp_path / "a.mp4", width=300, rate=10)
     about = next(imageio_ffmpeg.read_frames(str(path)))
     assert about["size"][0] == 300 and about["fps"] == 10 and about["codec"] == "h264"
-    assert about["duration"] == pytest.approx(12 / 10 + 1.5, abs=0.25)  # the last picture stays
+    assert about["duration"] == pytest.approx(8 / 10 + 1.5, abs=0.25)  # the last picture stays
     assert write_film(chain, path, width=300) == path  # its own file is replaced
 
 
