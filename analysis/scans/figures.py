@@ -112,7 +112,7 @@ def _scales(varied: Sequence[str], done: Sequence[PointResult]) -> tuple[dict[in
 
 def _number(point: PointResult, name: str) -> float:
     value = point.summary.get(name)
-    return float(value) if is_number(value) else math.nan
+    return float(value) if value is not None and is_number(value) else math.nan
 
 
 def value_of(name: str) -> Value:
