@@ -196,6 +196,8 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
         (case.bar and case.boundary.bottom != "free", "boundary.bottom",
          f'found {show(case.boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
         (case.incident_bar and case.striker, "striker", "found beside [incident_bar]; take one of them out"),
+    )  # fmt: skip
+    errors.check(
         (case.incident_bar and case.load.kind != "force", "load.kind",
          f"found {show(case.load.kind)}, expected a force: it acts on the free end of the incident_bar"),
     )  # fmt: skip

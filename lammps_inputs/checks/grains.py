@@ -17,7 +17,7 @@ from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
-from granwave.lammps_inputs.packing.places import Places, layout_of
+from granwave.lammps_inputs.packing.places import layout_of, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
@@ -55,7 +55,8 @@ def check_places(case: Case, errors: ErrorList) -> None:
     packing, grains, stage = case.packing, case.packing.grains, case.precompression
     if grains is None:
         return
-    if case.boundary.sides == "periodic":
+    periodic = "boundary" in vars(case) and case.boundary.sides == "periodic"  # a wrong boundary hides no overlaps
+    if periodic:
         before, least = len(errors.lines), _LEAST_PERIOD * float(grains.diameter.max())
         errors.check(
             (packing.period is None, "packing.period",
@@ -67,8 +68,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         )  # fmt: skip
         if len(errors.lines) > before:
             return
-    places = layout_of(case.packing, case.boundary)
-    assert isinstance(places, Places)
+    places = places_of(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
     if at_ends:
         text = (

@@ -48,6 +48,8 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
          "floor that would hold the spheres in their corner; take one of them out"),
         *(((entry.diameter or 0.0) > packing.diameter, f"{key}.diameter", f"found {entry.diameter or 0.0:g} {found}")
           for key, entry in replaced.items()),
+    )  # fmt: skip
+    errors.check(
         (case.boundary.sides == "periodic", "boundary.sides",
          'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'),
     )  # fmt: skip
