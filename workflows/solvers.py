@@ -111,8 +111,8 @@ def _check_mesh(
     raise_all(checks)
 
 
-def _continuum_kind(package: str, case: str, planning: str, run: str) -> Kind:
-    """Make a kind whose modules are imported on demand, from the names of its class, a module and its function."""
+def _continuum_kind(package: str, case: str, run: str) -> Kind:
+    """Make a kind whose modules are imported on demand, from the names of its class and its function."""
 
     def part(module: str, name: str) -> Any:
         return getattr(importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name)
@@ -123,7 +123,7 @@ def _continuum_kind(package: str, case: str, planning: str, run: str) -> Kind:
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         size=lambda found: found.run.elements,
-        cost=lambda found, *_: part(planning, "plan")(found),
+        cost=lambda found, *_: part("mesh", "plan")(found),
         check=_check_mesh,
         run=lambda *given, **how: part("run", run)(*given, **how),
     )
@@ -144,5 +144,5 @@ GRANULAR = Kind(
     run=_by_the_driver,
     parallel=True,
 )
-CONTINUUM = _continuum_kind("punch", "ContinuumCase", "mesh", "run_continuum")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "study", "run_sphere_contact")
+CONTINUUM = _continuum_kind("punch", "ContinuumCase", "run_continuum")
+SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "run_sphere_contact")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, solver
-from granwave.workflows.finite_elements.sphere_contact import study as study_module
+from granwave.workflows.finite_elements.sphere_contact import mesh as mesh_module
 from granwave.workflows.finite_elements.sphere_contact.run import ContactRun
 
 pytestmark = [pytest.mark.validation, pytest.mark.xdist_group("sphere_contact")]
@@ -44,8 +44,8 @@ def test_resolved_spheres() -> None:
 def test_elements_of_the_source(monkeypatch: pytest.MonkeyPatch, penalty: float, lowest: float, highest: float) -> None:
     """Penalty over the stiffness of an element; ours is 20."""
     monkeypatch.setattr(solver, "PENALTY", float(penalty))
-    monkeypatch.setattr(study_module, "core_size", lambda _: 4 * ELEMENT)
-    monkeypatch.setattr(study_module, "squares", lambda _: 4)
+    monkeypatch.setattr(mesh_module, "core_size", lambda _: 4 * ELEMENT)
+    monkeypatch.setattr(mesh_module, "squares", lambda _: 4)
     found = exponents(SphereContactCase.from_dict(CASE))
     assert lowest < min(found) and max(found) < highest
     assert max(found) - min(found) > 0.01, "the range of the fit matters as well"

@@ -21,9 +21,8 @@ from granwave.workflows.finite_elements.sphere_contact import SphereContactCase,
 from granwave.workflows.finite_elements.sphere_contact import run as run_module
 from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading, worst
 from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES
-from granwave.workflows.finite_elements.sphere_contact.mesh import half_sphere
+from granwave.workflows.finite_elements.sphere_contact.mesh import core_size, half_sphere
 from granwave.workflows.finite_elements.sphere_contact.run import ContactRun, run_sphere_contact
-from granwave.workflows.finite_elements.sphere_contact.study import core_size, peaks
 
 pytestmark = pytest.mark.xdist_group("sphere_contact")  # its fixtures are made once
 
@@ -293,9 +292,9 @@ def calculix_deck(mesh, displacement):
 
 def test_peaks_cover_small_overlaps():
     case = case_of(unloadings=5)
-    found = peaks(case) / case.law.yield_overlap
+    found = case.peaks / case.law.yield_overlap
     assert found[0] == pytest.approx(4) and found[-1] == pytest.approx(case.max_overlap / case.law.yield_overlap)
-    assert len(peaks(case_of(unloadings=0))) == 0
+    assert len(case_of(unloadings=0).peaks) == 0
 
 
 @pytest.mark.parametrize(

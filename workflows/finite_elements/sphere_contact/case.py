@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, read_table
@@ -15,6 +18,9 @@ from granwave.workflows.finite_elements.frame import ElementCase
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
+
+_FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
+_ELASTIC_UNIT = 1 / 400  # unit in place of alpha_y, if that is not reached, over the largest overlap
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -103,6 +109,19 @@ class SphereContactCase(ElementCase):
     def max_overlap(self) -> float:
         """Largest overlap, m."""
         return self.run.max_overlap * self.law.effective_radius
+
+    @property
+    def yield_unit(self) -> float:
+        """Yield overlap alpha_y, m, or a fraction of the largest overlap if that does not reach it."""
+        unit = self.law.yield_overlap
+        return unit if unit < self.max_overlap else self.max_overlap * _ELASTIC_UNIT
+
+    @property
+    def peaks(self) -> NDArray[np.float64]:
+        """Overlaps at which to unload, m: evenly spaced in their logarithm up to the largest overlap."""
+        number, largest = self.run.unloadings, self.max_overlap
+        first = min(_FIRST_PEAK * self.yield_unit, 0.5 * largest)
+        return np.geomspace(first, largest, number) if number > 1 else np.full(number, largest)
 
     @property
     def elements(self) -> int:

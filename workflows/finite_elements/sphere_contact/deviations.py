@@ -10,8 +10,8 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
-from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, yield_unit
 
+LOADING, UNLOADING, RELOADING = range(3)  # branches of a history
 RESOLVED = 0.3  # overlap over alpha_y below which the contact has too few elements for a comparison
 #: ranges of the overlap over alpha_y, by name
 RANGES = {"elastic": (RESOLVED, 1.0), "1_to_10": (1.0, 10.0), "10_to_50": (10.0, 50.0), "50_to_178": (50.0, 177.6),
@@ -55,7 +55,7 @@ def compare_loading(case: SphereContactCase, history: pd.DataFrame) -> pd.DataFr
 def worst(case: SphereContactCase, loading: pd.DataFrame) -> dict[str, float]:
     """Return the largest and root mean square deviations, per cent, over all resolved overlaps and by range."""
     found: dict[str, float] = {}
-    scaled = (loading["overlap"] / yield_unit(case)).to_numpy()
+    scaled = (loading["overlap"] / case.yield_unit).to_numpy()
     for name in COMPARED:
         for label, (low, high) in {"": (RESOLVED, math.inf), **RANGES}.items():
             part = loading[f"{name}_deviation"].to_numpy()[(scaled >= low) & (scaled < high)]

@@ -19,8 +19,7 @@ from granwave.analysis.figures.series import one_panel, panels
 from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, Drawing
 from granwave.workflows.finite_elements.runner import ElementResult
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
-from granwave.workflows.finite_elements.sphere_contact.deviations import RESOLVED
-from granwave.workflows.finite_elements.sphere_contact.study import LOADING, RELOADING, UNLOADING, yield_unit
+from granwave.workflows.finite_elements.sphere_contact.deviations import LOADING, RELOADING, RESOLVED, UNLOADING
 
 Array = NDArray[np.float64]
 
@@ -41,7 +40,7 @@ class SphereContactResult(ElementResult):
     @property
     def units(self) -> tuple[float, float]:
         """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in its place."""
-        unit = yield_unit(self.case)
+        unit = self.case.yield_unit
         return unit, float(self.hertz(np.array([unit]))[0])
 
     @property

@@ -1,4 +1,4 @@
-"""Mesh of a half-sphere: squares at the contact point, surrounded by rings that grow with distance.
+"""Mesh of a half-sphere, squares at the contact point surrounded by rings that grow with distance, and a run's cost.
 
 A block of ``n`` by ``n`` equal squares covers the initial contact. Around it lie rings of ``2 n`` elements, each ring
 thicker by the same factor, so that elements stay about square and the contact radius is resolved by the same number of
@@ -21,9 +21,23 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.planning.schedule import MOST_STEPS
+from granwave.workflows.finite_elements.frame import ElementPlan
+from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+STEPS_PER_E_FOLD, STEPS_PER_UNLOADING = 600, 300  # times n, at speed 1
+SMOOTHING, DAMPING, MEMORY = 40, 0.1, 20  # times n, over n, times n
+_CORE = 3.0  # size of the mesh's finest part over the contact radius at first yield
+START = 0.3  # overlap over alpha_y below which the loading rate is about constant
+_ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
+_BEGINNING = 2.0  # s, set-up, results and figures
+_TURNS = 5.2  # steps of the changes of rate in a cycle over `SMOOTHING`
+_DISK_PER_ELEMENT = 100.0  # bytes
+_DISK_BASE = 4e6  # bytes, history and figures
 _QUARTER = math.pi / 2
 _CLOSING = (1 - _QUARTER) / _QUARTER**2  # k above
 _ROUNDING = math.log(4.0)  # rings turn from squares to circles within a factor of 4 of the distance
@@ -90,10 +104,16 @@ def half_sphere(radius: float, core: float, n: int) -> HalfSphere:
     )
 
 
-def squares_for(elements: int, radii: tuple[float, ...], core: float) -> int:
-    """Return ``n`` for about ``elements`` elements in half-spheres of these radii (m), at least 4."""
-    n = 4
-    while sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii) <= elements:
+def core_size(case: SphereContactCase) -> float:
+    """Return the size of the finest part of the mesh, m."""
+    radius = math.sqrt(case.law.effective_radius * min(case.yield_unit, case.max_overlap / 4))
+    return min(_CORE * radius, 0.2 * min(case.radii))
+
+
+def squares(case: SphereContactCase) -> int:
+    """Return the ``n`` of the mesh, at least 4."""
+    radii, core, n = case.radii[:1] if case.identical else case.radii, core_size(case), 4
+    while sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii) <= case.run.elements:
         n += 1
     return n
 
@@ -128,3 +148,23 @@ def _rings(radius: float, core: float, n: int) -> Array:
     rings = np.interp(np.arange(number + 1) * count[-1] / number, count, distance)
     rings[0], rings[-1] = core, _QUARTER * radius
     return rings
+
+
+def plan(case: SphereContactCase) -> ElementPlan:
+    """Plan the run of a case; raise InputError if it has too many steps."""
+    n, start = squares(case), START * case.yield_unit
+    loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
+    cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING
+    n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)
+    if not n_steps <= MOST_STEPS:
+        raise InputError(
+            f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, expected at most "
+            f"{MOST_STEPS:g}; make it faster"
+        )
+    return ElementPlan(
+        name=case.name,
+        n_elements=case.run.elements,
+        memory=case.memory,
+        disk=_DISK_BASE + _DISK_PER_ELEMENT * case.run.elements,
+        wall_time=_BEGINNING + n_steps * case.run.elements / _ELEMENT_STEPS_PER_SECOND,
+    )

@@ -13,7 +13,7 @@ The contact is a penalty on the gap at two points of each surface segment of bot
 stiffness of an element; mass added to the surface nodes keeps it stable. The remaining penetration is reported.
 
 The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
-between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.study`.
+between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.run`.
 """
 
 from __future__ import annotations
