@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from granwave.analysis.result.writer import write_result
     from granwave.analysis.scans.result import ScanResult
     from granwave.analysis.scans.table import read_scan
-    from granwave.analysis.summary import summarise, velocity_normalised
+    from granwave.analysis.summary import summarise
+    from granwave.lammps_inputs.contact.law import velocity_normalised
 
 _HOME = {
     "MissingOutputError": "errors",

@@ -22,6 +22,7 @@ from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import velocity_normalised
 from granwave.lammps_inputs.directories import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim
@@ -239,26 +240,6 @@ def _normalised(result: Result) -> Summary:
         else None,
         "energy_input_normalised": result.energy_input / (law.yield_force * law.yield_overlap),
     }
-
-
-def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
-    """Impact velocity in units that make materials collapse on one curve.
-
-    ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
-
-    Parameters
-    ----------
-    velocity
-        m/s.
-    modulus
-        E* of two spheres, Pa.
-    density
-        kg/m^3.
-    yield_strength
-        Pa.
-    """
-    scale = 2 / math.sqrt(3) * (2 / (1.6 * math.pi)) ** 2
-    return scale * modulus**2 * math.sqrt(density) * yield_strength**-2.5 * velocity
 
 
 def _walls(result: Result) -> Summary:

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
+_MOST_COUNTED = 12  # layers of which contacts are counted one by one
 _REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
@@ -296,6 +297,11 @@ class Lattice:
     @cached_property
     def n_contacts(self) -> int:
         """Number of touching pairs, counted without listing them."""
+        period = self.rule.layer_period
+        if self.n_layers > _MOST_COUNTED + 2 * period:  # each further period of layers adds as many
+            few = _MOST_COUNTED + (self.n_layers - _MOST_COUNTED) % period
+            first, second = (self._with_layers(few + n * period).n_contacts for n in range(2))
+            return first + (second - first) * ((self.n_layers - few) // period)
         _, ny, nz = self.shape
         total = 0
         for k0, j0, offsets in self._places():
@@ -308,6 +314,10 @@ class Lattice:
                     across = int(np.count_nonzero((j + dj >= 0) & (j + dj < ny)))
                 total += int(across * along.sum())
         return total // 2
+
+    def _with_layers(self, count: int) -> Lattice:
+        """Return the same packing with so many layers, numbered from the top."""
+        return dataclasses.replace(self, size=(*self.size[:-1], count))
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""

@@ -11,9 +11,8 @@ import math
 import shlex
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.summary import velocity_normalised
 from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
-from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.law import sphere_contact, velocity_normalised
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
