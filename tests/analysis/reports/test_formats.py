@@ -159,12 +159,27 @@ def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
     secret = tmp_path / "secret.png"
     secret.write_bytes(Path(__file__).with_name("test_formats.py").read_bytes())
     form = '<body><img src="{}"><p>text</p></body>'
-    asked = []
-    monkeypatch.setattr(pdf_writer, "_refuse", lambda url: asked.append(url) or ValueError(url))
+    plutoprint = pytest.importorskip("plutoprint")
+    refused = []
+
+    class Watched(plutoprint.ResourceFetcher):
+        def __init_subclass__(cls):
+            fetch = cls.fetch_url
+
+            def watched(self, url):
+                try:
+                    return fetch(self, url)
+                except ValueError:
+                    refused.append(url)
+                    raise
+
+            cls.fetch_url = watched
+
+    monkeypatch.setattr(plutoprint, "ResourceFetcher", Watched)
     for address in (secret.as_uri(), "http://127.0.0.1:9/picture.png", "secret.png"):
         monkeypatch.setattr(pdf_writer, "html_page", lambda report, paper, url=address: form.format(url))
         assert pdf_writer.pdf_file(Report("R", "", ())).startswith(b"%PDF")
-    assert len(asked) == 3
+    assert len(refused) == 3
 
 
 def test_pdf_without_its_library(runs, tmp_path, monkeypatch):

@@ -24,6 +24,7 @@ from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
 pytest.importorskip("sklearn")
+pytestmark = pytest.mark.xdist_group("design")  # its results are shared
 
 CHAIN = """
 name = "chain"
