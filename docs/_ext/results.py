@@ -254,7 +254,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in options.suites or (SUITES if options.no_run else old):
         if not options.no_run and not run(SUITES[name], options.runs.resolve()):
             failed.append(name)
-        if found := collect(SUITES[name], options.runs.resolve()):
+        found = collect(SUITES[name], options.runs.resolve())
+        before = stored["suites"].get(name, {}).get("studies", {})
+        if found and options.no_run and (lost := sorted(before.keys() - found["studies"].keys())):
+            print(f"{name}: {', '.join(lost)} would lose rows, as their files are elsewhere; the stored ones stay")
+            failed.append(name)
+        elif found:
             stored["suites"][name] = found
         else:
             print(f"{name}: no runs in {options.runs}; the stored rows stay")
