@@ -91,7 +91,7 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
         unit = unit_of_value(name)
-        spread = f" ({show(ends[0])} to {show(ends[1])} in {len(ends)} runs)" if ends else ""
+        spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
         values.append(f"{label_of(name).lower()} {quantity_in(value, unit) if unit else show(value)}{spread}")
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times less than without the packing" if reduction else ""

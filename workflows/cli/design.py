@@ -18,7 +18,7 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, SCAN_REPORT
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.design.design_file import load_problem
-from granwave.workflows.design.driver import REFUSED, examined, first_design, run_design
+from granwave.workflows.design.driver import REFUSED, first_design, new_design, run_design
 from granwave.workflows.design.points import default_jobs
 from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import random_designs
@@ -70,7 +70,7 @@ def plan_of_design(path: Path, options: argparse.Namespace) -> int:
 def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
     """Return the values of a planned search; units are part of the names."""
     designs = [
-        examined(problem, n, values)
+        new_design(problem, n, values)
         for n, values in zip(range(_DRAWN), random_designs(problem.space, problem.search.seed), strict=False)
     ]
     fit = [one for one in designs if one.state != REFUSED]

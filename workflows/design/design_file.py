@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import logging
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,8 @@ _LOG = logging.getLogger("granwave")
 
 LAYERS = "layers"  # of [variables]: materials and diameters of each layer or bead
 _ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
+#: Keys by which a packing may become random.
+_RANDOM = ("packing.diameter_scatter", "packing.vacancies", "striker.misalignment", "replace.share")
 _OF_TARGET = ("target_*", "wall_peak_force_N", "wall_impulse_Ns", "ground_*", "peak_reduction*", "unprotected_*")
 
 
@@ -79,7 +81,8 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     limits = _limits(tables["limits"], errors)
     objectives = _objectives(objective, base, errors)
     statistic, ranges, replicates = _uncertainty(tables["uncertainty"], errors)
-    twice = [one.key for one in variables if one.key in ranges or one.key in fixed]
+    keys = [one.key for one in variables]
+    twice = dict.fromkeys(key for key in keys if key in ranges or key in fixed or keys.count(key) > 1)
     errors.check(*((True, f"variables.{key}", "is given twice, expected it in one table alone") for key in twice))
     if errors.lines or header is None or search is None:
         raise InputError(errors.lines)
@@ -122,9 +125,12 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
         return []
     keys = dict(tables)
     layers = keys.pop(LAYERS, None)
-    found = read_variables(_dotted(keys), "variables", errors)
+    written = list(_dotted(keys))
+    found = read_variables(dict(written), "variables", errors)
+    for key in dict.fromkeys(key for key, _ in written if [one for one, _ in written].count(key) > 1):
+        errors.add(f"variables.{key}", "is given twice")
     if layers is not None and base:
-        found += _layers(layers, base, errors)
+        found += _layers(layers, base, [one.key for one in found], errors)
     names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
     for one in found:
         generic = _generic(one.key)
@@ -137,27 +143,43 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
+            else:
+                _warn_of_refused(one, base, errors)
     return found
 
 
-def _dotted(tables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return variables by dotted key, whether their keys were written with quotes or as nested tables."""
-    found: dict[str, Any] = {}
+def _warn_of_refused(variable: Variable, base: Mapping[str, Any], errors: ErrorList) -> None:
+    """Log a warning of each word, or end of a range, that alone makes the base wrong."""
+    tried = variable.choices if not variable.ordered else dict.fromkeys(variable.value(end) for end in (0.0, 1.0))
+    for value in tried:
+        try:
+            GRANULAR.read(with_values(base, {variable.key: value}), errors.source)
+        except InputError as error:
+            fault = error.errors[0].removeprefix(f"{errors.source}: ")
+            _LOG.warning("%s: variables.%s: %s alone is refused: %s", errors.source, variable.key, show(value), fault)
+
+
+def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Give variables by dotted key, whether their keys were written with quotes or as nested tables."""
     for key, value in tables.items():
-        nested = isinstance(value, Mapping) and value and not {"low", "high"} & set(value)
-        found |= _dotted(value, f"{prefix}{key}.") if nested else {f"{prefix}{key}": value}
-    return found
+        if isinstance(value, Mapping) and value and not {"low", "high"} & set(value):
+            yield from _dotted(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
 
 
 def _generic(key: str) -> str:
     """Return a key without places in lists."""
-    return ".".join(part for part in key.split(".") if not part.isdigit())
+    return ".".join(part for part in key.split(".") if not part.isdecimal())
 
 
-def _layers(value: Any, base: Mapping[str, Any], errors: ErrorList) -> list[Variable]:
+def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors: ErrorList) -> list[Variable]:
     """Return the variables of each bead of a chain: its material, and its diameter over that of the packing."""
     expected = '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (over packing.diameter), or both'
     packing = base.get("packing", {})
+    if {"packing.size", "packing.diameter"} & set(others):
+        errors.add("variables.layers", "found beside packing.size or packing.diameter, expected these in the base")
+        return []
     if not isinstance(value, Mapping) or not value or set(value) - {"materials", "diameters"}:
         errors.add("variables.layers", f"found {show(value)}, expected {expected}")
         return []
@@ -252,6 +274,8 @@ def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, 
             errors.add(
                 f"uncertainty.{key}", f"is no key of a case{did_you_mean(name, known)}; granwave keys lists them"
             )
+        elif name in ranges:
+            errors.add(f"uncertainty.{key}", "is given twice")
         ranges[name] = (low, high)
     return (own.statistic, ranges, own.replicates) if own else ("mean", ranges, 1)
 
@@ -260,7 +284,13 @@ def _samples(problem: Problem, ranges: Mapping[str, tuple[float, float]], replic
     """Give the changes of the case for each run of a design: evenly spread over the ranges, and the seeds."""
     varied = [key for key, (low, high) in ranges.items() if high > low]
     middle = {key: (low + high) / 2 for key, (low, high) in ranges.items()}
-    random = is_random(problem.case(apply_overrides(problem.base, middle)))
+    try:
+        random = is_random(problem.case(with_values(problem.base, middle)))
+    except InputError as error:
+        raise InputError(
+            f"{problem.path}: uncertainty: {fault.removeprefix(f'{problem.path}: ')}" for fault in error.errors
+        ) from None
+    random = random or any(_generic(one.key) in _RANDOM for one in problem.space.variables)
     if not random and not varied:
         _LOG.warning("%s: uncertainty: nothing is random in these packings, so that each is run once", problem.path)
         replicates = 1

@@ -12,7 +12,8 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.directories import check_directory, results_directory
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
@@ -28,7 +29,7 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.workflows.design import guards
 from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.problem import Problem, known_before
+from granwave.workflows.design.problem import Problem, examined
 from granwave.workflows.design.search import n_first, ordered
 from granwave.workflows.design.study import COMPLETE, FAILED, PRUNED, REFUSED, RUNNING, Design, Study, read_study
 from granwave.workflows.run.directory import held
@@ -38,6 +39,7 @@ logger = logging.getLogger(__name__)
 
 MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 _ASKED = 10  # designs that are refused until the model is made anew
+_MOST_STOPPED = 3  # times that a run may be stopped by somebody else
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
 _LOST = {"worst": 1.2}  # times the best: a design whose runs so far are beyond it is not run further ...
 _LOST_IN_THE_MEAN = 1.5  # ... where the mean or a quantile counts
@@ -137,7 +139,7 @@ def first_design(study: Study) -> None:
     faults: dict[str, int] = {}
     trial = Study(study.problem, study.directory, list(study.designs))
     for n, values in zip(range(MOST_REFUSED), ordered(*_asked(trial), guided=False), strict=False):
-        design = examined(study.problem, len(trial.designs) + n + 1, values)
+        design = new_design(study.problem, len(trial.designs) + n + 1, values)
         if design.state != REFUSED:
             return
         if design.margins:
@@ -160,23 +162,14 @@ def _asked(study: Study) -> tuple[Any, Any, int]:
     return study.problem.space, study.known(), study.problem.search.seed
 
 
-def examined(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
+def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
     """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
-    design = Design(number, dict(values))
-    try:
-        case = problem.case(problem.tables_of(design.values, problem.samples[0]))
-        design.known = known_before(case)
-    except InputError as error:
-        design.state, design.reason = REFUSED, "; ".join(error.errors)
-        return design
-    faults = []
-    for limit in problem.limits:
-        if limit.name in design.known:
-            design.margins[limit.name] = limit.margin(design.known[limit.name])
-            faults.append(limit.fault(design.known[limit.name]))
-    if any(faults):
-        design.state, design.reason = REFUSED, "; ".join(filter(None, faults))
-    return design
+    known, margins, fault = examined(problem, dict(values))
+    return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 class _Search:
@@ -192,6 +185,8 @@ class _Search:
         """Search, check the best design, and write the results."""
         load()
         for design in self.study.designs:
+            if design.state in (COMPLETE, PRUNED):
+                self._run_again_if_lost(design)
             if design.state == RUNNING:
                 self._queue(design)
         with contextlib.closing(self._bar()) as self.bar:
@@ -220,6 +215,12 @@ class _Search:
     def _queue(self, design: Design) -> None:
         there = names(design.number, self.problem.samples)
         self.queue.extend((design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {}))
+
+    def _run_again_if_lost(self, design: Design) -> None:
+        places = [self.directory / POINTS / name for name in design.runs]
+        if not all(read_summary(place) for place in places):
+            logger.warning("%s: runs of design %d are gone; it is run again", self.problem.name, design.number)
+            design.state, design.reason, design.runs, design.objectives = RUNNING, "", {}, {}
 
     def _fill(self) -> bool:
         """Start runs until all jobs are busy; return True while any is."""
@@ -253,13 +254,16 @@ class _Search:
         while len(study.designs) < before + MOST_REFUSED:
             first = len(study.designs)
             for values in itertools.islice(ordered(*_asked(study), guided=guided), _ASKED):
-                design = examined(problem, len(study.designs) + 1, values)
+                design = new_design(problem, len(study.designs) + 1, values)
                 study.designs.append(design)
                 if design.state != REFUSED:
                     self._queue(design)
                     return True
             if len(study.designs) == first:
                 break
+        else:
+            text = "%s: ends after %d designs: %d more, one after the other, are beyond the limits, or are no packings"
+            logger.warning(text, problem.name, study.n_evaluated, MOST_REFUSED)
         self.exhausted = True
         return False
 
@@ -269,8 +273,13 @@ class _Search:
         for ended in finished:
             design, n = self.at_work.pop(ended.name)
             design.seconds += ended.seconds
-            if ended.interrupted:
-                continue  # by a signal; it goes on with the next start
+            if ended.interrupted:  # by a signal: it goes on with the next start, or at once if it came from elsewhere
+                design.runs[ended.name]["stopped"] = stopped = design.runs[ended.name].get("stopped", 0) + 1
+                if not self.stop.count and stopped < _MOST_STOPPED:
+                    self.queue.appendleft((design, n))
+                elif not self.stop.count:
+                    self._end(design, FAILED, "its run was stopped from elsewhere")
+                continue
             if design.state == RUNNING:
                 self._note(design, n, ended)
             self.bar.update(self._n_done(), self._status())
@@ -284,7 +293,7 @@ class _Search:
             return self._end(design, FAILED, ended.reason)
         series = guards.target_force(self.directory / POINTS / ended.name)
         if self._of_peak() and series is not None and not guards.has_passed(series[1]):
-            fixed = isinstance(self.problem.tables_of(design.values)["run"].get("end_time"), int | float)
+            fixed = isinstance(self.problem.tables_of(design.values).get("run", {}).get("end_time"), int | float)
             if fixed and run["longer"] < 2**_MOST_LONGER:
                 run["longer"] *= 2
                 self.queue.appendleft((design, n))
@@ -295,10 +304,11 @@ class _Search:
             run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
         values = with_derived(ended.summary, design.known["smallest_diameter_m"])
         wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
-        found = {name: float(values[name]) for name in wanted if values.get(name) is not None}
-        found |= {name: value for name, value in design.known.items() if name in wanted}
-        if missing := [one.name for one in self.problem.objectives if one.name not in found]:
-            return self._end(design, FAILED, f"{', '.join(missing)}: null in summary.json")
+        values |= design.known
+        found = {name: float(values[name]) for name in wanted if _is_number(values.get(name))}
+        if missing := [name for name in wanted if name not in found]:
+            shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
+            return self._end(design, FAILED, f"{shown} in summary.json, expected a number")
         run["value"] = found
         if self._is_lost(design):
             self.queue = deque(entry for entry in self.queue if entry[0] is not design)
@@ -316,12 +326,16 @@ class _Search:
         if len(problem.samples) == 1 or len(problem.objectives) > 1:
             return False
         best, (objective,) = next(iter(self.study.best()), None), problem.objectives
-        values = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
-        if best is None or len(values) == len(problem.samples):
+        mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
+        if best is None or len(mine) == len(problem.samples):
             return False
-        so_far = design.objectives[objective.name] = problem.statistic_of(objective, values)
-        limit = best.objectives[objective.name] * _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
-        return limit > 0 and objective.loss(so_far) > objective.loss(limit)
+        same = [run["value"][objective.name] for run in best.runs.values()][: len(mine)]  # with the same velocities ...
+        ours, theirs = (problem.statistic_of(objective, values) for values in (mine, same))
+        most = _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
+        if theirs <= 0 or objective.loss(ours) <= objective.loss(most * theirs):
+            return False
+        design.objectives[objective.name] = best.objectives[objective.name] * ours / theirs  # for the model
+        return True
 
     def _complete(self, design: Design) -> None:
         """Make objectives and margins of the values of all runs."""
@@ -335,7 +349,7 @@ class _Search:
         for limit in self.problem.limits:
             beyond = [row[limit.name] for row in values if limit.name in row]
             if beyond:
-                worst = max(beyond, key=limit.margin)
+                worst = design.limited[limit.name] = max(beyond, key=limit.margin)
                 design.margins[limit.name] = limit.margin(worst)
                 faults.append(limit.fault(worst))
         reason = "; ".join(filter(None, faults))

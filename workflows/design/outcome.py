@@ -13,8 +13,9 @@ import tomli_w
 
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.directories import read_summary
-from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import BEST_DESIGNS, DESIGN_OUTCOME, POINTS, SCAN_REPORT
 from granwave.workflows.design import guards
 from granwave.workflows.design.points import Points, names
@@ -30,6 +31,9 @@ def check_best(
 ) -> list[guards.Finding]:
     """Check the best design by its own run and by further ones; return the findings, warnings first."""
     problem = study.problem
+    before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
+    if before.get("variables") != best.values:  # further runs of another design
+        clear(study.directory, [f"{POINTS}/{path.name}/" for path in (study.directory / POINTS).glob("best-*")])
     first = names(best.number, problem.samples)[0]
     run, place = best.runs[first], study.directory / POINTS / first
     findings = guards.findings_without_runs(problem, best, read_summary(place), place)
@@ -117,5 +121,5 @@ def _values_of(problem: Problem, design: Design) -> dict[str, Any]:
         "variables": design.values,
         **design.known,
         "objective": design.objectives,
-        **({"spread": design.spread} if design.spread else {}),
+        **({"spread": design.spread, "runs": len(problem.samples)} if design.spread else {}),
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -10,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.places import layout_of
 from granwave.workflows.design.keys import SearchTable
 from granwave.workflows.design.variables import Space, Values
 from granwave.workflows.solvers import GRANULAR
@@ -73,8 +75,6 @@ class Problem:
         Tables of the file, for comparison on a resumed search.
     samples
         Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
-    layers
-        Materials and relative diameters of ``layers``; empty without it.
     """
 
     name: str
@@ -87,12 +87,15 @@ class Problem:
     search: SearchTable
     statistic: str | float = "mean"
     samples: tuple[dict[str, Any], ...] = ({},)
-    ignored: tuple[str, ...] = ()
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Tables of the file and of its case, by which a search is known again."""
+        return {**self.tables, "base": self.base}
 
     def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Return the tables of the case of a design."""
-        found = with_values(self.base, values)
-        return apply_overrides(found, sample) if sample else found
+        return with_values(with_values(self.base, values), sample or {})
 
     def case(self, tables: Mapping[str, Any]) -> Case:
         """Read a case; raise InputError if it is wrong."""
@@ -107,6 +110,25 @@ class Problem:
             return max(values) if objective.sign > 0 else min(values)
         share = float(self.statistic)
         return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
+
+
+def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[str, float], str]:
+    """Return what is known of a design before a run: values, margins of limits, and why it is refused; empty if not."""
+    try:
+        case = problem.case(problem.tables_of(values, problem.samples[0]))
+        most = next((limit for limit in problem.limits if limit.name == "n_spheres"), None)
+        if (
+            most is not None
+            and (count := layout_of(case.packing, case.boundary).n_spheres)
+            and (fault := most.fault(count))
+        ):
+            return {"n_spheres": float(count)}, {most.name: most.margin(count)}, fault  # before it takes memory
+        known = known_before(case)
+    except InputError as error:
+        return {}, {}, "; ".join(error.errors)
+    limits = [limit for limit in problem.limits if limit.name in known]
+    margins = {limit.name: limit.margin(known[limit.name]) for limit in limits}
+    return known, margins, "; ".join(filter(None, (limit.fault(known[limit.name]) for limit in limits)))
 
 
 def known_before(case: Case) -> dict[str, float]:
@@ -150,17 +172,12 @@ def with_values(tables: Mapping[str, Any], values: Values) -> dict[str, Any]:
 
 def _set(table: Any, path: Sequence[str], value: Any) -> None:
     name, rest = path[0], path[1:]
-    if name == _REPLACE and len(rest) == 2 and rest[0].isdigit():
-        entries = table.setdefault(_REPLACE, [])
-        grain = int(rest[0])
-        own = next((one for one in entries if one.get("index") in (grain, [grain])), None)
-        if own is None:
-            entries.append(own := {"index": grain})
-        own[rest[1]] = copy.deepcopy(value)
+    if name == _REPLACE and len(rest) > 1 and _is_number(rest[0]):
+        _set(_entry_of(int(rest[0]), table.setdefault(_REPLACE, [])), rest[1:], value)
         return
     place: Any = name
     if isinstance(table, list):
-        if not name.isdigit() or int(name) >= len(table):
+        if not _is_number(name) or int(name) >= len(table):
             raise ValidationError(
                 f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
             )
@@ -175,3 +192,20 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
         if name == "material" and isinstance(inner, str):
             table[name] = {"preset": inner}
     _set(table[place], rest, value)
+
+
+def _is_number(text: str) -> bool:
+    return text.isascii() and text.isdecimal()
+
+
+def _entry_of(grain: int, entries: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the entry of ``[[replace]]`` of one grain; a new one has the values of the last that covers it."""
+    covering: dict[str, Any] = {}
+    for entry in entries:
+        with contextlib.suppress(ValidationError):
+            if grain in parse_index(entry.get("index", [])):
+                covering = entry
+    if covering.get("index") not in (grain, [grain]):
+        covering = {**copy.deepcopy(covering), "index": grain}
+        entries.append(covering)
+    return covering

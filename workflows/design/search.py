@@ -289,7 +289,7 @@ def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Mo
     """Give a model of how far each limit is exceeded, of those that some designs exceed."""
     for name in dict.fromkeys(name for one in known for name in one.margins):
         rows = [one for one in known if name in one.margins]
-        if len(rows) > 1 and any(one.margins[name] > 0 for one in rows):
+        if any(one.margins[name] > 0 for one in rows) and len({one.margins[name] for one in rows}) > 1:
             if len(rows) > _MOST_ROWS:  # those that were run, the latest, and some of the others
                 kept = {n for n, one in enumerate(rows) if one.losses} | set(range(len(rows) - _LATEST, len(rows)))
                 rest = rng.permutation([n for n in range(len(rows)) if n not in kept])

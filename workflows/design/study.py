@@ -37,11 +37,12 @@ class Design:
     known
         Values of the packing before a run, by name.
     runs
-        Values of each run, by the name of its directory: objectives, limits, ``end_time`` and ``note``.
+        Values of each run, by the name of its directory: objectives and limits, how many times ``longer`` than in the
+        file it was, and a ``note``.
     objectives, spread
         Objectives by name; the smallest and the largest of several runs.
-    margins
-        By limit, how far its value is beyond it.
+    margins, limited
+        By limit, how far its value is beyond it; and the worst value of those that are known after a run.
     """
 
     number: int
@@ -53,6 +54,7 @@ class Design:
     objectives: dict[str, float] = dataclasses.field(default_factory=dict)
     spread: dict[str, list[float]] = dataclasses.field(default_factory=dict)
     margins: dict[str, float] = dataclasses.field(default_factory=dict)
+    limited: dict[str, float] = dataclasses.field(default_factory=dict)
     seconds: float = 0.0
 
     @property
@@ -72,13 +74,14 @@ class Design:
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
         """Return the numbers that are to be small; None without a value."""
-        if len(self.objectives) < len(objectives):
+        if self.state in (RUNNING, FAILED) or len(self.objectives) < len(objectives):
             return None
         return tuple(one.loss(self.objectives[one.name]) for one in objectives)
 
     def as_known(self, objectives: tuple[Objective, ...]) -> Known:
         """Return what the search is told."""
-        margins = {**self.margins, **({"failed": 1.0} if self.state == FAILED else {})}
+        failed = {"failed": 1.0 if self.state == FAILED else -1.0} if self.runs and self.state != RUNNING else {}
+        margins = {**self.margins, **failed}
         return Known(self.values, self.losses(objectives), margins, self.state == RUNNING)
 
 
@@ -110,7 +113,7 @@ class Study:
 
     def write(self) -> None:
         """Write study.json and designs.csv."""
-        content = {"problem": self.problem.tables, "designs": [dataclasses.asdict(one) for one in self.designs]}
+        content = {"problem": self.problem.record, "designs": [dataclasses.asdict(one) for one in self.designs]}
         replace_text(self.directory / DESIGN_STUDY, json.dumps(content, indent=1) + "\n")
         replace_text(self.directory / DESIGN_TABLE, self._table())
 
@@ -121,18 +124,25 @@ class Study:
         keys = [one.key for one in problem.space.variables]
         stream = io.StringIO()
         table = csv.writer(stream, lineterminator="\n")
-        named = [one.name for one in problem.objectives]
         more = list(dict.fromkeys(name for one in self.designs for name in one.known))
-        table.writerow(["number", "state", "reason", "directory", *keys, *more, *named, *(several if spread else [])])
+        named = [one.name for one in problem.objectives if one.name not in more]
+        limited = [one.name for one in problem.limits if one.name not in (*more, *named)]
+        heads = [*keys, *more, *named, *(several if spread else []), *limited]
+        table.writerow(["number", "state", "reason", "directory", *heads])
         for design in self.designs:
             place = f"{POINTS}/{names(design.number, problem.samples)[0]}" if design.runs else ""
             cells = [_written(design.values[key]) for key in keys]
             known = [design.known.get(name, "") for name in more]
             known_all = design.state != PRUNED  # of a pruned design the objective is that of its first runs
             objectives = [design.objectives.get(name, "") if known_all else "" for name in named]
-            ends = [end for name in named for end in design.spread.get(name, ["", ""])] if spread else []
+            ends = (
+                [end for name in [one.name for one in problem.objectives] for end in design.spread.get(name, ["", ""])]
+                if spread
+                else []
+            )
+            limits = [design.limited.get(name, "") for name in limited]
             reason = "; ".join([design.reason, *design.notes] if design.reason else design.notes)
-            table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends])
+            table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends, *limits])
         return stream.getvalue()
 
 
@@ -148,16 +158,25 @@ def read_study(problem: Problem, directory: Path) -> Study:
     InputError
         The directory holds another search; the message says what differs.
     """
-    content = read_json(directory / DESIGN_STUDY)
-    if content is None:
+    path = directory / DESIGN_STUDY
+    if not path.exists():
         return Study(problem, directory)
-    there, here = _comparable(content["problem"]), _comparable(problem.tables)
+    content = read_json(path)
+    try:
+        if content is None:
+            raise ValueError
+        there, designs = _comparable(content["problem"]), [Design(**one) for one in content["designs"]]
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise InputError(
+            f"{path}: is damaged, so that the search cannot go on; --force begins it again, or put the file back"
+        ) from None
+    here = _comparable(problem.record)
     if differences := list(_differences(there, here)):
         raise InputError(
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
             "--force replaces it, or choose another directory with -o"
         )
-    return Study(problem, directory, [Design(**one) for one in content["designs"]])
+    return Study(problem, directory, designs)
 
 
 def _comparable(tables: Mapping[str, Any]) -> dict[str, Any]:

@@ -111,7 +111,7 @@ def read_variable(key: str, value: Any) -> Variable:
             raise ValidationError("at least one choice")
         if any(isinstance(one, bool) or not isinstance(one, int | float) for one in choices):
             return Variable(key, choices, ordered=False)
-        ordered = tuple(sorted(choices))
+        ordered = tuple(sorted(choices, key=lambda one: finite(one, "numbers that are finite")))
         return Variable(key, ordered, float(ordered[0]), float(ordered[-1]))
     if not isinstance(value, Mapping) or not {"low", "high"} <= set(value) <= set(_RANGE_KEYS):
         raise ValidationError(_EXPECTED)

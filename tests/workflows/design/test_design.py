@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,11 +16,12 @@ import pytest
 
 import granwave as gw
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.workflows.design.design_file import load_problem
-from granwave.workflows.design.driver import examined, first_design
+from granwave.workflows.design.driver import _Search, first_design, new_design
 from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, target_force
 from granwave.workflows.design.problem import with_values
-from granwave.workflows.design.study import Study
+from granwave.workflows.design.study import Design, Study
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
@@ -176,6 +178,57 @@ def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
     assert len(found.table) >= 4
 
 
+def test_what_differs_or_is_damaged_does_not_go_on(searched, folder):
+    directory, _ = searched
+    kept = (directory / "study.json").read_text()
+    changed = {**problem_of(folder).tables, "name": "beads", "base": str(folder / "faster.toml")}
+    (folder / "faster.toml").write_text(CHAIN.replace("velocity = 2.0", "velocity = 8.0"))
+    with pytest.raises(InputError, match=r"base\.load\.velocity was 2\.0, is 8\.0"):
+        gw.design(changed, directory=directory, resume=True)
+    for text in ("garbage", "[1]", "{}", '{"problem": {}, "designs": [{"number": 1}]}'):
+        (directory / "study.json").write_text(text)
+        with pytest.raises(InputError, match="is damaged"):
+            gw.design(folder / "beads.toml", directory=directory, resume=True)
+    (directory / "study.json").write_text(kept)
+
+
+def test_runs_that_are_gone_are_made_again(searched, folder):
+    directory, _ = searched
+    copy = shutil.copytree(directory, folder / "gone")
+    before = (copy / "designs.csv").read_text()
+    shutil.rmtree(copy / "points/3")
+    gw.design(folder / "beads.toml", directory=copy, resume=True, progress=False)
+    assert (copy / "designs.csv").read_text() == before
+    assert (copy / "points/3/summary.json").exists()
+
+
+def test_values_that_are_no_numbers_fail(folder):
+    tables = {**problem_of(folder).tables, "objective": {"minimise": ["end_reason"]}}
+    tables |= {"search": {"evaluations": 2, "guards": False}, "limits": {"plastic_zone_depth_m": 1.0}}
+    found = gw.design(tables, directory=folder / "words", progress=False)
+    assert found.best is None
+    assert set(found.table["reason"]) == {
+        'end_reason: "end_time", plastic_zone_depth_m: null in summary.json, expected a number'
+    }
+
+
+def test_far_worse_designs_are_not_run_further(folder):
+    """Designs are compared in the same runs: one that is better throughout is not lost for its fast first blow."""
+    problem = problem_of(folder, uncertainty={"velocity": [0.5, 10.0], "replicates": 2})
+    best = Design(1, {}, "complete", objectives={"target_peak_force_N": 50.0})
+    best.runs = {"1-1": {"value": {"target_peak_force_N": 90.0}}, "1-2": {"value": {"target_peak_force_N": 10.0}}}
+    search = _Search(Study(problem, folder, [best]), 1, 1, Interrupts(), show=False)
+    for force, lost in ((95.0, False), (200.0, True)):
+        design = Design(2, {}, runs={"2-1": {"value": {"target_peak_force_N": force}}})
+        assert search._is_lost(design) == lost
+
+
+def test_words_that_are_refused_alone_are_warned_of(folder, caplog):
+    problem_of(folder, variables={"material": ["steel", "aluminum"]})
+    assert 'variables.material: "aluminum" alone is refused' in caplog.text
+    assert "did you mean aluminium" in caplog.text
+
+
 def test_another_file_does_not_go_on(searched, folder):
     other = problem_of(folder, objective={"minimise": ["wall_impulse_Ns"]})
     directory, _ = searched
@@ -224,6 +277,9 @@ def test_values_go_into_lists_and_grains(folder):
     assert made["packing"]["size"] == [4, 4, 9]
     assert made["replace"] == [{"index": 5, "diameter": 0.01, "material": "ptfe"}, {"index": 7, "material": "brass"}]
     assert base["packing"]["size"] == [4, 4, 5]
+    grouped = {"material": "steel", "replace": [{"index": {"first": 1, "last": 3}, "diameter": 0.009}]}
+    made = with_values(grouped, {"replace.2.material": "ptfe"})
+    assert made["replace"][1] == {"index": 2, "diameter": 0.009, "material": "ptfe"}  # the diameter stays
 
 
 def test_keys_without_quotes(folder):
@@ -254,10 +310,10 @@ def test_layers_are_variables_of_each_bead(folder):
 
 def test_limits_known_before_a_run(folder):
     problem = problem_of(folder, limits={"mass_kg": 0.005, "n_spheres": {"low": 2}})
-    steel = examined(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
+    steel = new_design(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
     assert steel.state == "refused"
     assert steel.reason.startswith("mass_kg 0.012")
-    assert examined(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state == "running"
+    assert new_design(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state == "running"
 
 
 @pytest.mark.parametrize(
@@ -275,6 +331,12 @@ def test_limits_known_before_a_run(folder):
         ({"limits": {"mass_kg": {"low": 2.0, "high": 1.0}}}, "a high that is not below the low"),
         ({"uncertainty": {"velocity": [3.0, 1.0]}}, "the largest not below the smallest"),
         ({"uncertainty": {"statistic": "median"}}, '"mean", "worst"'),
+        ({"variables": {"packing.diameter": [0.01, float("inf")]}}, "numbers that are finite"),
+        ({"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}}, "is given twice"),
+        ({"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}}, "is given twice"),
+        ({"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}}, "found beside packing.size"),
+        ({"uncertainty": {"velocity": [1, 2], "load.velocity": [1, 2]}}, "is given twice"),
+        ({"uncertainty": {"velocity": [-5, -3]}}, "uncertainty: load.velocity"),
         ({"search": {"evaluations": 0}}, "evaluations: found 0"),
         ({"search": {"evaluation": 5}}, "did you mean"),
         ({"base": "no-such-case"}, "neither a file nor a built-in case"),

@@ -123,3 +123,11 @@ def test_values_that_are_to_be_large():
     found = search(RANGES, lambda values: -1 / of_ranges(values), 15, 1)
     highest = max(-one.losses[0] for one in found)
     assert highest > 0.97 / min(of_ranges({"x": x, "y": 0.65}) for x in np.linspace(0, 1, 101))
+
+
+def test_failed_designs_do_not_stop_the_search():
+    known = search(RANGES, of_ranges, 8, 1)
+    known = [Known(one.values, one.losses, {"failed": -1.0}) for one in known]
+    failed = [Known(RANGES.at(at), None, {"failed": 1.0}) for at in ((0.9, 0.9), (0.95, 0.1))]
+    chosen = next(ordered(RANGES, [*known, *failed], 1, guided=True))
+    assert of_ranges(chosen) < 1.6  # not in the farthest corner
