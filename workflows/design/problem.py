@@ -146,7 +146,7 @@ def known_before(case: Case) -> dict[str, float]:
     }
 
 
-def with_values(tables: Mapping[str, Any], values: Values) -> dict[str, Any]:
+def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with the values of a design.
 
     Parts of a key that are numbers are places in a list, from 0; after ``replace`` the id of a grain, whose entry of
