@@ -282,7 +282,7 @@ ENTRIES = (
              note="Of the first arrival in the deeper half of the packing; it takes nine layers. Null of cylinders "
              "beside each other."),
     Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
-             note="Along the impact; negative: it moves back."),
+             note="Along the impact or load.direction; negative: it moves back."),
     Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),

@@ -79,7 +79,8 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     _scale_bar(axes, left, right, bottom)
-    _mark_impact(axes, camera.project(result.origin[None])[0] * _MILLI, right - left)
+    place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
+    _mark_impact(axes, place * _MILLI, beyond - place, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
     rows = kept[picture.visible]
     columns = {"id": result["spheres/id"][rows]}
@@ -136,12 +137,14 @@ def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
     )
 
 
-def _mark_impact(axes: Axes, place: NDArray[np.float64], width: float) -> None:
-    """Draw an arrow at the struck sphere."""
+def _mark_impact(axes: Axes, place: NDArray[np.float64], way: NDArray[np.float64], width: float) -> None:
+    """Draw an arrow at the struck sphere, along a direction in the picture."""
+    length = float(np.hypot(*way))
+    back = -way / length if length > 0.1 else np.array([0.0, 1.0])  # towards the viewer there is nothing to see
     axes.annotate(
         "",
-        xy=(place[0], place[1] + 0.02 * width),
-        xytext=(place[0], place[1] + 0.12 * width),
+        xy=tuple(place + 0.02 * width * back),
+        xytext=tuple(place + 0.12 * width * back),
         arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0},
         annotation_clip=False,
     )

@@ -163,7 +163,8 @@ def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> 
 def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     """Return the measured row of a load that oscillates, times (n_times,), s, and velocities (n_times, n_spheres), m/s.
 
-    Velocities are along z. None for other runs, or where too few instants were recorded.
+    Velocities are along the load, those of a chain along z. None for other runs, or where too few instants were
+    recorded.
     """
     load = result.case.load
     if not load.driven or not load.oscillates:
@@ -177,7 +178,11 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     interval = float(time[-1] - time[0]) / (len(time) - 1)
     if load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9:  # the record does not resolve the load
         return None
-    return row, time, velocity[..., 2] if velocity.ndim > 2 else velocity
+    if velocity.ndim > 2:
+        velocity = velocity @ np.array(load.way) if load.slants else velocity[..., 2]
+    elif load.slants:  # a chain is recorded along z
+        return None
+    return row, time, velocity
 
 
 def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:

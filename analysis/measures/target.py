@@ -180,6 +180,8 @@ def no_bare_target(case: Case) -> str:
         return "a prescribed displacement has no like load on the bare target"
     if load.kind == "force" and load.oscillates:
         return "the load oscillates: what a packing passes on of it is its transmission"
+    if load.way[2] <= 0:
+        return "the force does not push towards the target"
     target = target_of(case)
     if target is None:
         return "there is nothing below the packing"
@@ -246,18 +248,18 @@ def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
 
 
 def _pushed(load: Load, target: Target, end_time: float) -> Reached:
-    """A force on the target itself."""
+    """A force on the target itself, as far as it acts down."""
     end = min(end_time, load.lasts + target.settles)
     time = np.linspace(0.0, end, _AFTER + 1)
     turns = [one for one, _ in load.table or ()] + [load.lasts / 2]
     time = np.union1d(time, [one for one in turns if one < end])
-    force = load.at(time)
+    force = load.at(time) * load.way[2]
     if not target.moves:
         return Reached(time, force, force)
     n = len(target.mass)
 
     def rates(now: float, state: Array) -> Array:
-        return np.concatenate(target.rates(state[:n], state[n:], float(load.at(np.array(now)))))
+        return np.concatenate(target.rates(state[:n], state[n:], float(load.at(np.array(now))) * load.way[2]))
 
     from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
 

@@ -227,6 +227,8 @@ def wave_speed_of(result: Result) -> float | None:
     None of loads that go on oscillating: a bead's largest force may come at any time, and later where beads absorb; a
     burst passes once.
 
+    None of a load that does not push down: its wave does not come from the top.
+
     None of cylinders beside each other: the stiffness of their contacts hardly grows with the force, so that the first
     force at all runs ahead of the wave without a limit. Lines of grains have a front speed.
     """
@@ -234,7 +236,7 @@ def wave_speed_of(result: Result) -> float | None:
     load = result.case.load
     axes = [one.axis if one else None for one in result.assembly.shapes]
     beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-    if beside_each_other or (load.driven and load.oscillates and load.shape != "burst"):
+    if beside_each_other or load.way[2] <= 0 or (load.driven and load.oscillates and load.shape != "burst"):
         return None
     if result.case.precompression is None:
         return wave_speed(*_arrivals(result, diameter), diameter)

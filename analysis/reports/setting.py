@@ -158,6 +158,7 @@ def _load(case: Mapping[str, Any]) -> str:
         parts = [str(case.get("load.shape", "")), kind, f"of {size}"]
         parts += [f"for {quantity_in(case['load.duration'], 's')}"] if case.get("load.duration") else []
         parts += [f"at {quantity_in(case['load.frequency'], 'Hz')}"] if case.get("load.frequency") else []
+        parts += [f"along {show(case['load.direction'])}"] if case.get("load.direction") else []
         return " ".join(filter(None, parts))
     if kind == "plate":
         return f"plate of {show(case.get('load.mass'))} kg at {show(velocity)} m/s" if velocity else "plate"

@@ -90,8 +90,8 @@ _OF_SHAPES = ("amplitude", "duration", "frequency", "last_frequency", "cycles", 
 _OF_KIND = {  # keys of each kind of load
     "impact": ("kind", "spheres", "index", "velocity", "angle", "spin"),
     "striker": ("kind",),
-    "force": ("kind", "spheres", "index", "shape", *_OF_SHAPES, "file"),
-    "displacement": ("kind", "spheres", "index", "shape", *_OF_SHAPES, "file"),
+    "force": ("kind", "spheres", "index", "direction", "shape", *_OF_SHAPES, "file"),
+    "displacement": ("kind", "spheres", "index", "direction", "shape", *_OF_SHAPES, "file"),
     "plate": ("kind", "mass", "velocity"),
     "grains": ("kind",),
 }
@@ -127,9 +127,14 @@ class Load:
     index: tuple[int, ...] | None = schema.custom(
         "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
     )
+    direction: tuple[float, float, float] | None = schema.custom(
+        "direction of a force or displacement; [0, 0, 1], straight down, by default",
+        schema.numbers(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
+        default=None,
+    )
     shape: str | None = schema.choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
     amplitude: float | None = schema.number(
-        "amplitude of the force on all struck spheres together, along +z; of a displacement, in m; "
+        "amplitude of the force on all struck spheres together, along load.direction; of a displacement, in m; "
         "of noise its root mean square",
         "N",
         units="N; m for a displacement",
@@ -179,6 +184,21 @@ class Load:
         """Initial velocity (x, y, z) of the struck spheres of an impact, m/s."""
         angle = math.radians(self.angle)
         return self.velocity * math.sin(angle), 0.0, self.velocity * math.cos(angle)
+
+    @property
+    def way(self) -> tuple[float, float, float]:
+        """Unit vector along which a force or displacement acts."""
+        if self.direction is None:
+            return 0.0, 0.0, 1.0
+        largest = max(map(abs, self.direction))
+        x, y, z = (part / largest for part in self.direction)
+        length = math.hypot(x, y, z)
+        return x / length, y / length, z / length
+
+    @property
+    def slants(self) -> bool:
+        """True for a force or displacement that does not act straight down."""
+        return self.way != (0.0, 0.0, 1.0)
 
     @property
     def lasts(self) -> float:

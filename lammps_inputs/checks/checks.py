@@ -200,6 +200,8 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     errors.check(
         (case.incident_bar and case.load.kind != "force", "load.kind",
          f"found {show(case.load.kind)}, expected a force: it acts on the free end of the incident_bar"),
+        ((case.bar or case.incident_bar) and any(case.load.way[:2]), "load.direction",
+         f"found {show(case.load.direction)} beside a bar, which moves along z alone; expected [0, 0, 1]"),
     )  # fmt: skip
 
 
@@ -265,7 +267,7 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
     case, load = assembly.case, assembly.case.load
     if not load.hits_spheres or case.incident_bar:
         return
-    velocity = load.initial_velocity if load.kind == "impact" else (0, 0, 1)
+    velocity = load.initial_velocity if load.kind == "impact" else load.way
     moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
     struck = set(struck_of(assembly))
     for key, hold in case.held.items():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck.columns import ADAPTIVE, LEDGER, recorded, sources
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_series
@@ -40,7 +41,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         lines.append("variable        input equal v_given+f_load")
         if case.load.may_stop:
             lines.append("# The same without the kinetic energy of the moved spheres, which comes back when they stop.")
-            lines.append("variable        load_work equal v_input-0.5*mass(hit)*vcm(hit,z)^2")
+            lines.append(f"variable        load_work equal v_input-0.5*mass(hit)*{_along(case, 'hit')}^2")
     else:
         lines.append("variable        input equal v_given")
     return [*lines, *_absorbing(assembly), *_holder(assembly)]
@@ -176,7 +177,20 @@ def _drive(assembly: Assembly) -> list[str]:
             group = "driven"
             lines.append(f"group           driven id {bar.far}")
     words = joined(num(value) for value in load.numbers) or LOAD_FILE
-    return [*lines, f"fix             load {group} gran/load z {load.kind} {load.shape} {words}"]
+    return [*lines, f"fix             load {group} gran/load {_direction(load)} {load.kind} {load.shape} {words}"]
+
+
+def _direction(load: Load) -> str:
+    """Return the direction of a load as fix gran/load takes it."""
+    axes = [axis for axis, part in zip("xyz", load.way, strict=True) if part]
+    return axes[0] if len(axes) == 1 and sum(load.way) > 0 else f"vector {joined(map(num, load.direction or load.way))}"
+
+
+def _along(case: Case, group: str) -> str:
+    """Return the formula of the velocity of a group along the load."""
+    terms = [f"{'' if part == 1 else f'{num(part)}*'}vcm({group},{axis})"
+             for axis, part in zip("xyz", case.load.way, strict=True) if part]  # fmt: skip
+    return terms[0] if terms[0].startswith("vcm") else f"({_sum(terms)})"
 
 
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
@@ -242,7 +256,7 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         f"variable        dissipated_wall equal {_sum(on_walls(*lost) + at_bars(5, *([8] if case.has_loss else [])))}",
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
-        "variable        struck_velocity equal vcm(struck,z)",
+        f"variable        struck_velocity equal {_along(case, 'struck')}",
         *time_series("ledger", schedule.ledger_every, ENERGY_FILE, "energy ledger, SI units", columns, resumed),
     ]
 

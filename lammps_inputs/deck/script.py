@@ -85,6 +85,9 @@ def _head(assembly: Assembly) -> list[str]:
         "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
     }
     called = assembly.grains_called
+    if load.slants:
+        how["force"] = f"{load.shape} force, at most {load.largest:g} N, along {list(load.direction or ())}."
+        how["displacement"] = how["displacement"].replace("along z.", f"along {list(load.direction or ())}.")
     return [
         f"# {_HARMFUL.sub('?', case.name)}",
         f"# Impact on an ordered packing: {size} {called}, {packing.kind}, diameter {packing.diameter:g} m;",

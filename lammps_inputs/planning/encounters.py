@@ -287,9 +287,10 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         flats += [(int(assembly.lattice.top_layer[0]), None)]
     if case.boundary.bottom == "wall":
         flats += [(sphere, case.boundary.bottom_material) for sphere in kinds_of_last_layer(assembly)]
-    if assembly.has_cylinders and any(case.boundary.has_planes(axis) for axis in "xy"):
+    aside = any(case.load.way[:2])
+    if (assembly.has_cylinders or aside) and any(case.boundary.has_planes(axis) for axis in "xy"):
         kinds = kinds_of_grains(assembly.sites)[1].tolist()
-        flats += [(grain, case.boundary.sides_material) for grain in kinds if assembly.shape_of(grain)]
+        flats += [(grain, case.boundary.sides_material) for grain in kinds if aside or assembly.shape_of(grain)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)

@@ -27,7 +27,8 @@ using namespace granwave;
 namespace {
 
 constexpr const char *USAGE =
-    "expected x|y|z, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of harmonic AMPLITUDE "
+    "expected x|y|z|vector DX DY DZ, then force half-sine|rectangle AMPLITUDE DURATION, or force|displacement and one of "
+    "harmonic AMPLITUDE "
     "FREQUENCY [RAMP], burst AMPLITUDE FREQUENCY CYCLES, up-and-down AMPLITUDE FREQUENCY DURATION, sweep AMPLITUDE FIRST "
     "LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
     "DURATION RAMP SEED, table FILE";
@@ -54,10 +55,10 @@ const std::map<std::string, Words> SHAPES = {
 FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (narg < 7) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
-  const std::string along = arg[3], kind = arg[4], form = arg[5];
-  if (along != "x" && along != "y" && along != "z")
-    error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, along, USAGE);
-  axis = along[0] - 'x';
+  const int skipped = read_direction(narg, arg);
+  narg -= skipped;
+  arg += skipped;
+  const std::string kind = arg[4], form = arg[5];
   if (kind != "force" && kind != "displacement")
     error->all(FLERR, "Illegal fix {}: '{}' is neither force nor displacement; {}", STYLE, kind, USAGE);
   moves = kind == "displacement";
@@ -101,6 +102,26 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   extscalar = 1;
   extvector = -1;
   extlist = extensive;
+}
+
+/* Read the direction; returns the number of words it has beyond one. */
+
+int FixGranLoad::read_direction(int narg, char **arg)
+{
+  const std::string word = arg[3];
+  if (word == "x" || word == "y" || word == "z") {
+    way = {};
+    way[word[0] - 'x'] = 1.0;
+    return 0;
+  }
+  if (word != "vector") error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, word, USAGE);
+  if (narg < 10) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
+  for (int k = 0; k < 3; k++) way[k] = utils::numeric(FLERR, arg[4 + k], false, lmp);
+  const double length = std::hypot(way[0], way[1], way[2]);
+  if (!(length > 0.0) || !std::isfinite(length))
+    error->all(FLERR, "Illegal fix {}: a direction must not be zero, found {} {} {}", STYLE, arg[4], arg[5], arg[6]);
+  for (double &part : way) part /= length;
+  return 3;
 }
 
 /* Read the two columns of a table, on the first processor. */
@@ -180,7 +201,7 @@ void FixGranLoad::setup(int)
         if (!(atom->mask[i] & groupbit)) continue;
         const double *const v = atom->v[i];
         total[WORK] -= 0.5 * mass_of(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        total[IMPULSE] -= mass_of(i) * v[axis];
+        total[IMPULSE] -= mass_of(i) * along(v);
       }
     place = shape.value(now);
     velocity = shape.slope(now);
@@ -198,7 +219,7 @@ void FixGranLoad::apply_force(double whole)
   const double share = whole / atoms;
   if (share == 0.0) return;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) atom->f[i][axis] += share;
+    if (atom->mask[i] & groupbit) add_along(atom->f[i], share);
 }
 
 /* Work of a half kick. The half kick of velocity Verlet does the work F dt/2 times the mean of the velocities before and after
@@ -210,7 +231,7 @@ double FixGranLoad::half_kick_work(double dt) const
   const double share = force / atoms;
   double sum = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) sum += share * atom->f[i][axis] * dt * dt / (8.0 * mass_of(i));
+    if (atom->mask[i] & groupbit) sum += share * along(atom->f[i]) * dt * dt / (8.0 * mass_of(i));
   return sum;
 }
 
@@ -236,7 +257,7 @@ void FixGranLoad::post_force(int)
   force = shape.integral(now - 0.5 * dt, now + 0.5 * dt) / dt;
   double speeds = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) speeds += atom->v[i][axis];
+    if (atom->mask[i] & groupbit) speeds += along(atom->v[i]);
   if (!std::isfinite(speeds)) require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
   total[WORK] += mean * moved;
@@ -248,12 +269,12 @@ void FixGranLoad::post_force(int)
 
 /* ---------------------------------------------------------------------- a displacement */
 
-void FixGranLoad::set_velocity(double along)
+void FixGranLoad::set_velocity(double speed)
 {
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
     std::fill_n(atom->v[i], 3, 0.0);
-    atom->v[i][axis] = along;
+    add_along(atom->v[i], speed);
   }
 }
 
@@ -261,7 +282,7 @@ double FixGranLoad::force_on_group() const
 {
   double sum = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) sum += atom->f[i][axis];
+    if (atom->mask[i] & groupbit) sum += along(atom->f[i]);
   return sum;
 }
 
@@ -273,7 +294,7 @@ void FixGranLoad::initial_integrate(int)
   place = shape.value(simulated_time(*update));
   moved = place - before;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) atom->x[i][axis] += moved;
+    if (atom->mask[i] & groupbit) add_along(atom->x[i], moved);
   set_velocity(moved / update->dt);
   if (comm->me == 0) total[DISPLACEMENT] += moved;
 }

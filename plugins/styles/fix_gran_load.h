@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/load: force or prescribed displacement of a group, with its work and impulse.
 
-   fix ID group gran/load x|y|z force half-sine|rectangle AMPLITUDE DURATION
-   fix ID group gran/load x|y|z force|displacement harmonic AMPLITUDE FREQUENCY [RAMP]
-   fix ID group gran/load x|y|z force|displacement burst AMPLITUDE FREQUENCY CYCLES
-   fix ID group gran/load x|y|z force|displacement up-and-down AMPLITUDE FREQUENCY DURATION
-   fix ID group gran/load x|y|z force|displacement sweep AMPLITUDE FIRST LAST DURATION RAMP
-   fix ID group gran/load x|y|z force|displacement noise AMPLITUDE FIRST LAST DURATION RAMP SEED
-   fix ID group gran/load x|y|z force|displacement table FILE
+   fix ID group gran/load DIRECTION force half-sine|rectangle AMPLITUDE DURATION
+   fix ID group gran/load DIRECTION force|displacement harmonic AMPLITUDE FREQUENCY [RAMP]
+   fix ID group gran/load DIRECTION force|displacement burst AMPLITUDE FREQUENCY CYCLES
+   fix ID group gran/load DIRECTION force|displacement up-and-down AMPLITUDE FREQUENCY DURATION
+   fix ID group gran/load DIRECTION force|displacement sweep AMPLITUDE FIRST LAST DURATION RAMP
+   fix ID group gran/load DIRECTION force|displacement noise AMPLITUDE FIRST LAST DURATION RAMP SEED
+   fix ID group gran/load DIRECTION force|displacement table FILE
+
+   DIRECTION is x, y, z or vector DX DY DZ, of any length but zero.
 
    The force of a step is the mean of the shape over the timestep centered at it, from its integral, so that the impulse of a pulse does
    not depend on the timestep. */
@@ -44,17 +46,25 @@ class FixGranLoad : public Fix {
   enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_TOTALS };
   static constexpr int N_STATE = 2 + N_TOTALS - 1;    // in restart files: started, moves, totals
 
+  int read_direction(int narg, char **arg);
   void read_table(const char *file);
   void apply_force(double whole);
-  void set_velocity(double along);
+  void set_velocity(double speed);
+  double along(const double *vector) const { return way[0] * vector[0] + way[1] * vector[1] + way[2] * vector[2]; }
+  /* Add a part along the direction; components across it keep their bits. */
+  void add_along(double *vector, double size) const
+  {
+    for (int k = 0; k < 3; k++)
+      if (way[k] != 0.0) vector[k] += size * way[k];
+  }
   double force_on_group() const;
   double half_kick_work(double dt) const;
   std::array<double, N_TOTALS> totals() const;
   double mass_of(int i) const;
 
-  class FixGranTimestep *stepper = nullptr;    // which sets the clock, if there is one
-  int axis = 2;
-  bool moves = false;    // prescribed displacement
+  class FixGranTimestep *stepper = nullptr;       // which sets the clock, if there is one
+  std::array<double, 3> way = {0.0, 0.0, 1.0};    // direction of the load, a unit vector
+  bool moves = false;                             // prescribed displacement
   granwave::LoadShape shape;
   double atoms = 0.0, mass = 0.0;    // of the group
   bool started = false;

@@ -184,3 +184,34 @@ def test_table_of_a_half_sine_is_the_half_sine(lammps, tmp_path):
             lmp.command(f"run {steps}")
         for what in ("f_push", "f_push[2]", "vz[1]", "z[1]"):
             assert value(sampled, what) == pytest.approx(value(sine, what), rel=2e-5), what
+
+
+@pytest.mark.parametrize("kind", LOADS)
+def test_any_direction_is_the_load_along_z_turned(lammps, kind):
+    """A pair along (1, 2, 2), pushed along it, is the pair along z: the same numbers to rounding."""
+    extra, load = LOADS[kind]
+    along = np.array([1.0, 2.0, 2.0]) / 3
+    found = []
+    for dim, way in (("z", np.array([0.0, 0.0, 1.0])), ("vector 2 4 4", along)):
+        where = [tuple((place[2] * way).tolist()) for place in PAIR]
+        text = script_of(where, box=[-0.1, 0.1] * 3, extra=f"{extra}\n" + load.replace("|", "").replace(
+            "driven", f"fix push driven gran/load {dim} ") + REPORT)  # fmt: skip
+        lmp = lammps()
+        lmp.commands_string(text)
+        lmp.command("run 4000")
+        assert balance(lmp) == pytest.approx(1, abs=1e-6)
+        moments = np.array([value(lmp, f"mass(all)*vcm(all,{axis})") for axis in "xyz"])
+        assert moments == pytest.approx(value(lmp, "f_push[2]") * way, rel=1e-9, abs=1e-15)
+        speed = [value(lmp, f"vx[{n}]*{way[0]}+vy[{n}]*{way[1]}+vz[{n}]*{way[2]}") for n in (1, 2)]
+        found.append(
+            [*speed, *(value(lmp, f"f_push[{n}]") for n in (1, 2, 3)), value(lmp, "f_push"), value(lmp, "c_ep[1]")]
+        )
+    assert found[1] == pytest.approx(found[0], rel=1e-8)
+
+
+@pytest.mark.parametrize(("words", "says"), [
+    ("w force", "'w' is no direction"), ("vector 0 0 0 force", "must not be zero"), ("vector 1 0 force", "Expected floating point"),
+])  # fmt: skip
+def test_no_direction(lammps, words, says):
+    with pytest.raises(Exception, match=says):
+        lammps().commands_string(script_of(PAIR, extra=f"fix push all gran/load {words} half-sine 5000 3e-5"))

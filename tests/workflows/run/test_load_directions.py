@@ -1,0 +1,117 @@
+"""Forces and displacements in any direction: symmetry, momentum with the walls, energy balance, ranks, wrong input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.workflows.run.driver import run_case
+from tests.helpers.small_cases import faults_of
+
+N, D = 5, 0.01
+CUBE = [[D * i, D * j, D * k] for k in range(N) for j in range(N) for i in range(N)]
+LOADS = {
+    "force": {"kind": "force", "shape": "half-sine", "amplitude": 2e3, "duration": 1e-5},
+    "displacement": {"kind": "displacement", "shape": "table", "table": [[0, 0], [1e-5, 3e-5]]},
+}
+
+
+def run_of(directory: Path, load: dict[str, Any], boundary: dict[str, Any], ranks: int = 1, **contact: Any) -> Result:
+    rows = "x,y,z,diameter\n" + "".join(f"{x!r},{y!r},{z!r},{D}\n" for x, y, z in CUBE)
+    case = case_from_dict({
+        "name": "cube", "material": "brass", "packing": {"kind": "file", "grains": rows}, "contact": contact,
+        "boundary": boundary, "load": load, "run": {"end_time": 6e-5 if boundary["bottom"] == "free" else 1.6e-4, "timestep": 4e-8, "frames": 3},
+    })  # fmt: skip
+    if ranks > 1:
+        gw.run(case, directory=directory, ranks=ranks, figures=False, progress=False)
+    else:
+        run_case(case, directory, figures=False)
+    return Result(directory)
+
+
+@pytest.mark.parametrize("kind", LOADS)
+def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> None:
+    """A cube of touching spheres that rub, pushed aslant at a face: x and z exchanged, the same motion to rounding."""
+    number = {tuple(place): row for row, place in enumerate(CUBE)}
+    turned = np.array([number[z, y, x] for x, y, z in CUBE])
+    middle = D * (N // 2)
+    runs = []
+    for struck, way in (((middle, middle, 0.0), [1, 0.5, 2]), ((0.0, middle, middle), [2, 0.5, 1])):
+        load = LOADS[kind] | {"index": [number[struck] + 1], "direction": way}
+        runs.append(run_of(tmp_path / str(way[0]), load, {"bottom": "free"}, friction=0.3))
+    one, other = (run.frame(run.n_frames - 1, "velocity") for run in runs)
+    assert np.abs(one).max(axis=0).min() > 1e-3
+    assert np.abs(other[turned][:, ::-1] - one).max() < 1e-8 * np.abs(one).max()
+    for name in ("energy/input", "energy/dissipated", "energy/struck_velocity", "energy/friction"):
+        assert runs[1][name] == pytest.approx(runs[0][name], rel=1e-8, abs=1e-12), name
+    for run in runs:
+        error = run["energy/kinetic"] + run["energy/elastic"] + run["energy/dissipated"] - run["energy/input"]
+        assert np.abs(error).max() < 1e-4 * run["energy/input"].max()
+    if kind == "displacement":  # the moved sphere follows its table, and does not move across it
+        gone = runs[0].frame(runs[0].n_frames - 1, "displacement")[number[middle, middle, 0.0]]
+        assert gone == pytest.approx(3e-5 * np.array([1, 0.5, 2]) / 5.25**0.5, rel=1e-6, abs=1e-12)
+
+
+def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path) -> None:
+    """Along each axis: impulse of the force = momentum + what the walls took; two ranks give the same bits."""
+    load = LOADS["force"] | {"direction": [3, 4, 12]}
+    walls = {"bottom": "wall", "sides": "wall"}
+    run, again = (run_of(tmp_path / str(n), load, walls, n) for n in (1, 2))
+    velocity = run.frame(run.n_frames - 1, "velocity")
+    assert np.array_equal(velocity, again.frame(again.n_frames - 1, "velocity"))
+    momentum = (run.assembly.sphere_masses()[:, None] * velocity).sum(axis=0)
+    given = 2 * 2e3 * 1e-5 / np.pi * np.array([3, 4, 12]) / 13
+    taken = {name: np.trapezoid(run[f"walls/{name}/force"], run[f"walls/{name}/time"])
+             for name in ("xlo", "xhi", "ylo", "yhi", "bottom")}  # fmt: skip
+    on_walls = np.array([taken["xhi"] - taken["xlo"], taken["yhi"] - taken["ylo"], taken["bottom"]])
+    assert on_walls.min() > 0.1 * given.min()
+    assert momentum + on_walls == pytest.approx(given, rel=2e-3)
+
+
+def test_deck_of_a_direction(tmp_path: Path) -> None:
+    """Axes by their letters, others as vectors; a load straight down, given or not, changes no line."""
+    rows = "x,y,z,diameter\n" + "".join(f"{x!r},{y!r},{z!r},{D}\n" for x, y, z in CUBE)
+    scripts = {}
+    for n, way in enumerate((None, [0, 0, 3], [2, 0, 0], [0, 0, -1], [1, 0, 1])):
+        load = LOADS["displacement"] | ({} if way is None else {"direction": way})
+        case = case_from_dict(
+            {"name": "cube", "material": "brass", "packing": {"kind": "file", "grains": rows}, "load": load}
+        )
+        scripts[n] = write_deck(case, tmp_path / str(n)).script.read_text()
+    assert scripts[0] == scripts[1]
+    for n, words in (
+        (0, "gran/load z"),
+        (2, "gran/load x"),
+        (3, "gran/load vector 0 0 -1"),
+        (4, "gran/load vector 1 0 1"),
+    ):
+        assert words in scripts[n]
+    assert "struck_velocity equal vcm(struck,x)" in scripts[2]
+    assert "struck_velocity equal (0.7071067811865475*vcm(struck,x)+" in scripts[4]
+
+
+def test_wrong_directions() -> None:
+    force = LOADS["force"]
+    for found, says in (
+        ({**force, "direction": [0, 0, 0]}, "a vector of any length but 0"),
+        ({**force, "direction": [0, 1]}, "[x, y, z]"),
+        ({**force, "direction": [0, 0, "inf"]}, "[x, y, z]"),
+        ({"kind": "impact", "direction": [0, 0, 1]}, 'belongs to a load of kind "force" or "displacement"'),
+    ):
+        (fault,) = faults_of(load=found)
+        assert "load.direction" in fault
+        assert says in fault
+    (fault,) = faults_of(
+        packing={"kind": "chain", "size": 5, "diameter": D}, boundary={"bottom": "free"},
+        load={**force, "direction": [1, 0, 1]}, bar={"length": 0.5, "area": 1e-4, "elements": 100},
+    )  # fmt: skip
+    assert "beside a bar, which moves along z alone" in fault
+    (fault,) = faults_of(load={**force, "index": [7], "direction": [1, 0, 1]}, hold=[{"index": 7, "directions": "x"}])
+    assert "holds sphere 7 along x" in fault
