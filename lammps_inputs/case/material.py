@@ -39,6 +39,13 @@ class Material:
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
     density: float = schema.number("mass density", DENSITY, above=0)
     yield_strength: float | None = schema.number("uniaxial yield strength", YIELD_STRENGTH, above=0, default=None)
+    hardening: float | None = schema.number(
+        "tangent modulus after yield over Young's modulus; only the law elastoplastic-fe and finite elements of two "
+        "spheres take it",
+        at_least=0,
+        at_most=0.2,
+        default=None,
+    )
     source: str | None = schema.text("where the values come from", default=None)
 
 

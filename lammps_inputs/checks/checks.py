@@ -10,7 +10,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
-from granwave.lammps_inputs.case.material import check_shape
+from granwave.lammps_inputs.case.material import Material, check_shape
 from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
@@ -292,6 +292,19 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
             errors.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
 
 
+def outside_fit(material: Material) -> str:
+    """Tell what of a material lies outside the range of law elastoplastic-fe; empty if nothing does."""
+    ratio = math.inf if material.yield_strength is None else material.youngs_modulus / material.yield_strength
+    ranges = (
+        ("Poisson's ratio", material.poisson_ratio, 0.0, 0.45),
+        ("Young's modulus over yield strength", ratio if math.isfinite(ratio) else 50.0, 50.0, 1000.0),
+        ("hardening", material.hardening or 0.0, 0.0, 0.1),
+    )
+    found = [f"{name} {value:.3g}, expected {low:g} to {high:g}" for name, value, low, high in ranges
+             if not low <= value <= high]  # fmt: skip
+    return f"law elastoplastic-fe is used beyond its fit: {'; '.join(found)}" if found else ""
+
+
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log warnings about values that are valid but may not be meant."""
     case, warnings = assembly.case, []
@@ -302,6 +315,12 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             f"exact Hertz-von Mises yield factor is C = {hertz_von_mises_yield_factor(ratio):.4f} "
             f"(contact.yield_factor is {case.contact.yield_factor:g})"
         )
+    materials = {id(one.material): one.material for one in assembly.species}.values()
+    if case.contact.takes("hardening"):
+        warnings += [text for one in materials if (text := outside_fit(one))]
+    elif any(one.hardening for one in materials):
+        text = "expected law elastoplastic-fe for a material with hardening, which others leave out"
+        warnings.append(f"contact.law: found {case.contact.law}, {text}")
     if case.contact.yields and assembly.has_cylinders:
         text = "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: contact.law ="
         warnings.append(f"{text} {case.contact.law} holds for the others")

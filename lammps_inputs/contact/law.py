@@ -82,6 +82,7 @@ def law_between(
     bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
               for one in materials]  # fmt: skip
     moduli, ratios, strengths = zip(*bodies, strict=True)
+    first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
     constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
     if contact.exponent is not None:
         constants["exponent"] = contact.exponent
@@ -100,6 +101,7 @@ def law_between(
         beta=contact.beta,
         constants=contact.constants,
         checked=checked,
+        hardening=(first, second),
         **constants,
     )
 

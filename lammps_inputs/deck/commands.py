@@ -150,6 +150,9 @@ def law_coefficients(
     for option in ("yield_factor", "beta", "constant", "exponent"):
         if contact.takes(option):
             words += [option, num(getattr(contact, option))]
+    hardening = [one.hardening or 0.0 for one in (first, second) if one is not None]
+    if contact.takes("hardening") and any(hardening):
+        words += ["hardening", *map(num, hardening)]
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]

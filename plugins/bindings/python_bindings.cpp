@@ -43,8 +43,8 @@ py::dict by_name(const LawConstants &constants)
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
-  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER};
-  constexpr const char *NAMES[] = {"variant", "yield_factor", "beta", "constants", "constant", "exponent"};
+  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER, HARDENING};
+  constexpr const char *NAMES[] = {"variant", "yield_factor", "beta", "constants", "constant", "exponent", "hardening"};
   for (std::size_t k = 0; k < std::size(OPTIONS); k++)
     if (entry.options & OPTIONS[k]) names.append(NAMES[k]);
   return py::tuple(names);
@@ -116,7 +116,7 @@ class Contact {
  public:
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
-          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line)
+          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening)
   {
     const LawEntry &entry = known_law(name);
     if (variant != "continuous" && variant != "published")
@@ -130,21 +130,32 @@ class Contact {
     if (entry.takes(POWER) && !(constant > 0.0 && exponent >= 1.0))
       throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
     LawOptions options{
-        variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}};
+        variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}, {}};
+    const bool fe = entry.takes(HARDENING);
     for (const auto &[key, value] : own) {
+      if (fe) {
+        const auto found = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
+                                        [&name = key](const auto &one) { return name == one.first; });
+        if (found == std::end(FE_CONSTANTS)) throw py::value_error("constants: '" + key + "' is none of the law");
+        options.fe_constants.*found->second = value;
+        continue;
+      }
       const auto member = law_constant(key);
       if (!member) throw py::value_error("constants: '" + key + "' is none of LAW_CONSTANTS");
       if (!std::isfinite(value)) throw py::value_error("constants must be finite numbers, found " + key);
       options.constants.*member = value;
     }
-    if (!own.empty() && (!entry.takes(CONSTANTS) || options.variant != Variant::continuous))
+    for (const double one : {hardening.first, hardening.second})
+      if (!(one >= 0.0 && one < 1.0)) throw py::value_error("hardening must lie in [0, 1)");
+    if (!own.empty() && !fe && (!entry.takes(CONSTANTS) || options.variant != Variant::continuous))
       throw py::value_error("constants belong to law elastoplastic, variant continuous");
-    const Material first{modulus.first, poisson.first, yield.first}, second{modulus.second, poisson.second, yield.second};
+    const Material first{modulus.first, poisson.first, yield.first, hardening.first},
+        second{modulus.second, poisson.second, yield.second, hardening.second};
     law = ContactLaw(entry, first, second, options);
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
     if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
-    scaled = ScaledLaw(law, effective);
+    scaled = effective_radius ? ScaledLaw(law, effective) : ScaledLaw(law, effective, radius.first, radius.second);
     if (line) {
       elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
       scaled = ScaledLaw(law, effective, *elastic);
@@ -314,12 +325,12 @@ PYBIND11_MODULE(_contact_laws, module)
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<LineContact> &>(),
+                    const std::optional<LineContact> &, Two>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
            py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
-           py::arg("line") = py::none())
+           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0))
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")

@@ -34,10 +34,11 @@ class ContactLaw {
       shear_modulus_(granwave::effective_shear_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
       share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0))
   {
-    const double ratio = options.yield_factor * yield_ / modulus_;
+    const double pressure = entry.exact_yield ? ElastoplasticFe::yield_pressure(m1, m2) : options.yield_factor * yield_;
+    const double ratio = pressure / modulus_;
     overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
     force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * power(overlap_per_radius_, 1.5) : INFINITE;
-    normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_});
+    normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_, m1, m2});
     if (entry.is_power()) elastic_.emplace(PowerContact{entry.no_force ? 0.0 : options.constant, options.exponent});
   }
 
@@ -57,30 +58,30 @@ class ContactLaw {
   double force_per_area() const { return force_per_area_; }
 
   bool yields(double peak) const { return peak > entry_->elastic_limit; }
-  double loading(double a, const double *extra) const
+  double loading(double a, const Site &site) const
   {
-    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, extra); });
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading(a, site); });
   }
-  double loading_slope(double a, const double *extra) const
+  double loading_slope(double a, const Site &site) const
   {
-    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_slope(a, extra); });
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_slope(a, site); });
   }
-  double loading_work(double a, const double *extra) const
+  double loading_work(double a, const Site &site) const
   {
-    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, extra); });
+    return a <= 0.0 ? 0.0 : with([&](const auto &law) { return law.loading_work(a, site); });
   }
-  Turning turning(double peak, const double *extra) const
+  Turning turning(double peak, const Site &site) const
   {
-    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, extra); })
-                        : Turning{peak, loading(peak, extra), 0.0, 1.5};
+    return yields(peak) ? with([&](const auto &law) { return law.turning(peak, site); })
+                        : Turning{peak, loading(peak, site), 0.0, 1.5};
   }
-  double dissipated_energy(const Turning &t, const double *extra) const
+  double dissipated_energy(const Turning &t, const Site &site) const
   {
-    return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, extra); }) : 0.0;
+    return yields(t.peak) ? with([&](const auto &law) { return law.dissipated_energy(t, site); }) : 0.0;
   }
-  double area(double a) const
+  double area(double a, const Site &site) const
   {
-    return with([&](const auto &law) { return law.area(a); });
+    return with([&](const auto &law) { return law.area(a, site); });
   }
   bool update(double a, double peak, double *extra) const
   {
@@ -104,6 +105,12 @@ class ContactLaw {
 class ScaledLaw {
  public:
   ScaledLaw() = default;
+  /* Contact of two bodies of these radii; 0 or infinite: a plane. */
+  ScaledLaw(const ContactLaw &law, double effective_radius, double r1, double r2) : ScaledLaw(law, effective_radius)
+  {
+    share1_ = r1 > 0.0 ? effective_radius / r1 : 0.0;
+    share2_ = r2 > 0.0 ? effective_radius / r2 : 0.0;
+  }
   ScaledLaw(const ContactLaw &law, double effective_radius) :
       law_(&law), elastic_(law.elastic()), effective_radius_(effective_radius),
       hertz_(4.0 / 3.0 * law.modulus() * std::sqrt(effective_radius)), overlap_(law.overlap_per_radius() * effective_radius),
@@ -125,6 +132,7 @@ class ScaledLaw {
   double yield_overlap() const { return overlap_; }
   double yield_force() const { return force_; }
 
+  Site site(const double *extra) const { return {extra, share1_, share2_}; }
   bool yielded(double peak) const { return peak > elastic_limit_; }
   double normalised(double overlap) const { return overlap / overlap_; }
 
@@ -160,10 +168,10 @@ class ScaledLaw {
 
   /* ---- contacts that have yielded */
 
-  Turning turning(const LawHistory &h) const { return law_->turning(normalised(h.peak), h.extra); }
+  Turning turning(const LawHistory &h) const { return law_->turning(normalised(h.peak), site(h.extra)); }
   double loading_beyond_yield(double overlap, const double *extra) const
   {
-    return force_ * law_->loading(normalised(overlap), extra);
+    return force_ * law_->loading(normalised(overlap), site(extra));
   }
   double unloading(double overlap, const Turning &t) const { return force_ * t.unloading(normalised(overlap)); }
   double peak_force(const Turning &t) const { return force_ * t.force; }
@@ -173,10 +181,11 @@ class ScaledLaw {
   }
   double dissipated_energy(const Turning &t, const double *extra) const
   {
-    return force_ * overlap_ * law_->dissipated_energy(t, extra);
+    return force_ * overlap_ * law_->dissipated_energy(t, site(extra));
   }
   double stiffness(const Turning &t) const { return force_ / overlap_ * t.slope(); }
-  double loading_circle(double overlap) const { return effective_radius_ * overlap_ * law_->area(normalised(overlap)); }
+  double area(double a) const { return law_->area(a, site(nullptr)); }    // of the contact circle, normalized
+  double loading_circle(double overlap) const { return effective_radius_ * overlap_ * area(normalised(overlap)); }
   double unloading_circle(double overlap, const Turning &t, double area_at_peak) const
   {
     return effective_radius_ * overlap_ * t.area(normalised(overlap), area_at_peak);
@@ -193,7 +202,8 @@ class ScaledLaw {
   double loading_work(double overlap, const double *extra) const
   {
     if (overlap <= 0.0) return 0.0;
-    return yielded(overlap) ? force_ * overlap_ * law_->loading_work(normalised(overlap), extra) : hertz_energy(overlap);
+    return yielded(overlap) ? force_ * overlap_ * law_->loading_work(normalised(overlap), site(extra))
+                            : hertz_energy(overlap);
   }
 
   /* Force at an overlap; beyond the peak that of the loading curve. */
@@ -226,7 +236,7 @@ class ScaledLaw {
     if (overlap <= 0.0) return 0.0;
     if (!yielded(std::max(overlap, h.peak))) return hertz_stiffness(overlap);
     const double a = normalised(overlap);
-    return force_ / overlap_ * (overlap >= h.peak ? law_->loading_slope(a, h.extra) : turning(h).slope(a));
+    return force_ / overlap_ * (overlap >= h.peak ? law_->loading_slope(a, site(h.extra)) : turning(h).slope(a));
   }
   double tangent_stiffness(double overlap, const Turning &t) const
   {
@@ -247,8 +257,7 @@ class ScaledLaw {
     if (overlap <= 0.0) return 0.0;
     if (elastic_) return circle_squared(elastic_->stiffness(overlap));
     if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
-    return overlap >= h.peak ? loading_circle(overlap)
-                             : unloading_circle(overlap, turning(h), law_->area(normalised(h.peak)));
+    return overlap >= h.peak ? loading_circle(overlap) : unloading_circle(overlap, turning(h), area(normalised(h.peak)));
   }
 
   /* The same of an elastic law other than Hertz's, from its stiffness. */
@@ -262,6 +271,7 @@ class ScaledLaw {
   const ContactLaw *law_ = nullptr;
   const ElasticContact *elastic_ = nullptr;
   double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
+  double share1_ = 0.5, share2_ = 0.5;
 };
 
 }    // namespace granwave

@@ -76,10 +76,10 @@ class Elastoplastic : public NormalLaw {
     return std::string(fault_) + where;
   }
 
-  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a); }
+  double loading(double a, const Site &) const { return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a); }
   double loading_beyond_yield(double a) const { return amplitude_ * pressure(a) * area_beyond_yield(a); }
 
-  double loading_slope(double a, const double *) const
+  double loading_slope(double a, const Site &) const
   {
     if (a <= 1.0) return hertz_slope(a);
     const double area = area_beyond_yield(a), limit = constants_.pressure_limit, rate = constants_.pressure_rate;
@@ -88,7 +88,7 @@ class Elastoplastic : public NormalLaw {
     return amplitude_ * (pressure_slope * area + pressure(a) * area_slope);
   }
 
-  double loading_work(double a, const double *) const
+  double loading_work(double a, const Site &) const
   {
     if (a <= 1.0) return hertz_work(a);
     const double joint = constants_.area_switch;
@@ -97,23 +97,23 @@ class Elastoplastic : public NormalLaw {
     return work;
   }
 
-  Turning turning(double peak, const double *extra) const
+  Turning turning(double peak, const Site &site) const
   {
-    Turning t{peak, loading(peak, extra), residual(peak), constants_.unloading_exponent};
+    Turning t{peak, loading(peak, site), residual(peak), constants_.unloading_exponent};
     // just after yield this exponent would return more energy than loading absorbed, but the law must be passive
     if (variant_ == Variant::continuous && peak < settled_)
-      t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, extra) - 1.0);
+      t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, site) - 1.0);
     return t;
   }
 
-  double dissipated_energy(const Turning &t, const double *extra) const
+  double dissipated_energy(const Turning &t, const Site &site) const
   {
     // if the exponent was chosen to return all energy, the difference is rounding
     if (variant_ == Variant::continuous && t.exponent > constants_.unloading_exponent) return 0.0;
-    return energy_lost(loading_work(t.peak, extra), t);
+    return energy_lost(loading_work(t.peak, site), t);
   }
 
-  double area(double a) const { return a <= 1.0 ? a : area_beyond_yield(a); }
+  double area(double a, const Site &) const { return a <= 1.0 ? a : area_beyond_yield(a); }
   /* Without branches (plastic_batch.h). */
   double area_beyond_yield(double a) const
   {
@@ -166,7 +166,7 @@ class Elastoplastic : public NormalLaw {
       else if (before == c.area_switch) peak = c.area_switch * (1.0 + FIRST_STEP);
       else step *= STEP_GROWTH;
       if (peak <= before) continue;
-      const double f = loading(peak, nullptr), r = residual(peak);
+      const double f = loading(peak, {}), r = residual(peak);
       work += step_work(before, peak);
       const double loss = work - f * (peak - r) / (c.unloading_exponent + 1.0), kept = std::max(loss, 0.0);
       if (!(f > force)) fault_ = "the force of loading does not rise";

@@ -21,6 +21,11 @@ AnyLaw make_bilinear(const LawOptions &o, const LawScales &s)
   return Bilinear(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
 }
 
+AnyLaw make_elastoplastic_fe(const LawOptions &o, const LawScales &s)
+{
+  return ElastoplasticFe(s.first, s.second, s.overlap_per_radius, o.fe_constants);
+}
+
 AnyLaw make_thornton(const LawOptions &o, const LawScales &) { return Thornton(o.yield_factor); }
 
 [[noreturn]] void refuse(const std::string &what) { throw std::invalid_argument(what); }
@@ -69,6 +74,7 @@ const std::vector<LawEntry> &law_table()
       {"thornton", 1.0, false, YIELD_FACTOR, 0, make_thornton},
       {"power", INFINITE, false, POWER, 0, make_hertz},
       {"none", INFINITE, false, 0, 0, make_hertz, true},
+      {"elastoplastic-fe", 1.0, true, HARDENING, 0, make_elastoplastic_fe, false, true},
   };
   return TABLE;
 }
@@ -97,12 +103,12 @@ double LawConstants::*law_constant(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage = "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " +
-                            law_names("|", true) +
-                            " E nu sigma_y "
-                            "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
-                            "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
-                            "[beta b], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
+  const std::string usage =
+      "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
+      " E nu sigma_y "
+      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
+      "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
+      "[beta b] [hardening h [h2]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   args.words = words;
@@ -152,6 +158,17 @@ LawArguments parse_law(const std::vector<std::string> &words)
     } else if (key == "beta" && args.law->takes(BETA)) {
       args.options.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
       if (!(args.options.beta >= 0.0 && args.options.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+    } else if (key == "hardening" && args.law->takes(HARDENING)) {
+      const auto tangent = [&](const std::string &word) {
+        const double found = number(word, key);
+        if (!(found >= 0.0 && found < 1.0)) refuse("hardening must lie in [0, 1), found '" + word + "'");
+        return found;
+      };
+      args.first.hardening = tangent(value);
+      if (args.second) {
+        if (k + 2 == words.size()) refuse("hardening needs a value for each of the two materials; " + usage);
+        args.second->hardening = tangent(words[++k + 1]);
+      }
     } else if (key == "constant" && args.law->takes(POWER)) {
       args.options.constant = positive(value, key);
       has_constant = true;

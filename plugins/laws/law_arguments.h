@@ -4,7 +4,7 @@
      hertz|none E nu [E2 nu2]
      power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
-     keywords: friction mu, tangential mindlin_rescale|mindlin, loss time A, loss dashpot alpha, and of the options that the law takes: variant
+     keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu, tangential mindlin_rescale|mindlin, loss time A, loss dashpot alpha, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H

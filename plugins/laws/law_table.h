@@ -6,6 +6,7 @@
 #define GRANWAVE_LAW_TABLE_H
 
 #include "elastoplastic.h"
+#include "elastoplastic_fe.h"
 #include "simple_laws.h"
 
 #include <string>
@@ -20,6 +21,7 @@ struct LawOptions {
   double yield_factor = 1.6, beta = 0.8;
   double constant = 0.0, exponent = 1.5;    // F = constant overlap^exponent
   LawConstants constants;
+  FeConstants fe_constants;    // of elastoplastic-fe, set only where it is fitted
 
   bool operator==(const LawOptions &other) const
   {
@@ -28,16 +30,17 @@ struct LawOptions {
   }
 };
 
-using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton>;
+using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton, ElastoplasticFe>;
 
 /* Scales of a pair of materials, on which a law may depend. */
 struct LawScales {
   double yield_strength;        // of the softer body
   double overlap_per_radius;    // alpha_y / R*
   double force_per_area;        // F_y / R*^2
+  Material first, second;
 };
 
-enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16 };
+enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16, HARDENING = 32 };
 
 struct LawEntry {
   const char *name;
@@ -48,6 +51,7 @@ struct LawEntry {
   int n_extra;                                              // doubles of history beyond the largest overlap
   AnyLaw (*make)(const LawOptions &, const LawScales &);    // Hertz's for a power of the overlap, which has no history
   bool no_force = false;
+  bool exact_yield = false;    // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio
 
   bool yields() const { return elastic_limit < INFINITE; }    // requires the yield strength of at least one body
   bool takes(LawOption option) const { return options & option; }

@@ -14,6 +14,7 @@ constexpr double INFINITE = std::numeric_limits<double>::infinity();
 /* Elastic-perfectly-plastic material; a rigid partner has infinite modulus and yield strength. */
 struct Material {
   double youngs_modulus, poisson_ratio, yield_strength;
+  double hardening = 0.0;    // tangent modulus after yield over Young's modulus; law elastoplastic-fe alone
 };
 
 inline double effective_modulus(const Material &a, const Material &b)

@@ -61,19 +61,26 @@ struct Turning {
   }
 };
 
+/* What a law knows of a contact beyond overlaps: its block of history, and the shares R* / R1 and R* / R2 of both bodies in the
+   relative curvature, 0 of a plane. */
+struct Site {
+  const double *extra = nullptr;
+  double share1 = 0.5, share2 = 0.5;
+};
+
 /* Base of the laws. A law is a class with the functions
 
-       double loading(double a, const double *extra) const              force on the loading branch, a > 0
-       double loading_slope(double a, const double *extra) const        slope of that branch, a > 0
-       double loading_work(double a, const double *extra) const         work of loading from zero overlap, a > 0
-       Turning turning(double peak, const double *extra) const          branch below a peak beyond the elastic limit
-       double dissipated_energy(const Turning &, const double *extra) const     dissipated energy of a contact that has yielded
+       double loading(double a, const Site &) const              force on the loading branch, a > 0
+       double loading_slope(double a, const Site &) const        slope of that branch, a > 0
+       double loading_work(double a, const Site &) const         work of loading from zero overlap, a > 0
+       Turning turning(double peak, const Site &) const          branch below a peak beyond the elastic limit
+       double dissipated_energy(const Turning &, const Site &) const     dissipated energy of a contact that has yielded
 
    and with those below whose defaults do not apply. There are no virtual functions: loading is called in the innermost loop,
    and the table (law_table.h) lists all classes. */
 struct NormalLaw {
   /* Radius of the contact circle on loading, squared, in units of R* alpha_y. */
-  double area(double a) const { return a; }
+  double area(double a, const Site &) const { return a; }
 
   /* Update the block of a contact with overlap a > 0, in every timestep, before its peak is increased. Returns true if the
      block has changed. A second call with the same overlap must not change the block, since runs may be continued. */

@@ -30,8 +30,8 @@ void LoadingBatch::compute(const AnyLaw &any, int begin, int end)
           load(law, end - begin, overlap + begin, force + begin, circle + begin);
         } else {
           for (int m = begin; m < end; m++) {
-            force[m] = law.loading(overlap[m], extra[m]);
-            circle[m] = law.area(overlap[m]);
+            force[m] = law.loading(overlap[m], site[m]);
+            circle[m] = law.area(overlap[m], site[m]);
           }
         }
       },

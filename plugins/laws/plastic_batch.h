@@ -40,7 +40,7 @@ struct PlasticBatch {
 };
 
 struct LoadingBatch : PlasticBatch {
-  const double *extra[CAPACITY];    // further history variables of the laws
+  Site site[CAPACITY];
 
   void compute();
 

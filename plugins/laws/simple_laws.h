@@ -16,11 +16,11 @@ inline double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
 /* Hertzian contact: f = a^1.5 at any overlap, without dissipation. */
 class Hertz : public NormalLaw {
  public:
-  double loading(double a, const double *) const { return hertz_force(a); }
-  double loading_slope(double a, const double *) const { return hertz_slope(a); }
-  double loading_work(double a, const double *) const { return hertz_work(a); }
-  Turning turning(double peak, const double *) const { return {peak, hertz_force(peak), 0.0, 1.5}; }
-  double dissipated_energy(const Turning &, const double *) const { return 0.0; }
+  double loading(double a, const Site &) const { return hertz_force(a); }
+  double loading_slope(double a, const Site &) const { return hertz_slope(a); }
+  double loading_work(double a, const Site &) const { return hertz_work(a); }
+  Turning turning(double peak, const Site &) const { return {peak, hertz_force(peak), 0.0, 1.5}; }
+  double dissipated_energy(const Turning &, const Site &) const { return 0.0; }
 };
 
 /* Bilinear law of Walton and Braun (thesis 4.2): F = k alpha on loading, k = 18.5 sigma_y R*; unloading slope k/(1-beta),
@@ -32,14 +32,11 @@ class Bilinear : public NormalLaw {
   /* `slope` is k alpha_y / F_y. */
   Bilinear(double slope, double beta) : slope_(slope), beta_(beta) {}
 
-  double loading(double a, const double *) const { return slope_ * a; }
-  double loading_slope(double, const double *) const { return slope_; }
-  double loading_work(double a, const double *) const { return 0.5 * slope_ * a * a; }
-  Turning turning(double peak, const double *) const { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
-  double dissipated_energy(const Turning &t, const double *extra) const
-  {
-    return energy_lost(loading_work(t.peak, extra), t);
-  }
+  double loading(double a, const Site &) const { return slope_ * a; }
+  double loading_slope(double, const Site &) const { return slope_; }
+  double loading_work(double a, const Site &) const { return 0.5 * slope_ * a * a; }
+  Turning turning(double peak, const Site &) const { return {peak, slope_ * peak, beta_ * peak, 1.0}; }
+  double dissipated_energy(const Turning &t, const Site &site) const { return energy_lost(loading_work(t.peak, site), t); }
 
  private:
   double slope_, beta_;
@@ -51,25 +48,22 @@ class Thornton : public NormalLaw {
  public:
   explicit Thornton(double yield_factor) : yield_factor_(yield_factor), slope_(1.5 / yield_factor) {}
 
-  double loading(double a, const double *) const { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
-  double loading_slope(double a, const double *) const { return a <= 1.0 ? hertz_slope(a) : slope_; }
+  double loading(double a, const Site &) const { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
+  double loading_slope(double a, const Site &) const { return a <= 1.0 ? hertz_slope(a) : slope_; }
 
-  double loading_work(double a, const double *) const
+  double loading_work(double a, const Site &) const
   {
     return a <= 1.0 ? hertz_work(a) : 0.4 + (a - 1.0) + 0.5 * slope_ * (a - 1.0) * (a - 1.0);
   }
 
-  Turning turning(double peak, const double *extra) const
+  Turning turning(double peak, const Site &site) const
   {
-    const double force = loading(peak, extra);
+    const double force = loading(peak, site);
     const double radius = power(yield_factor_ * (2.0 * force + 1.0) / 3.0, 1.5) / force;    // R*_p / R*
     return {peak, force, peak - power(force / std::sqrt(radius), 2.0 / 3.0), 1.5};
   }
 
-  double dissipated_energy(const Turning &t, const double *extra) const
-  {
-    return energy_lost(loading_work(t.peak, extra), t);
-  }
+  double dissipated_energy(const Turning &t, const Site &site) const { return energy_lost(loading_work(t.peak, site), t); }
 
  private:
   double yield_factor_, slope_;

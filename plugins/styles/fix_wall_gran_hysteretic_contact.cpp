@@ -99,7 +99,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0)
       contact.circle_sq =
-          raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, law.area(turning.peak));
+          raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);

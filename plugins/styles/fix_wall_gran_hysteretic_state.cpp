@@ -90,7 +90,10 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
   LastLaw &last = last_laws[type];
   if (last.radius == radius) return last.scaled;
   last.radius = radius;
-  if (!cylinders || !is_line(i)) return last.scaled = ScaledLaw(law, effective_radius(radius));
+  if (!cylinders || !is_line(i)) {
+    const double effective = effective_radius(radius);
+    return last.scaled = ScaledLaw(law, effective, effective, INFINITE);
+  }
   auto found = lines.find({type, radius});
   if (found == lines.end()) {
     const double length = cylinders->shape(type).length;

@@ -207,7 +207,7 @@ class PairGranHysteretic : public Pair {
   granwave::ScaledLaw scaled_law(int itype, int jtype, double ri, double rj)
   {
     if (is_special(itype, jtype)) return special_law(itype, jtype, ri, rj);
-    return {law(itype, jtype), effective_radius(ri, rj)};
+    return {law(itype, jtype), effective_radius(ri, rj), ri, rj};
   }
   granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)    // of a forgotten contact of sphere i
   {

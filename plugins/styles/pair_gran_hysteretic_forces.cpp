@@ -40,7 +40,7 @@ int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
   if (c.turnings[t].peak < 0.0) {
     c.turnings[t] = contact.turning(law_history(k));
     c.work_lost[t] = -1.0;
-    if (has_friction) c.circle[t] = contact.law().area(c.turnings[t].peak);
+    if (has_friction) c.circle[t] = contact.area(c.turnings[t].peak);
   }
   return t;
 }
@@ -114,7 +114,7 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
     const ScaledLaw &law = batch.pair[m]->contact;
     if (raised >> m & 1) {
       discard_turning(k);
-      loading.extra[loading.add(m, law, batch.overlap[m])] = law_history(k).extra;
+      loading.site[loading.add(m, law, batch.overlap[m])] = law.site(law_history(k).extra);
     } else {
       const int t = cached_turning(k, law);
       unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has_friction ? c.circle[t] : 0.0);

@@ -47,7 +47,7 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
 {
   const ContactLaw &of_types = law(itype, jtype);
   const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
-  if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj));
+  if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj), ri, rj);
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
   if (pair.contact.effective_radius() > 0.0) return pair.contact;
   if (ri == 0.0 || rj == 0.0)

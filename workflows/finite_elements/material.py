@@ -36,12 +36,18 @@ class Elastoplastic:
     poisson_ratio: float
     density: float
     yield_strength: float
+    hardening: float = 0.0  # tangent modulus after yield over Young's modulus
 
     @classmethod
     def of(cls, material: Material) -> Elastoplastic:
         """Make it from the material of a case."""
         limit = math.inf if material.yield_strength is None else material.yield_strength
-        return cls(material.youngs_modulus, material.poisson_ratio, material.density, limit)
+        return cls(material.youngs_modulus, material.poisson_ratio, material.density, limit, material.hardening or 0.0)
+
+    @property
+    def hardening_modulus(self) -> float:
+        """Growth of the yield strength over equivalent plastic strain, Pa."""
+        return self.youngs_modulus * self.hardening / (1 - self.hardening)
 
     @property
     def lame(self) -> tuple[float, float]:

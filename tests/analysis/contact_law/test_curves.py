@@ -53,7 +53,7 @@ def test_area_between_loading_and_unloading_is_what_is_lost(peak, lost):
     assert area["unloading_4"] == pytest.approx(area["reloading_4"], rel=1e-12)
 
 
-@pytest.mark.parametrize("law", ["elastoplastic", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize("law", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"])
 def test_branches_meet_where_unloading_starts(law):
     table = law_table(contact(law), 40)
     top = table["force_N"][table["branch"] == "loading"].max()

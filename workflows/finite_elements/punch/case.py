@@ -93,6 +93,8 @@ class ContinuumCase(ElementCase):
         material: Material | None = parts.get("material")
         if material is not None and material.yield_strength is None:
             errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+        if material is not None and material.hardening:
+            errors.add("material.hardening", f"found {material.hardening:g}, expected none; a block does not harden")
         if punch is not None and not 0 < punch.energy < math.inf:
             errors.add(
                 "punch",

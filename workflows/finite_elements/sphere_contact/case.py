@@ -42,7 +42,7 @@ class Partner:
 class SphereContactRun:
     """``[run]``: largest overlap, unloadings, mesh and speed."""
 
-    max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=0.3, default=0.2)
+    max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=1.0, default=0.2)
     unloadings: int = count(
         "unload-reload cycles, the last from the largest overlap", at_least=0, at_most=1000, default=10
     )
@@ -82,7 +82,9 @@ class SphereContactCase(ElementCase):
     @property
     def identical(self) -> bool:
         """True if both spheres are equal, so that one of them on the plane of symmetry is sufficient."""
-        first, second = ((one.youngs_modulus, one.poisson_ratio, one.yield_strength) for one in self.materials)
+        first, second = (
+            (one.youngs_modulus, one.poisson_ratio, one.yield_strength, one.hardening or 0.0) for one in self.materials
+        )
         return self.radii[0] == self.radii[1] and first == second
 
     @property

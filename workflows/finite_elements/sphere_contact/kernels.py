@@ -48,7 +48,8 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
     x, v
         Positions at the end of the step and displacements in it, (n_nodes, 2), m.
     kind, constants
-        Material index of each element; for each material lambda, mu, yield strength (Pa) and viscosity (Pa step).
+        Material index of each element; for each material lambda, mu, yield strength (Pa), viscosity (Pa step) and
+        hardening modulus (Pa).
 
     Returns
     -------
@@ -58,14 +59,15 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
     f[:, :] = 0.0
     viscous = artificial = 0.0
     for e in range(len(elements)):
-        lam, mu, limit, viscosity = (
+        lam, mu, viscosity, hardening = (
             constants[kind[e], 0],
             constants[kind[e], 1],
-            constants[kind[e], 2],
             constants[kind[e], 3],
+            constants[kind[e], 4],
         )
         n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
         s = state[e]
+        limit = constants[kind[e], 2] + hardening * s[STRAIN]
         # differences over the diagonals, at the end and at the middle of the step
         u_r, u_z = v[n0, 0] - v[n2, 0], v[n0, 1] - v[n2, 1]
         w_r, w_z = v[n1, 0] - v[n3, 0], v[n1, 1] - v[n3, 1]
@@ -105,11 +107,12 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
         back = 1.0
         if square > limit * limit:
             mises = math.sqrt(square)
-            back = limit / mises
+            more = (mises - limit) / (3 * mu + hardening)
+            back = (limit + hardening * more) / mises
             # plastic strain increment (1 - back) d/(2 mu), work by the mean of old and new stress
             before = o_rr * d_rr + o_zz * d_zz + o_tt * d_tt + 2 * o_rz * s_rz
             s[PLASTIC] += 0.5 * (1 - back) / (2 * mu) * (before + back * square / 1.5) * volume
-            s[STRAIN] += (mises - limit) / (3 * mu)
+            s[STRAIN] += more
             s_rr = mean + back * d_rr
             s_zz = mean + back * d_zz
             s_tt = mean + back * d_tt

@@ -97,7 +97,10 @@ class Solver:
         self.kind = np.repeat(np.arange(len(bodies)), [len(body.elements) for body in bodies])
         viscosities = [LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials]
         self._constants = np.array(
-            [(*one.lame, one.yield_strength, drag) for one, drag in zip(materials, viscosities, strict=True)]
+            [
+                (*one.lame, one.yield_strength, drag, one.hardening_modulus)
+                for one, drag in zip(materials, viscosities, strict=True)
+            ]
         )
         self.motion = np.zeros((4, *nodes.shape))
         self.motion[0] = nodes

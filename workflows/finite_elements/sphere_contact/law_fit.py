@@ -1,0 +1,152 @@
+"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, and its errors.
+
+    python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER]
+
+prints the largest errors, and with HEADER (elastoplastic_fe_constants.h of the plugin) fits first, from the present
+constants on, and writes it. Two equal spheres to great depth stand for one on a rigid flat.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from granwave._contact_laws import ContactLaw
+from granwave.workflows.finite_elements.sphere_contact.law_table import TABLE, contacts
+
+Array = NDArray[np.float64]
+
+LAW = "elastoplastic-fe"
+_DEEPEST = 0.205  # over R*, of the points that count
+_LEADING = 2.0  # points count from this overlap over that at first yield in the fit, and from 1 in the errors
+_POWERS = (2, 4, 6)  # of the errors whose sum is made small, one after the other
+_CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
+
+
+class Measured:
+    """A contact of the table: points of loading and unloadings in units of R* and E* R*^2."""
+
+    def __init__(self, name: str, values: Mapping[str, float], rows: pd.DataFrame) -> None:
+        self.name, self.held = name, name.startswith("held")
+        rigid, nu, radius = (
+            "deepest" in values,
+            values["nu"],
+            math.inf if "deepest" in values else values.get("radius", 1.0),
+        )
+        modulus = math.inf if rigid else values.get("modulus", 1.0)
+        strength = math.inf if rigid else values.get("strength", 1.0)
+        hardening = values["hardening"]
+        self.bodies = {
+            "youngs_modulus": (1.0, modulus),
+            "poisson_ratio": (nu, 0.0 if rigid else values.get("nu2", nu)),
+            "yield_strength": (1 / values["ratio"], strength / values["ratio"]),
+            "radius": (1.0, radius),
+            "hardening": (hardening, 0.0 if math.isinf(strength) else values.get("hardening2", hardening)),
+        }
+        law = self.law(LAW)
+        size, unit = law.effective_radius, law.effective_modulus * law.effective_radius**2
+        length, force = (size / 4, unit / 8) if rigid else (size, unit)
+        rows = rows.assign(overlap=rows["overlap"] * length, residual=rows["residual"] * length)
+        rows = rows.assign(force=rows["force"] * force)[rows["overlap"] <= _DEEPEST * size]
+        self.start = law.yield_overlap
+        loading, unloading = (rows[rows["branch"] == name] for name in ("loading", "unloading"))
+        loading = loading[loading["overlap"] > self.start]
+        self.overlap, self.force = (loading[name].to_numpy() for name in ("overlap", "force"))
+        self.peak, self.peak_force, self.residual, self.exponent = (
+            unloading[name].to_numpy() for name in ("overlap", "force", "residual", "exponent")
+        )
+
+    def law(self, name: str, constants: Mapping[str, float] | None = None) -> ContactLaw:
+        """Return a law of this contact; one without hardening leaves that out."""
+        return ContactLaw(law=name, constants=dict(constants or {}), **self.bodies)
+
+    def loading_errors(self, law: ContactLaw) -> Array:
+        """Return the errors of the force on loading over that of finite elements."""
+        return np.asarray(law.loading_force(self.overlap) / self.force - 1)
+
+    def unloading_errors(self, law: ContactLaw) -> Array:
+        """Return the largest errors of the shares of the peak force on unloading, (n_unloadings,)."""
+        found = []
+        for peak, residual, exponent in zip(self.peak, self.residual, self.exponent, strict=True):
+            overlap = np.linspace(residual, peak, 60)
+            wanted = ((overlap - residual) / (peak - residual)) ** exponent
+            found.append(np.abs(law.force(overlap, peak) / law.loading_force(peak) - wanted).max())
+        return np.array(found)
+
+    def of_unloading(self, law: ContactLaw) -> Array:
+        """Return differences of elastic recovery, relative, and of half the exponent from finite elements."""
+        recovery = (self.peak - law.residual_overlap(self.peak)) / law.loading_force(self.peak) ** (2 / 3)
+        wanted = (self.peak - self.residual) / self.peak_force ** (2 / 3)
+        return np.concatenate([recovery / wanted - 1, 0.5 * (law.unloading_exponent(self.peak) - self.exponent)])
+
+
+def measured() -> list[Measured]:
+    """Return the contacts of the table."""
+    table = pd.read_csv(TABLE)
+    return [Measured(name, values, table[table["contact"] == n]) for n, (name, values) in enumerate(contacts().items())]
+
+
+def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
+    """Return the constants of the law: of loading first, then those of unloading, whose names are r and n."""
+    constants, used = dict(start), [one for one in found if not one.held]
+    groups = [[name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back] for back in (False, True)]
+    for names, powers in zip(groups, (_POWERS, _POWERS[:2]), strict=True):
+        for power in powers:
+
+            def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
+                trial = constants | dict(zip(names, map(float, x), strict=True))
+                laws = [(one, one.law(LAW, trial)) for one in used]
+                parts = [one.loading_errors(law)[one.overlap > _LEADING * one.start] if names is groups[0]
+                         else one.of_unloading(law) for one, law in laws]  # fmt: skip
+                scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
+                return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
+
+            x = np.array([constants[name] for name in names])
+            solved = least_squares(errors, x, x_scale=np.maximum(np.abs(x), 0.05), max_nfev=40)
+            constants.update(zip(names, map(float, solved.x), strict=True))
+    return constants
+
+
+def errors(found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """Return for each kind of contact the largest error of loading by range of the overlap, and of unloading, per cent.
+
+    ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings within 5 %.
+    """
+    rows = []
+    for kind in dict.fromkeys(one.name.partition("_")[0] for one in found):
+        laws = [(one, one.law(name, constants)) for one in found if one.name.startswith(kind)]
+        at = np.concatenate([one.overlap / one.start for one, _ in laws])
+        loading = np.concatenate([one.loading_errors(law) for one, law in laws])
+        back = np.concatenate([one.unloading_errors(law) for one, law in laws])
+        ranges = {f"{low:g}-{high:g}": (at > low) & (at <= high) for low, high in ((1, 10), (10, 100), (100, math.inf))}
+        worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
+        rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
+                     "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean()})  # fmt: skip
+    return pd.DataFrame(rows).set_index("contacts")
+
+
+def main() -> None:
+    """Fit if a header is named, and print the errors of this law and of the default one."""
+    found, constants = measured(), None
+    if len(sys.argv) > 1:
+        path = Path(sys.argv[1])
+        text = path.read_text(encoding="utf-8")
+        fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
+        constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
+        path.write_text(
+            _CONSTANT.sub(lambda one: f"  double {one[1]} = {constants[one[1]]!r};", text), encoding="utf-8"
+        )
+    for name, of_law in ((LAW, constants), ("elastoplastic", None)):
+        print(f"{name}\n{errors(found, name, of_law).round(1).to_string()}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,217 @@
+"""Finite-element contacts that the law ``elastoplastic-fe`` is fitted to, and their table.
+
+    python -m granwave.workflows.finite_elements.sphere_contact.law_table DIR [--worker K/N]    runs what DIR lacks
+
+leaves a file for each contact in DIR, is stopped and called again at will, and at the end writes ``law_table.csv``
+beside this module: contacts by their number in `contacts`, from 0. Lengths are in units of R*, forces of
+E* R*^2. Each contact is unloaded from several depths; after each, loading goes on from a copy of the state before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from granwave.lammps_inputs.files import replacing
+from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
+from granwave.workflows.finite_elements.sphere_contact.deviations import LOADING, UNLOADING
+from granwave.workflows.finite_elements.sphere_contact.run import ContactRun
+
+_MODULUS, _RADIUS = 1e11, 0.01  # Pa, m: of the first sphere; results do not depend on them
+TABLE = Path(__file__).with_name("law_table.csv")
+_DEEPEST = 0.22  # over R*
+_FLAT = 100.0  # radius ratio that counts as a flat
+_ELEMENTS = 2000  # of each body
+_FIRST_PEAK, _PEAKS = 2.0, 6  # overlap of the first unloading over that at first yield; number of unloadings
+_POINTS, _SMOOTHED = (
+    32,
+    0.12,
+)  # points of loading in the table; width of their smoothing, in the logarithm of the overlap
+_FEWEST = 20  # entries of an unloading
+
+
+def contacts() -> dict[str, dict[str, float]]:
+    """Return the contacts by name.
+
+    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and of the second its
+    ``radius, modulus, strength`` over those of the first, ``nu2``, ``hardening2``; equal ones are left out. Names that
+    begin with ``held`` do not enter the fit. Two equal
+    spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
+    """
+    found: dict[str, dict[str, float]] = {}
+
+    def add(kind: str, **values: float) -> None:
+        found[kind + "".join(f"_{name}{value:g}" for name, value in values.items())] = values
+
+    for nu, ratio in itertools.product((0.0, 0.3, 0.45), (50, 200, 1000)):
+        for hardening in (0.0, 0.03, 0.1):
+            add("equal", nu=nu, ratio=ratio, hardening=hardening)
+    for nu, ratio, hardening in [(0.3, 50, 0.0), (0.3, 200, 0.0), (0.3, 1000, 0.0), (0.3, 200, 0.05), (0.45, 100, 0.0),
+                                 (0.0, 100, 0.0), (0.3, 50, 0.1)]:  # fmt: skip
+        add("rigid", nu=nu, ratio=ratio, hardening=hardening, deepest=4 * _DEEPEST)
+    for radius, ratio, hardening in itertools.product((3, _FLAT), (50, 200, 1000), (0.0, 0.05)):
+        add("radii", nu=0.3, ratio=ratio, hardening=hardening, radius=radius)
+    for radius, ratio in itertools.product((0.1, 1 / 3, 1, 3, _FLAT), (100, 500)):
+        add("unlike", nu=0.3, ratio=ratio, hardening=0.0, radius=radius, modulus=2.0, strength=np.inf)
+    for radius, modulus in itertools.product((1 / 3, 1, 3), (0.5, 2.0)):
+        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=radius, modulus=modulus, strength=1.3)
+    for ratio in (100, 500):
+        for nu in (0.0, 0.15, 0.3, 0.45):
+            if nu == 0.15 or ratio != 200:
+                add("equal", nu=nu, ratio=ratio, hardening=0.0)
+    for ratio in (50, 200, 1000):
+        add("equal", nu=0.15, ratio=ratio, hardening=0.0)
+        add("equal", nu=0.3, ratio=ratio, hardening=0.01)
+        add("radii", nu=0.3, ratio=ratio, hardening=0.0, radius=10)
+    for nu, radius in itertools.product((0.0, 0.45), (3, _FLAT)):
+        add("radii", nu=nu, ratio=200, hardening=0.0, radius=radius)
+    for strength in (1.15, 1.6):
+        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=1, strength=strength)
+    for radius in (1 / 3, 1, 3):
+        add("unlike", nu=0.3, ratio=200, hardening=0.05, radius=radius, modulus=2.0, strength=2.0)
+    for nu2 in (0.15, 0.45):
+        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=1, modulus=5.0, strength=np.inf, nu2=nu2)
+    add("held", nu=0.22, ratio=140, hardening=0.0)
+    add("held", nu=0.38, ratio=330, hardening=0.05)
+    add("held", nu=0.1, ratio=70, hardening=0.015)
+    add("held", nu=0.35, ratio=800, hardening=0.0)
+    add("held", nu=0.33, ratio=260, hardening=0.02, radius=2)
+    add("held", nu=0.25, ratio=120, hardening=0.0, radius=5)
+    add("held", nu=0.2, ratio=300, hardening=0.02, deepest=4 * _DEEPEST)
+    add("held", nu=0.28, ratio=400, hardening=0.04, radius=_FLAT)
+    add("held", nu=0.4, ratio=80, hardening=0.0, radius=_FLAT)
+    add("held", nu=0.3, ratio=209.1, hardening=0.0, radius=1, modulus=1.826, strength=1.273)  # brass and steel
+    add("held", nu=0.33, ratio=260, hardening=0.0, radius=2, modulus=3.0, strength=2.5, nu2=0.28)
+    add("held", nu=0.3, ratio=150, hardening=0.03, radius=0.5, modulus=1.5, strength=4.0)
+    add("held", nu=0.2, ratio=300, hardening=0.0, radius=0.2, modulus=2.0, strength=np.inf)
+    return found
+
+
+def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
+    """Return the case of a contact of `contacts`."""
+    nu, ratio, radius = values["nu"], values["ratio"], values.get("radius", 1.0)
+    first = {
+        "youngs_modulus": _MODULUS, "poisson_ratio": nu, "density": 1e4, "yield_strength": _MODULUS / ratio,
+        "hardening": values["hardening"],
+    }  # fmt: skip
+    second = first | {
+        "youngs_modulus": _MODULUS * values.get("modulus", 1.0),
+        "poisson_ratio": values.get("nu2", nu),
+        "hardening": values.get("hardening2", values["hardening"]),
+    }
+    strength = values.get("strength", 1.0)
+    second["yield_strength"] *= strength
+    if np.isinf(strength):
+        del second["yield_strength"], second["hardening"]
+    tables: dict[str, Any] = {
+        "name": "contact", "material": first, "sphere": {"radius": _RADIUS},
+        "partner": {"radius": _RADIUS * radius, "material": second},
+    }  # fmt: skip
+    bodies = 1 if first == second and radius == 1 else 2
+    tables["run"] = {
+        "max_overlap": values.get("deepest", _DEEPEST),
+        "unloadings": _PEAKS,
+        "elements": bodies * _ELEMENTS,
+    }
+    return SphereContactCase.from_dict(tables)
+
+
+class TableRun(ContactRun):
+    """Run that unloads from several depths and goes on from each without reloading."""
+
+    def _cycle(self, cycle: int, *, last: bool) -> None:
+        solver, rate = self.solver, self._unloading_rate()
+        parts = [solver.motion, solver.state, solver.tally, solver.mass, *(one.gaps for one in solver._surfaces)]
+        before = [part.copy() for part in parts]
+        every = max(1, round(self._way / 100))
+        while solver.rate > 0:
+            solver.advance(max(1, every // 5), -rate)
+            self._enter(UNLOADING, cycle)
+        while solver.force > 0:
+            solver.advance(every, -rate)
+            self._enter(UNLOADING, cycle)
+        for part, old in zip(parts, before, strict=True):
+            part[:] = old
+
+
+def run(name: str, values: dict[str, float], path: Path) -> None:
+    """Run a contact and write its history: branch, cycle, overlap, force, contact radius."""
+    case = case_of(name, values)
+    found = TableRun(case)
+    found.integrate()
+    history, radius, modulus = found.history, case.law.effective_radius, case.law.effective_modulus
+    table = pd.DataFrame({
+        "branch": history["branch"], "cycle": history["cycle"], "overlap": history["overlap"] / radius,
+        "force": history["force"] / (modulus * radius**2), "contact_radius": history["contact_radius"] / radius,
+        "kinetic": history["kinetic"] / (history["elastic"] + history["plastic"]),
+    })  # fmt: skip
+    if found.end_reason != "done":
+        table = table.iloc[:0]
+    with replacing(path) as scratch:
+        table.to_csv(scratch, index=False, float_format="%.6g")
+
+
+def reduce(directory: Path) -> pd.DataFrame:
+    """Return the table of the contacts in a directory: points of loading, and the unloadings.
+
+    Loading is smoothed over the steps by which the contact grows from node to node. An unloading has the residual
+    overlap and the exponent of its curve, and the largest deviation from that curve over the largest force.
+    """
+    rows: list[tuple[Any, ...]] = []
+    for number, (name, values) in enumerate(contacts().items()):
+        history = pd.read_csv(directory / f"{name}.csv")
+        first = case_of(name, values).contact_law("elastoplastic-fe")
+        start = first.yield_overlap / first.effective_radius
+        loading = history[(history["branch"] == LOADING) & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
+        x, y = np.log(loading["overlap"].to_numpy()), np.log((loading["force"] / loading["overlap"]).to_numpy())
+        for at in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
+            weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
+            near = weight > 0.03
+            level = np.polyfit(x[near] - math.log(at), y[near], 2, w=weight[near])[-1]
+            rows.append((number, "loading", at, at * math.exp(level), "", "", ""))
+        for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
+            part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
+            part = part[part["force"] > 0]
+            overlap, share = part["overlap"].to_numpy(), part["force"].to_numpy() / part["force"].iloc[0]
+            if len(part) < _FEWEST:
+                continue
+
+            def misfit(found: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share) -> np.ndarray:
+                scaled = (overlap / overlap[0] - found[0]) / (1 - found[0])
+                return np.asarray(np.clip(scaled, 1e-9, None) ** found[1] - share)
+
+            fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
+            rows.append((number, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
+                         np.abs(fitted.fun).max()))  # fmt: skip
+    return pd.DataFrame(rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"])
+
+
+def main() -> None:
+    """Run the contacts whose files are not there."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("--worker", default="0/1", help="K/N: every Nth contact from the Kth")
+    parser.add_argument("--most", type=int, default=10**6, help="how many contacts to run")
+    options = parser.parse_args()
+    options.directory.mkdir(parents=True, exist_ok=True)
+    k, n = map(int, options.worker.split("/"))
+    mine = [one for m, one in enumerate(contacts().items()) if m % n == k]
+    paths = [(name, values, options.directory / f"{name}.csv") for name, values in mine]
+    for name, values, path in [one for one in paths if not one[-1].exists()][: options.most]:
+        run(name, values, path)
+        print(name, flush=True)
+    if all((options.directory / f"{name}.csv").exists() for name in contacts()):
+        with replacing(TABLE) as scratch:
+            table = reduce(options.directory)
+            table.map(lambda one: f"{one:.5g}" if isinstance(one, float) else one).to_csv(scratch, index=False)
+
+
+if __name__ == "__main__":
+    main()
