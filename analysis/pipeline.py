@@ -1,4 +1,4 @@
-"""From the dumps of a run to everything that is made of them: result.h5, summary.json and the figures."""
+"""Analysis of a run: result.h5, summary.json and the figures, from what LAMMPS wrote."""
 
 from __future__ import annotations
 

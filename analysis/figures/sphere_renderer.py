@@ -255,7 +255,7 @@ def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach
 
 
 def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
-    """Do the same for one pixel of all spheres at a time: fast for many small ones."""
+    """Draw one pixel of all spheres at a time: fast for many small ones."""
     flat = front.ravel()
     base = np.floor(place).astype(np.int64)
     part = (place - base).astype(np.float32)

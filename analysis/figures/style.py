@@ -327,7 +327,7 @@ class FigureFolder:
         self.place(files_of(draw, name, formats), name)
 
     def place(self, files: Mapping[str, bytes] | None, name: str) -> None:
-        """Do the same with the contents of files by suffix, as of `contents`."""
+        """Save a figure from the contents of its files by suffix, as `contents` returns them."""
         if files is None:
             self.remove(name)
             return

@@ -1,4 +1,4 @@
-"""What reaches the target, the bottom of a packing, and the same impact directly on it, without the packing.
+"""Force and motion of the target, the bottom of a packing, and the same impact directly on it, without the packing.
 
 The ground is what the target itself rests on: the force on it is that out of the last spring or damper, and the force
 on the target where that does not move.
@@ -152,7 +152,7 @@ class Impactors:
 
     @cached_property
     def largest_overlap(self) -> float:
-        """On a plane that does not move, m: all of the energy has become work of the contact."""
+        """Overlap on a plane that does not move when all of the energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
         from scipy.optimize import brentq  # takes longer to load than many a figure to draw

@@ -114,7 +114,7 @@ def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[
 
 
 def all_but(case: Case, *left_out: str) -> str:
-    """Everything of a case but some tables or keys, as text: equal for cases that differ in nothing else.
+    """Text of a case without some tables or keys: equal for cases that differ in nothing else.
 
     How long and how finely a run was followed does not count.
 

@@ -86,7 +86,7 @@ class SupportBar:
 
 @dataclasses.dataclass(frozen=True)
 class Backing:
-    """What is behind a plane, along its normal: a node on a spring and a damper, or a bar of lumped masses.
+    """Support behind a plane, along its normal: a node on a spring and a damper, or a bar of lumped masses.
 
     Attributes
     ----------

@@ -80,7 +80,11 @@ def check_places(case: Case, errors: ErrorList) -> None:
         other = np.array([tuple(pair) not in at_ends for pair in pairs.tolist()], dtype=bool)
         pairs, overlaps = pairs[other], overlaps[other]
     if not len(pairs):
-        return
+        return errors.check(
+            (stage is not None and stage.kind == "overlaps" and packing.cell is None, "precompression.kind",
+             'found "overlaps" with grains that do not overlap, expected at least two that do; move them together, or '
+             'take another kind, such as "walls"'),
+        )  # fmt: skip
     if stage is not None and stage.takes_overlaps:
         shared = 2 / (2 / grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
         worst = int(np.argmax(overlaps / shared))

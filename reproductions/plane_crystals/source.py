@@ -54,7 +54,7 @@ def relaxed(time):
 
 
 def impulse_lost(duration):
-    """By how much the impulse of a half-sine pulse of strain is less than at the modulus of time 0, per cent."""
+    """Impulse that a half-sine pulse of strain lacks of that at the modulus of time 0, per cent."""
     time = np.linspace(0.0, duration, 4001)
     strain, rate = np.sin(np.pi * time / duration), np.pi / duration * np.cos(np.pi * time / duration)
     added, stress = np.append(0.0, 0.5 * (rate[1:] + rate[:-1])) * time[1], LONG * strain

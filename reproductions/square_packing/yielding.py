@@ -13,7 +13,7 @@ COLOURS = COLOURS | {"edge chains": "black"}
 
 
 def select(runs):
-    """By way of impact, in rising order of the striker's velocity."""
+    """Select the runs by way of impact, in rising order of the striker's velocity."""
     packings = sorted(
         (Packing(run) for run in runs if run.case.contact.law == "elastoplastic"), key=lambda one: one.speed
     )

@@ -127,5 +127,5 @@ def summary_of(case: Case) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """As the engine writes it."""
+    """Write a file as the engine does."""
     path.write_text(json.dumps(content), encoding="utf-8")

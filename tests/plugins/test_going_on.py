@@ -90,7 +90,7 @@ RUNS = {
 
 
 def resumed(script: str, restart: Path) -> str:
-    """What goes on from a restart file, which holds spheres, groups and pair style: the rest of the script."""
+    """Script that goes on from a restart file, which holds spheres, groups and pair style."""
     words = ("neigh", "fix", "unfix", "compute", "thermo", "timestep", "variable")
     rest = [line for line in script.splitlines() if line.startswith(words)]
     head = ["newton off", "atom_modify map yes", *re.findall("comm_modify vel yes", script), f"read_restart {restart}"]

@@ -1,4 +1,4 @@
-"""What a search leaves: the checks of the best design, the cases of the best, design.json and the report."""
+"""Files of a finished search: the checks of the best design, the cases of the best, design.json and the report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is searched for: a base case with variables, limits and objectives, and the cases of its designs."""
+"""Problem of a search: a base case with variables, limits and objectives, and the cases of its designs."""
 
 from __future__ import annotations
 

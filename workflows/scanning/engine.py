@@ -136,7 +136,7 @@ class SlurmJobs(Jobs):
         self._reported: set[str] = set()  # reasons of pending jobs
 
     def running(self) -> bool:
-        """As of all jobs, from time to time."""
+        """Do so for all jobs at once, from time to time; return the answer of the last time in between."""
         if time.monotonic() > self._asked + _QUEUE_POLL:
             self._unended, self._asked = super().running(), time.monotonic()
         return self._unended

@@ -23,7 +23,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 
 def title(runs: Sequence[TargetRun]) -> str:
-    """By packing and impact."""
+    """Title with packing and impact."""
     return f"Protected target, by bottom: {impact_title(runs[0].case)}"
 
 
@@ -104,7 +104,7 @@ def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
 
 
 def _cut(run: TargetRun) -> str:
-    """By how much, from where to where, and on what."""
+    """Reduction of the peak force, both forces, and the bottom, in words."""
     keys = ("peak_reduction", "unprotected_peak_force_N", "wall_peak_force_N")
     times, before, after = (number(run.value(key)) for key in keys)
     return f"{times} times ({before} to {after} N: {run.bottom})"

@@ -29,7 +29,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 
 def title(runs: Sequence[TargetRun]) -> str:
-    """By sphere and impact."""
+    """Title with sphere and impact."""
     return f"Protected target, closed forms: {impact_title(runs[0].case)}"
 
 

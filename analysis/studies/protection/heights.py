@@ -36,7 +36,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[list[TargetRun]]]:
 
 
 def title(found: AllSeries) -> str:
-    """By packing and impact."""
+    """Title with packing and impact."""
     return f"Protected target, by height: {impact_title(found[0][0].case, height=False)}"
 
 

@@ -161,7 +161,7 @@ def names(runs: Sequence[TargetRun]) -> list[str]:
 
 
 def _impact(run: FinishedRun) -> str:
-    """Everything but the bottom, the height and friction."""
+    """Text of all of the impact but the bottom, the height and friction."""
     size = run.case.packing.size
     varying = "packing.size", "boundary.bottom", "boundary.friction", "contact.friction"
     return f"{size[:2] if len(size) == 3 else ()} {all_but(run.case, *varying)}"

@@ -67,7 +67,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
 
 
 def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
-    """By height, friction and mass of the plate."""
+    """Group the runs by height, friction and mass of the plate."""
     groups: dict[tuple, list[tuple[float, TargetRun]]] = {}
     for run in runs:
         plate = run.plate
@@ -86,7 +86,7 @@ def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
 
 
 def title(found: Sequence[Spectrum]) -> str:
-    """By packing and impact."""
+    """Title with packing and impact."""
     one_height = len({one.held.layers for one in found}) == 1
     return f"Protected target, shock spectrum: {impact_title(found[0].held.case, height=one_height)}"
 

@@ -55,12 +55,12 @@ class Quantity:
 
     @property
     def title(self) -> str:
-        """For an axis of a figure."""
+        """Title of an axis of a figure."""
         return f"{self.words.capitalize()} ({self.unit})" if self.unit else self.words.capitalize()
 
     @property
     def worse(self) -> str:
-        """How a value that protects less lies."""
+        """Side on which a value protects less."""
         return "higher" if self.better == "less" else "lower"
 
     def of(self, setting: Setting) -> float:

@@ -71,7 +71,7 @@ def name(packing: Packing) -> str:
 
 
 def title(packing: Packing) -> str:
-    """By packing and impact."""
+    """Title with packing and impact."""
     return f"Tolerances: {packing.title}" + ("" if packing.label in packing.title else packing.suffix)
 
 

@@ -1,4 +1,4 @@
-"""From one solitary wave to a train.
+"""Pulses from one solitary wave to a train.
 
 A steady force on the first of 180 elastic beads, for five durations at each of four amplitudes. A pulse is a train
 if the second peak at contact 63 is at least 1 % of the first; the critical duration is interpolated between two
