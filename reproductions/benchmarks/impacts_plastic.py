@@ -1,0 +1,124 @@
+"""Restitution of metal spheres against velocity, beside formulas.
+
+Two equal brass spheres, 0.01 to 100 m/s, with the elasto-plastic law and with that of C. Thornton (J. Appl. Mech.
+64 (1997) 383: elastic, perfectly plastic). Thornton's formula is the integral of his law, in which contacts yield
+and flow at one pressure: a yield factor of 1. With a factor of 1.6 ours yields at 1.6 times the strength and flows
+at the strength, as the thesis has it; that returns less. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a
+constant dynamic pressure of 3 times the yield strength and elastic unloading after Hertz; then restitution falls
+with the power -1/4 of the velocity. His formula is no guide where contacts are hardly yielding. Fits to
+finite elements and measurements of others are left out: their numbers could not be had in print.
+"""
+
+import math
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import granwave as gw
+
+JOHNSON, THORNTON = "Johnson 1985, 11.3", "Thornton 1997"
+LAWS = ("elastoplastic", "thornton", "thornton of 1997")
+THESIS = "Yields at 1.6 times the strength, flows at the strength: a softer unloading than that of the paper."
+SOFTER = "Pressure rises slowly from 1.6 to 2.5 times the strength; Johnson's is 3 at once."
+DEEP = "Its pressure is not constant, and the dent unloads with an exponent of its own."
+
+
+def name_of(case):
+    """Name of the law of a case."""
+    return LAWS[2] if case.contact.yield_factor == 1 else case.contact.law
+
+
+class Curve:
+    """Restitution against velocity of a law, and by the formulas."""
+
+    def __init__(self, law, runs):
+        chosen = sorted((run.case.load.velocity, run["restitution"]) for run in runs if name_of(run.case) == law)
+        self.law, (self.velocity, self.restitution) = law, np.array(chosen).T
+        case = next(run.case for run in runs if run.case.contact.law == "elastoplastic")
+        self.material, self.radius, self.mass = case.material, case.packing.diameter / 4, case.sphere_mass / 2
+        self.modulus = self.material.youngs_modulus / (2 * (1 - self.material.poisson_ratio**2))
+
+    def at_yield(self):
+        """Velocity at which the pressure of Hertz reaches 1.6 times the yield strength, m/s."""
+        pressure = 1.6 * self.material.yield_strength
+        return 3.194 * math.sqrt(pressure**5 * self.radius**3 / (self.modulus**4 * self.mass))
+
+    def thornton(self):
+        """Thornton's formula; 1 below the velocity of yield."""
+        ratio = np.minimum(self.at_yield() / self.velocity, 1.0)
+        tail = ratio / (ratio + 2 * np.sqrt(1.2 - 0.2 * ratio**2))
+        return np.sqrt(1.2 * math.sqrt(3) * (1 - ratio**2 / 6) * np.sqrt(tail))
+
+    def johnson(self):
+        """Johnson's formula."""
+        pressure = 3 * self.material.yield_strength
+        energy = 0.5 * self.mass * self.velocity**2 / (pressure * self.radius**3)
+        return np.sqrt(0.3 * math.pi**1.25 * 4**0.75 * pressure / self.modulus * energy**-0.25)
+
+    def slope(self, first, last):
+        """Power of the velocity between two velocities."""
+        within = (self.velocity >= 0.99 * first) & (self.velocity <= 1.01 * last)
+        return np.polyfit(np.log(self.velocity[within]), np.log(self.restitution[within]), 1)[0]
+
+
+def measured(runs):
+    return [Curve(law, runs) for law in LAWS]
+
+
+def rows(runs):
+    own, thesis, thornton = measured(runs)
+    for at in (2, 4, 6, 8, 10, 12):
+        yield gw.Row(
+            f"Restitution at {thornton.velocity[at]:.3g} m/s, yield factor 1",
+            ours=thornton.restitution[at],
+            theory=thornton.thornton()[at],
+            where=THORNTON,
+            verification=True,
+        )
+    for at in (4, 8, 12):
+        yield gw.Row(
+            f"Restitution at {thesis.velocity[at]:.3g} m/s, law thornton, yield factor 1.6",
+            theory=thesis.thornton()[at],
+            ours=thesis.restitution[at],
+            where=THORNTON,
+            remark=THESIS,
+        )
+    for at in (8, 10, 12):
+        yield gw.Row(
+            f"Restitution at {own.velocity[at]:.3g} m/s, elasto-plastic law",
+            ours=own.restitution[at],
+            theory=own.johnson()[at],
+            where=JOHNSON,
+            remark=SOFTER,
+        )
+    for first, last in ((1, 10), (10, 100)):
+        for one in (own, thesis, thornton):
+            yield gw.Row(
+                f"Power of restitution, {first} to {last} m/s, {one.law}",
+                ours=one.slope(first, last),
+                theory=-0.25,
+                where=f"{JOHNSON}, similarity",
+                remark=DEEP if one is own else "",
+            )
+
+
+def pictures(runs):
+    own, thesis, thornton = measured(runs)
+    figure = Figure((4.6, 3.2), layout="constrained")
+    axes = figure.subplots()
+    axes.loglog(own.velocity, own.restitution, "C0o-", markersize=4, label="elasto-plastic law")
+    axes.loglog(thornton.velocity, thornton.restitution, "C1s", markersize=4, label="law thornton, yield factor 1")
+    axes.loglog(thesis.velocity, thesis.restitution, "C2^", markersize=4, label="law thornton, yield factor 1.6")
+    axes.loglog(thornton.velocity, thornton.thornton(), "C1", linewidth=0.9, label="Thornton's formula")
+    beyond = own.johnson() <= 1
+    axes.loglog(own.velocity[beyond], own.johnson()[beyond], "0.5", linewidth=0.9, label="Johnson's formula")
+    axes.set(xlabel="Velocity (m/s)", ylabel="Restitution")
+    axes.legend(fontsize=8)
+    data = {"velocity_m_s": own.velocity, "restitution": own.restitution, "johnson": own.johnson()}
+    data |= {"thornton_law": thornton.restitution, "thornton_formula": thornton.thornton()}
+    data["thornton_law_factor_1.6"] = thesis.restitution
+    caption = (
+        "Restitution of two brass spheres of 10 mm against velocity. Thornton's law is his formula where yield and "
+        "flow have one pressure; the elasto-plastic law comes near the power -1/4 beyond 10 m/s only"
+    )
+    yield gw.Picture("", caption, figure, data)
