@@ -62,7 +62,7 @@ class Snapshots:
     friction
         Largest coefficient of friction of grains and of walls.
     strikers
-        True for strikers, which pass walls: (n,).
+        True for strikers that pass walls: (n,).
 
     Raises
     ------
@@ -111,7 +111,7 @@ class Snapshots:
     def _read_grains(self, result: Result) -> None:
         self.ids = result["particles/spheres/id"].astype(np.int64)
         self.radius = result["particles/spheres/radius"]
-        self.strikers = self.ids > result.assembly.lattice.n_spheres
+        self.strikers = np.isin(self.ids, result.assembly.passing)
         kinds = result["particles/spheres/species"].tolist()
         materials = [result.assembly.species[kind - 1].material for kind in kinds]
         self.density = np.array([material.density for material in materials])

@@ -134,6 +134,11 @@ class Striker:
         unit=_OFFSET,
         default=(0.0, 0.0, 0.0),
     )
+    walls: bool | None = schema.choice(
+        "true: the planes at the bottom and the sides hold the striker too; it passes them by default",
+        (True, False),
+        default=None,
+    )
     shape: str | None = schema.choice("shape of the striker; a sphere by default", SHAPES, default=None)
     length: float | None = length_field()
     axis: Vector | None = schema.custom(

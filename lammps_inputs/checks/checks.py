@@ -18,9 +18,10 @@ from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
+from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import held_ids, struck_of
 from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
-from granwave.lammps_inputs.packing.walls import untouched
+from granwave.lammps_inputs.packing.walls import untouched, walls
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least
@@ -88,6 +89,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     packing.check_dents(assembly, errors)
     packing.check_losses(assembly, errors)
     _check_below(assembly, errors)
+    _check_held_strikers(assembly, errors)
     return assembly
 
 
@@ -303,6 +305,31 @@ def outside_fit(material: Material) -> str:
     found = [f"{name} {value:.3g}, expected {low:g} to {high:g}" for name, value, low, high in ranges
              if not low <= value <= high]  # fmt: skip
     return f"law elastoplastic-fe is used beyond its fit: {'; '.join(found)}" if found else ""
+
+
+def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that walls can hold the strikers that they are to hold: at rest, acting on all, clear of them at first."""
+    case, first = assembly.case, assembly.lattice.n_spheres + 1
+    planes = [wall for wall in walls(assembly) if not wall.held_layer]
+    for number, (striker, centre) in enumerate(assembly.strikers):
+        if not striker.walls:
+            continue
+        key, sphere = f"striker.{number + 1}.walls", first + number
+        reach = extents(np.array([assembly.diameter_of(sphere) / 2]), [assembly.shape_of(sphere)])[0]
+        depth = {one.name: -float(one.gaps(centre[None], reach[:1] if one.tube else reach[one.axis : one.axis + 1])[0])
+                 for one in planes}  # fmt: skip
+        deepest = max(depth, key=depth.__getitem__, default="")
+        stage = case.precompression
+        errors.check_first(
+            (not planes, key, "found true, but there are no walls; expected false"),
+            (case.boundary.sides_touch is not None, key,
+             "found true beside boundary.sides_touch: those walls act on chosen grains of the packing alone"),
+            (stage is not None and (stage.moves or stage.presses), key,
+             "found true beside walls that move in (precompression): they would press the striker too"),
+            (depth.get(deepest, 0.0) > _OVERLAP * case.packing.diameter, key,
+             f"found true, but it stands in the wall {deepest}, {depth.get(deepest, 0.0):.3g} m deep; "
+             "place it inside, or leave walls out"),
+        )  # fmt: skip
 
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:

@@ -318,8 +318,10 @@ def _groups(assembly: Assembly) -> list[str]:
         joined(str(n) for n, one in enumerate(assembly.species, 1) if one.role == "sphere" and one.material == of)
         for _, of in fixes
     ]
-    first, last = assembly.lattice.n_spheres + 1, assembly.last_sphere
-    outside = [f"group           strikers id {first}:{last}"] if groups and last >= first else []
+    passing = assembly.passing
+    outside = [f"group           strikers id {passing[0]}:{passing[-1]}"] if groups and passing else []
+    if outside and len(passing) < len(assembly.strikers):
+        outside = [f"group           strikers id {id_ranges(passing)}"]
     for number, (group, kinds) in enumerate(zip(groups, types, strict=True), start=1):
         if outside:
             lines.append(f"group           type{number} type {kinds}")

@@ -271,6 +271,12 @@ class Assembly:
             pairs.append(np.array(self.striker_contacts))
         return np.concatenate(pairs) if pairs else np.empty((0, 2), dtype=np.int64)
 
+    @property
+    def passing(self) -> tuple[int, ...]:
+        """Ids of the strikers that walls do not hold."""
+        first = self.lattice.n_spheres + 1
+        return tuple(number for number, (one, _) in enumerate(self.strikers, start=first) if not one.walls)
+
     @cached_property
     def striker_contacts(self) -> list[tuple[int, int]]:
         """Ids of the spheres that a striker touches at the start, each with that of the striker.

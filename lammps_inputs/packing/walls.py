@@ -164,7 +164,7 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
 
 
 def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
-    """Return the fixes of a wall; it acts on the spheres of the packing, and strikers, which are outside, pass it."""
+    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others pass it."""
     case = assembly.case
     chosen = touched_by(assembly, wall)
     if wall.held_layer:
@@ -176,7 +176,7 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
         groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
         if case.packing.kind == "chain" and wall.name == "bottom":
             groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
-        elif len(materials) == 1 and not case.striker:
+        elif len(materials) == 1 and not assembly.passing:
             groups = [("all", materials[0])]
         elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
             groups = [one for one in groups if one[1] in materials_on_top(assembly)]

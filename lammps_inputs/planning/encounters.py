@@ -291,6 +291,8 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
     if (assembly.has_cylinders or aside) and any(case.boundary.has_planes(axis) for axis in "xy"):
         kinds = kinds_of_grains(assembly.sites)[1].tolist()
         flats += [(grain, case.boundary.sides_material) for grain in kinds if aside or assembly.shape_of(grain)]
+    held = [n for n, (one, _) in enumerate(assembly.strikers, assembly.lattice.n_spheres + 1) if one.walls]
+    flats += [(n, material) for n in held for material in (case.boundary.bottom_material, case.boundary.sides_material)]
     for sphere, material in flats:
         law = flat_contact(assembly, sphere, material)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)

@@ -11,6 +11,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
 from tests.helpers.small_cases import faults_of
@@ -115,3 +116,32 @@ def test_wrong_directions() -> None:
     assert "beside a bar, which moves along z alone" in fault
     (fault,) = faults_of(load={**force, "index": [7], "direction": [1, 0, 1]}, hold=[{"index": 7, "directions": "x"}])
     assert "holds sphere 7 along x" in fault
+
+
+def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
+    """A ball that glances off another one flies to a side wall, then to the floor: held by both, or it passes them as before."""
+    places = [[0, 0, 0], [0.05, 0.05, 0.03], [-0.05, -0.05, 0.03]]
+    rows = "x,y,z,diameter\n" + "".join(f"{x},{y},{z},{D}\n" for x, y, z in places)
+    tables = {
+        "name": "thrown", "material": "brass", "packing": {"kind": "file", "grains": rows}, "contact": {"law": "hertz"},
+        "boundary": {"bottom": "wall", "sides": "wall"}, "run": {"end_time": 1.6e-2, "frames": 2},
+    }  # fmt: skip
+    thrown = {"touches": 1, "velocity": [0, 0, 10.0], "offset": [0.006, 0, 0]}
+    found = {}
+    for held in (True, False):
+        case = case_from_dict(tables | {"striker": [thrown | ({"walls": True} if held else {})]})
+        run_case(case, tmp_path / str(held), figures=False)
+        run = Result(tmp_path / str(held))
+        found[held] = [run.frame(run.n_frames - 1, name)[-1] for name in ("position", "velocity")]
+        error = run["energy/kinetic"] + run["energy/elastic"] + run["energy/dissipated"] - run["energy/input"]
+        assert np.abs(error).max() < 1e-5 * run["energy/input"].max()
+    (place, velocity), (passed, kept) = found[True], found[False]
+    assert passed[0] > 0.055
+    assert passed[2] > 0.035
+    assert place[0] < 0.05
+    assert place[2] < 0.03
+    assert velocity == pytest.approx(-kept, rel=1e-4, abs=1e-3)  # reflected by both
+    with pytest.raises(InputError, match="stands in the wall xhi"):
+        case_from_dict(tables | {"striker": [thrown | {"touches": 2, "walls": True}]})
+    with pytest.raises(InputError, match="there are no walls"):
+        case_from_dict(tables | {"boundary": {"bottom": "free"}, "striker": [thrown | {"walls": True}]})
