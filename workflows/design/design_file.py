@@ -26,6 +26,7 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import library
 from granwave.workflows.design.keys import (
     KNOWN_BEFORE,
@@ -38,11 +39,12 @@ from granwave.workflows.design.keys import (
 )
 from granwave.workflows.design.problem import Limit, Objective, Problem, with_values
 from granwave.workflows.design.variables import Space, Variable, read_variables
-from granwave.workflows.scanning.header import flat
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _LOG = logging.getLogger("granwave")
 
+_SLOW = 5.0  # s, expected of a run of the base: from there on a coarse search saves more than it costs
+_COARSE = 3e-5  # run.energy_tolerance of a coarse search: forces within 1e-3 of those with 3e-6
 LAYERS = "layers"  # of [variables]: materials and diameters of each layer or bead
 _ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
 #: Keys by which a packing may become random.
@@ -75,8 +77,7 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     header = read_table(Header, {"name": path.stem, **data}, "", errors)
     search = read_table(SearchTable, tables["search"], "search", errors)
     objective = read_table(ObjectiveTable, tables["objective"], "objective", errors)
-    fixed = flat(tables["set"], "set", errors)
-    base = _base(header, path, fixed, errors)
+    fixed, base = _base(header, path, tables["set"], errors)
     variables = _variables(tables["variables"], base, errors)
     limits = _limits(tables["limits"], errors)
     objectives = _objectives(objective, base, errors)
@@ -100,23 +101,52 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
         statistic=statistic,
     )
     samples = tuple(_samples(problem, ranges, replicates)) if tables["uncertainty"] else ({},)
-    return dataclasses.replace(problem, samples=samples)
+    tolerance = search.tolerance
+    if isinstance(tolerance, str):
+        slow = plan(problem.case(with_values(base, samples[0]))).wall_time > _SLOW
+        tolerance = _COARSE if slow else 0.0
+    return dataclasses.replace(problem, samples=samples, tolerance=tolerance)
 
 
-def _base(header: Header | None, path: Path, fixed: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    if header is None:
-        return {}
+def _base(header: Header | None, path: Path, table: Any, errors: ErrorList) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the keys of ``[set]``, dotted, and the tables of the case that they are set in."""
+    fixed: dict[str, Any] = {}
+    if not isinstance(table, Mapping):
+        errors.add("set", f"found {show(table)}, expected a table of keys and values")
+    if header is None or not isinstance(table, Mapping):
+        return {}, {}
     try:
         file = library.find_for(header.base, GRANULAR.verb, directory=path.parent)
         base = {"name": file.stem, **read_toml(file)}
         if solver_of(base) is not GRANULAR:
             raise InputError(f"{header.base}: is a continuum case, expected one that granwave run takes")
+        written = list(_of_set(table, base))
+        fixed = dict(written)
+        twice = {key for key, _ in written if [one for one, _ in written].count(key) > 1}
+        errors.check(*((True, f"set.{key}", "is given twice") for key in sorted(twice)))
         base = apply_overrides(base, {key: fixed[key] for key in sorted(fixed, key=lambda key: key.count("."))})
         GRANULAR.read(base, file)
     except InputError as error:
         errors.lines += [f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors]
-        return {}
-    return base
+        return fixed, {}
+    return fixed, base
+
+
+def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Give the keys of ``[set]`` with dots; tables without quotes change keys of the case's tables one by one.
+
+    A table of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or of a preset, takes the other's
+    place.
+    """
+    for key, value in table.items():
+        there = base.get(key) if isinstance(base, Mapping) else None
+        kinds = [{name for name, held in one.items() if isinstance(held, Mapping)} if isinstance(one, Mapping) else None
+                 for one in (value, there)]  # fmt: skip
+        whole = None in kinds or "preset" in value or (all(kinds) and set(kinds[0] or ()).isdisjoint(kinds[1] or ()))
+        if whole:
+            yield f"{prefix}{key}", value
+        else:
+            yield from _of_set(value, there, f"{prefix}{key}.")
 
 
 def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Variable]:
@@ -134,7 +164,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
     names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
     for one in found:
         generic = _generic(one.key)
-        if generic not in names and not any("." in name and generic.startswith(f"{name}.") for name in names):
+        if not _is_key(generic, names):
             errors.add(
                 f"variables.{one.key}", f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
             )
@@ -166,6 +196,11 @@ def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
             yield from _dotted(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
+
+
+def _is_key(generic: str, names: Collection[str]) -> bool:
+    """Return True for a key of a case, or one inside the table that a key holds."""
+    return generic in names or any("." in name and generic.startswith(f"{name}.") for name in names)
 
 
 def _generic(key: str) -> str:
@@ -254,7 +289,7 @@ def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, 
     names = {field.name for field in dataclasses.fields(UncertaintyTable)}
     own = read_table(UncertaintyTable, {key: table[key] for key in table if key in names}, "uncertainty", errors)
     ranges: dict[str, tuple[float, float]] = {}
-    for key, value in flat({key: table[key] for key in table if key not in names}, "uncertainty", errors).items():
+    for key, value in _dotted({key: table[key] for key in table if key not in names}):
         expected = "a range [smallest, largest], or one number"
         name = _ALIASES.get(key, key)
         try:
@@ -270,7 +305,7 @@ def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, 
             errors.add(f"uncertainty.{key}", f"found {show(value)}, expected {error}")
             continue
         known = {_generic(one) for one in case_keys()}
-        if _generic(name) not in known:
+        if not _is_key(_generic(name), known):
             errors.add(
                 f"uncertainty.{key}", f"is no key of a case{did_you_mean(name, known)}; granwave keys lists them"
             )

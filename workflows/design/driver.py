@@ -30,7 +30,7 @@ from granwave.workflows.design import guards
 from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
 from granwave.workflows.design.problem import Problem, examined
-from granwave.workflows.design.search import n_first, ordered
+from granwave.workflows.design.search import n_first, ordered, promising
 from granwave.workflows.design.study import COMPLETE, FAILED, PRUNED, REFUSED, RUNNING, Design, Study, read_study
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
@@ -179,7 +179,6 @@ class _Search:
         self.points = Points(self.directory / POINTS, ranks)
         self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
         self.at_work: dict[str, tuple[Design, int]] = {}
-        self.exhausted = False
 
     def run(self) -> DesignOutcome:
         """Search, check the best design, and write the results."""
@@ -208,7 +207,8 @@ class _Search:
         return Progress(total, self.problem.name, enabled=self.show, done=self._n_done(), at_most=True)
 
     def _n_done(self) -> int:
-        return sum(design.ran and design.state != RUNNING for design in self.study.designs)
+        done = sum(design.ran and design.state != RUNNING and not design.next_to for design in self.study.designs)
+        return min(done, self.problem.search.evaluations)
 
     # ------------------------------------------------------------------ runs
 
@@ -231,6 +231,7 @@ class _Search:
             name = names(design.number, self.problem.samples)[n]
             run = design.runs.setdefault(name, {"longer": 1.0})
             tables = self.problem.tables_of(design.values, self.problem.samples[n])
+            tables = tables if design.full else self.problem.cheaply(tables)
             if run["longer"] > 1:
                 tables = guards.longer_end(tables, run["longer"])
             self.study.write()
@@ -244,10 +245,47 @@ class _Search:
         return bool(self.points)
 
     def _choose(self) -> bool:
-        """Choose the next design and queue its runs; return False if the search has ended."""
+        """Queue the runs of the next design: of the search, the best once more in full, then those next to the best.
+
+        Return False if there is none, or none until those at work have ended.
+        """
         study, problem = self.study, self.problem
-        if self.exhausted or study.n_evaluated >= problem.search.evaluations:
+        if study.exhausted < problem.search.evaluations > study.n_evaluated and self._choose_of_space():
+            return True
+        if any(not design.next_to for design, _ in self.at_work.values()):
             return False
+        if again := study.unconfirmed():
+            for design in again:
+                self._run_in_full(design)
+            return bool(self.queue) or self._choose()
+        return self._choose_next_to_best()
+
+    def _run_in_full(self, design: Design) -> None:
+        cheap = self.problem.cheaply(tables := self.problem.tables_of(design.values)) != tables
+        design.full = True
+        if cheap or design.state == PRUNED:
+            runs = design.runs if not cheap else {name: {"longer": run["longer"]} for name, run in design.runs.items()}
+            design.state, design.reason, design.runs, design.objectives, design.spread = RUNNING, "", runs, {}, {}
+            self._queue(design)
+
+    def _choose_next_to_best(self) -> bool:
+        """Queue the most promising design next to the best that was not tried; return False if there is none."""
+        study, problem = self.study, self.problem
+        best, search = next(iter(study.best()), None), problem.search
+        left = search.neighbours - sum(bool(design.next_to) for design in study.designs)
+        if best is None or left <= 0 or not search.guards or search.sampler != "model":
+            return False
+        for values in promising(*_asked(study), [values for _, values in problem.space.neighbours(best.values)]):
+            design = new_design(problem, len(study.designs) + 1, values)
+            if design.state != REFUSED:
+                design.full, design.next_to = True, best.number
+                study.designs.append(design)
+                self._queue(design)
+                return True
+        return False
+
+    def _choose_of_space(self) -> bool:
+        study, problem = self.study, self.problem
         guided = problem.search.sampler == "model"
         guided = guided and study.n_evaluated >= n_first(problem.space, problem.search.evaluations)
         before = len(study.designs)
@@ -264,7 +302,7 @@ class _Search:
         else:
             text = "%s: ends after %d designs: %d more, one after the other, are beyond the limits, or are no packings"
             logger.warning(text, problem.name, study.n_evaluated, MOST_REFUSED)
-        self.exhausted = True
+        study.exhausted = problem.search.evaluations
         return False
 
     def _take(self) -> None:
@@ -323,7 +361,7 @@ class _Search:
     def _is_lost(self, design: Design) -> bool:
         """Return True if the runs so far are that much worse than the best design that more runs hardly help."""
         problem = self.problem
-        if len(problem.samples) == 1 or len(problem.objectives) > 1:
+        if len(problem.samples) == 1 or len(problem.objectives) > 1 or (design.full and not design.next_to):
             return False
         best, (objective,) = next(iter(self.study.best()), None), problem.objectives
         mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]

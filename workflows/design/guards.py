@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,6 @@ from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 from granwave.workflows.design.problem import Problem, examined
 from granwave.workflows.design.study import Design
-from granwave.workflows.design.variables import Values
 
 Tables = dict[str, Any]
 NOTABLE = 0.05  # change of an objective that is said first
@@ -135,16 +134,13 @@ GUARDS = (
 
 
 def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tuple[Guard, Tables]]:
-    """Give the guards that apply to a design with the tables of their runs, and its neighbours in every variable.
+    """Give the guards that apply to a design with the tables of their runs.
 
     ``longer``: how many times as late as in the design file its run has ended.
     """
 
-    def tables_of(values: Values) -> Tables:
-        made = problem.tables_of(values, problem.samples[0])
-        return made if longer == 1 else longer_end(made, longer)
-
-    case = problem.case(tables_of(best.values))
+    made = problem.tables_of(best.values, problem.samples[0])
+    case = problem.case(made if longer == 1 else longer_end(made, longer))
     tables, random = case.to_dict(), is_random(case)
     for guard in GUARDS:
         if (guard.name == "seed") > random:
@@ -152,10 +148,6 @@ def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tupl
         changed = guard.change(copy.deepcopy(tables))
         if changed is not None and _reads(problem, changed):
             yield guard, changed
-    for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
-        if not examined(problem, values)[2]:
-            changed = tables_of(values)
-            yield Guard(f"neighbour-{n}", f"{key} = {show(values[key])}", lambda tables: tables), changed
 
 
 def _reads(problem: Problem, tables: Tables) -> bool:
@@ -175,17 +167,41 @@ def finding_of(guard: Guard, problem: Problem, before: Mapping[str, Any], after:
             changes[one.name] = new / old - 1
     if not changes:
         return Finding(guard.name, guard.what, f"{guard.what}: gives no value", {}, warning=True)
-    signs = {one.name: one.sign for one in problem.objectives}
-    if guard.name.startswith("neighbour"):
-        better = all(signs[name] * change < 0 for name, change in changes.items())
-        notable = better and any(abs(change) > NOTABLE for change in changes.values())
-    else:
-        notable = any(abs(change) > NOTABLE for change in changes.values())
+    notable = any(abs(change) > NOTABLE for change in changes.values())
     beyond = [fault for one in problem.limits if (fault := one.fault(after.get(one.name) or 0.0)) and one.name in after]
-    notable = notable and not (beyond and guard.name.startswith("neighbour"))
     said = ", ".join(f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items())
     said += "".join(f"; beyond a limit: {fault}" for fault in beyond)
     return Finding(guard.name, guard.what, f"{guard.what}: {said}", changes, notable)
+
+
+def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> Iterator[Finding]:
+    """Give what was found next to the best design, and how it was moved there."""
+    first = problem.objectives[0]
+    by_values = {repr(one.values): one for one in designs}
+    feasible = [one for one in designs if one.feasible and not one.next_to]
+    if best.next_to and feasible:
+        start = min(feasible, key=lambda one: first.loss(one.objectives[first.name]))
+        before, after = (one.objectives[first.name] for one in (start, best))
+        said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
+        text = f"the best design was found next to that of the search: {said}"
+        change = after / before - 1 if before else 0.0
+        yield Finding("moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE)
+    left = []
+    for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
+        what, tried = f"{key} = {show(values[key])}", by_values.get(repr(values))
+        if tried is None:
+            left += [] if examined(problem, values)[2] else [what]
+        elif tried.feasible:
+            pairs = {one.name: (tried.objectives[one.name], best.objectives[one.name]) for one in problem.objectives}
+            changes = {name: new / old - 1 for name, (new, old) in pairs.items() if old}
+            said = ", ".join(f"{name} {pairs[name][0]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items())
+            yield Finding(f"neighbour-{n}", what, f"{what}: {said} (design {tried.number})", changes)
+        else:
+            text = f"{what}: {tried.state} (design {tried.number}): {tried.reason}"
+            yield Finding(f"neighbour-{n}", what, text)
+    if left and problem.search.guards:
+        text = f"{len(left)} designs next to the best were not run, and may be better: {', '.join(left[:5])}"
+        yield Finding("neighbours", "neighbours", text, warning=True)
 
 
 def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, Any], place: Path) -> list[Finding]:

@@ -14,6 +14,7 @@ from granwave.lammps_inputs.case.schema import (
     custom,
     did_you_mean,
     finite,
+    number,
     plain_name,
     text,
     whole,
@@ -86,7 +87,20 @@ class SearchTable:
     sampler: str = choice(
         "model: a Gaussian process of the objective; random: for comparison", ("model", "random"), default="model"
     )
-    guards: bool = choice("checks of the best design by further runs", (True, False), default=True)
+    guards: bool = choice(
+        "checks of the best design by further runs, and moves to better designs next to it", (True, False), default=True
+    )
+    neighbours: int = count(
+        "designs next to the best that are run after the evaluations, at most", default=40, at_least=0, at_most=100_000
+    )
+    tolerance: float | str = number(
+        "run.energy_tolerance until the best tenth is run again with that of the case; "
+        "auto: 3e-5 where a run takes seconds, else that of the case",
+        above=0,
+        at_most=1e-3,
+        word="auto",
+        default="auto",
+    )
 
 
 #: Tables of a design file: class and description.

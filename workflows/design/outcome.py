@@ -37,6 +37,7 @@ def check_best(
     first = names(best.number, problem.samples)[0]
     run, place = best.runs[first], study.directory / POINTS / first
     findings = guards.findings_without_runs(problem, best, read_summary(place), place)
+    findings += guards.of_neighbours(problem, best, study.designs)
     waiting = deque(guards.further_runs(problem, best, run["longer"]) if problem.search.guards else ())
     total, made = len(waiting), {}
     with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:

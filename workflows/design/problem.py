@@ -13,6 +13,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -75,6 +76,8 @@ class Problem:
         Tables of the file, for comparison on a resumed search.
     samples
         Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
+    tolerance
+        Of the energy balance, until the best designs are run again with that of the case; 0: that of the case.
     """
 
     name: str
@@ -87,6 +90,7 @@ class Problem:
     search: SearchTable
     statistic: str | float = "mean"
     samples: tuple[dict[str, Any], ...] = ({},)
+    tolerance: float = 0.0
 
     @property
     def record(self) -> dict[str, Any]:
@@ -96,6 +100,13 @@ class Problem:
     def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
         """Return the tables of the case of a design."""
         return with_values(with_values(self.base, values), sample or {})
+
+    def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the tables of a case with the tolerance of the search; the same where it is not larger."""
+        run = tables.get("run", {})
+        if self.tolerance <= run.get("energy_tolerance", ENERGY_TOLERANCE) or run.get("timestep", "auto") != "auto":
+            return dict(tables)
+        return with_values(tables, {"run.energy_tolerance": self.tolerance})
 
     def case(self, tables: Mapping[str, Any]) -> Case:
         """Read a case; raise InputError if it is wrong."""

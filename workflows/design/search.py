@@ -107,6 +107,16 @@ def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) ->
         yield found[place]
 
 
+def promising(space: Space, known: Sequence[Known], seed: int, found: Sequence[Values]) -> list[Values]:
+    """Return those of some designs that were not tried, the most promising first."""
+    tried = {repr(one.values) for one in known}
+    left = [values for values in found if repr(values) not in tried]
+    if len(left) < 2 or sum(one.losses is not None for one in known) < 2:
+        return left
+    worth = worth_of(space, known, left, np.random.default_rng([seed, len(known)]))
+    return [left[place] for place in np.argsort(-worth, kind="stable")]
+
+
 def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
     tried = {repr(one.values) for one in known}
     if space.size <= _ENUMERATED:

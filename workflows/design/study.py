@@ -43,6 +43,10 @@ class Design:
         Objectives by name; the smallest and the largest of several runs.
     margins, limited
         By limit, how far its value is beyond it; and the worst value of those that are known after a run.
+    full
+        True if all its runs are, or are to be, made with the tolerance of the case.
+    next_to
+        Number of the best design next to which it was tried after the search; 0 of designs of the search.
     """
 
     number: int
@@ -56,6 +60,8 @@ class Design:
     margins: dict[str, float] = dataclasses.field(default_factory=dict)
     limited: dict[str, float] = dataclasses.field(default_factory=dict)
     seconds: float = 0.0
+    full: bool = False
+    next_to: int = 0
 
     @property
     def ran(self) -> bool:
@@ -70,7 +76,8 @@ class Design:
     @property
     def notes(self) -> list[str]:
         """Marks of its runs."""
-        return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
+        place = [f"next to design {self.next_to}, tried after the search"] if self.next_to else []
+        return [*place, *dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note"))]
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
         """Return the numbers that are to be small; None without a value."""
@@ -92,11 +99,22 @@ class Study:
     problem: Problem
     directory: Path
     designs: list[Design] = dataclasses.field(default_factory=list)
+    exhausted: int = 0  # evaluations that were asked for when no more designs were found
 
     @property
     def n_evaluated(self) -> int:
-        """Number of designs that were run, or are in work."""
-        return sum(design.ran for design in self.designs)
+        """Number of designs that the search ran, or that are in work; without those next to the best."""
+        return sum(design.ran and not design.next_to for design in self.designs)
+
+    def unconfirmed(self) -> list[Design]:
+        """Return those of the best tenth (3 at least; of the front) that were not run in full."""
+        if len(self.problem.objectives) > 1:
+            found = self.best()
+        else:
+            ranked = [design for design in self.designs if design.state in (COMPLETE, PRUNED)]
+            ranked.sort(key=lambda design: design.losses(self.problem.objectives) or ())
+            found = ranked[: max(3, -(-self.n_evaluated // 10))]
+        return [design for design in found if not design.full]
 
     def best(self) -> list[Design]:
         """Return the designs that meet the limits, the best first; with two objectives those of the Pareto front."""
@@ -113,7 +131,8 @@ class Study:
 
     def write(self) -> None:
         """Write study.json and designs.csv."""
-        content = {"problem": self.problem.record, "designs": [dataclasses.asdict(one) for one in self.designs]}
+        content = {"problem": self.problem.record, "exhausted": self.exhausted}
+        content["designs"] = [dataclasses.asdict(one) for one in self.designs]
         replace_text(self.directory / DESIGN_STUDY, json.dumps(content, indent=1) + "\n")
         replace_text(self.directory / DESIGN_TABLE, self._table())
 
@@ -166,6 +185,7 @@ def read_study(problem: Problem, directory: Path) -> Study:
         if content is None:
             raise ValueError
         there, designs = _comparable(content["problem"]), [Design(**one) for one in content["designs"]]
+        exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
             f"{path}: is damaged, so that the search cannot go on; --force begins it again, or put the file back"
@@ -176,12 +196,13 @@ def read_study(problem: Problem, directory: Path) -> Study:
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
             "--force replaces it, or choose another directory with -o"
         )
-    return Study(problem, directory, designs)
+    return Study(problem, directory, designs, exhausted)
 
 
 def _comparable(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables without what may change: the number of evaluations, and the guards."""
-    search = {key: value for key, value in tables.get("search", {}).items() if key not in ("evaluations", "guards")}
+    """Return the tables without what may change: the number of evaluations, and what follows them."""
+    may_change = ("evaluations", "guards", "neighbours")
+    search = {key: value for key, value in tables.get("search", {}).items() if key not in may_change}
     return json.loads(json.dumps({**tables, "search": search}))  # type: ignore[no-any-return]
 
 

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import _Search, first_design, new_design
-from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, target_force
+from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, of_neighbours, target_force
 from granwave.workflows.design.problem import with_values
 from granwave.workflows.design.study import Design, Study
 from tests.conftest import PLAIN
@@ -223,6 +223,55 @@ def test_far_worse_designs_are_not_run_further(folder):
         assert search._is_lost(design) == lost
 
 
+def test_the_best_are_run_again_in_full_and_their_neighbours_too(folder):
+    """A search of few, coarse runs: the ranking and the case of the best are of full ones, in the same directories."""
+    tables = {**problem_of(folder).tables, "search": {"evaluations": 4, "seed": 3, "tolerance": 3e-5}}
+    found = gw.design(tables, directory=folder / "coarse", jobs=1, progress=False)
+    content = json.loads((folder / "coarse/study.json").read_text())["designs"]
+    ran = [one for one in content if one["runs"]]
+    in_full = {one["number"] for one in ran if one["full"]}
+    ranked = sorted(ran, key=lambda one: one["objectives"]["target_peak_force_N"])
+    assert {one["number"] for one in ranked[:3]} <= in_full
+    assert len([one for one in ran if not one["next_to"]]) == found.outcome["evaluations"] == 4
+    for one in ran:
+        case = tomllib.loads((folder / f"coarse/points/{one['number']}/case.toml").read_text())
+        assert case["run"].get("energy_tolerance", 3e-6) == (3e-6 if one["full"] else 3e-5)
+    best = found.outcome["best"]
+    tried = {tuple(one["values"].values()) for one in ran}
+    for n in range(3):  # nothing next to the best is untried
+        values = list(best["variables"].values())
+        values[n] = next(one for one in MATERIALS if one != values[n])
+        assert tuple(values) in tried
+    assert best["number"] == ranked[0]["number"]
+    before = (folder / "coarse/designs.csv").read_text()
+    gw.design(tables, directory=folder / "coarse", jobs=1, resume=True, progress=False)
+    assert (folder / "coarse/designs.csv").read_text() == before  # nothing more is found at another start
+
+
+def test_moves_to_better_neighbours_are_said(folder):
+    problem = problem_of(folder)
+    values = {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}
+    first = Design(1, values, "complete", objectives={"target_peak_force_N": 50.0})
+    moved = {**values, "replace.2.material": "stainless-steel"}
+    best = Design(2, moved, "complete", objectives={"target_peak_force_N": 40.0}, next_to=1)
+    found = {one.name: one for one in of_neighbours(problem, best, [first, best])}
+    assert found["moved"].warning
+    assert "50 of design 1 became 40" in found["moved"].text
+    assert "+25.0 %" in found["neighbour-2"].text
+    assert found["neighbours"].text.startswith("2 designs next to the best were not run")
+
+
+def test_a_slow_packing_is_searched_with_a_coarse_tolerance(folder):
+    assert problem_of(folder).tolerance == 0
+    slow = {"packing": {"kind": "fcc", "size": [24, 24, 12]}, "run": {"end_time": 1e-3}}
+    assert problem_of(folder, set=slow, variables={"load.velocity": [1.0, 2.0]}).tolerance == 3e-5
+    problem = problem_of(folder, search={"tolerance": 1e-4})
+    tables = problem.tables_of({f"replace.{n}.material": "ptfe" for n in (1, 2, 3)})
+    assert problem.cheaply(tables)["run"]["energy_tolerance"] == 1e-4
+    for run in ({"timestep": 1e-8}, {"energy_tolerance": 2e-4}):
+        assert problem.cheaply({**tables, "run": run})["run"] == run
+
+
 def test_words_that_are_refused_alone_are_warned_of(folder, caplog):
     problem_of(folder, variables={"material": ["steel", "aluminum"]})
     assert 'variables.material: "aluminum" alone is refused' in caplog.text
@@ -287,6 +336,21 @@ def test_keys_without_quotes(folder):
     base = {"boundary.bottom": {"plate": {"mass": 1.0, "stiffness": 1e6}}}
     keys = [one.key for one in problem_of(folder, variables=nested, set=base).space.variables]
     assert keys == ["packing.diameter", "boundary.bottom.plate.mass"]
+    (folder / "plate.toml").write_text(CHAIN + "[boundary]\nbottom = {plate = {mass = 1.0, stiffness = 1e6}}\n")
+    for table in ({"boundary": {"bottom": {"plate": {"mass": 2.0}}}}, {"boundary.bottom.plate.mass": 2.0}):
+        made = problem_of(folder, base=str(folder / "plate.toml"), set=table)
+        assert made.base["boundary"]["bottom"] == {"plate": {"mass": 2.0, "stiffness": 1e6}}
+    half_space = {"half_space": {}, "material": "steel"}
+    made = problem_of(folder, base=str(folder / "plate.toml"), set={"boundary": {"bottom": half_space}})
+    assert made.base["boundary"]["bottom"] == half_space
+    both = {"load": {"velocity": [1.0, 3.0]}, "replicates": 2}
+    assert (
+        problem_of(folder, uncertainty=both).samples
+        == problem_of(folder, uncertainty={"load.velocity": [1.0, 3.0], "replicates": 2}).samples
+    )
+    plate = {"boundary": {"bottom": {"plate": {"mass": [1.0, 3.0]}}}, "replicates": 2}
+    samples = problem_of(folder, base=str(folder / "plate.toml"), uncertainty=plate).samples
+    assert sorted(one["boundary.bottom.plate.mass"] for one in samples) == [1.5, 2.5]
 
 
 def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
