@@ -302,7 +302,7 @@ def test_peaks_cover_small_overlaps():
     [
         ({"sphere": {}}, "sphere.radius: missing"),
         ({"sphere": {"radius": -1.0}}, "sphere.radius: found -1.0, expected a number above 0 (m)"),
-        ({"run": {"max_overlap": 0.5}}, "run.max_overlap"),
+        ({"run": {"max_overlap": 1.5}}, "run.max_overlap"),
         ({"run": {"elements": 10}}, "run.elements"),
         ({"run": {"unloading": 3}}, "did you mean unloadings"),
         ({"partner": {"radius": "big"}}, "partner.radius"),

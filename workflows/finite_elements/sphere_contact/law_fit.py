@@ -1,9 +1,10 @@
 """Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, and its errors.
 
-    python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER]
+    python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER] [PICTURE]
 
-prints the largest errors, and with HEADER (elastoplastic_fe_constants.h of the plugin) fits first, from the present
-constants on, and writes it. Two equal spheres to great depth stand for one on a rigid flat.
+prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first, from the present
+constants on, and writes it; with PICTURE it draws the errors of this law and of the default one. Two equal spheres to
+great depth stand for one on a rigid flat.
 """
 
 from __future__ import annotations
@@ -133,17 +134,40 @@ def errors(found: list[Measured], name: str = LAW, constants: Mapping[str, float
     return pd.DataFrame(rows).set_index("contacts")
 
 
+def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Path) -> None:
+    """Draw the errors of the force on loading of both laws against the overlap."""
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, 2, figsize=(6.4, 2.8), sharey=True, layout="constrained")
+    for axes, (name, own) in zip(panels, (("elastoplastic", None), (LAW, constants)), strict=True):
+        for held, label in ((False, "fitted contacts"), (True, "held-out contacts")):
+            chosen = [one for one in found if one.held == held]
+            overlap = np.concatenate([one.overlap / one.start for one in chosen])
+            error = np.concatenate([one.loading_errors(one.law(name, own)) for one in chosen])
+            axes.plot(overlap, 100 * error, ".", markersize=2, label=label)
+        axes.axhspan(-3, 3, color="0.85", zorder=0)
+        axes.set(title=name, xscale="log", ylim=(-80, 80), xlabel="overlap over that at first yield")
+    panels[0].set_ylabel("force over finite elements - 1 (%)")
+    panels[1].legend()
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
+
+
 def main() -> None:
     """Fit if a header is named, and print the errors of this law and of the default one."""
     found, constants = measured(), None
-    if len(sys.argv) > 1:
-        path = Path(sys.argv[1])
+    headers, pictures = (
+        [Path(one) for one in sys.argv[1:] if one.endswith(".h") == header] for header in (True, False)
+    )
+    for path in headers:
         text = path.read_text(encoding="utf-8")
         fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
         constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
         path.write_text(
-            _CONSTANT.sub(lambda one: f"  double {one[1]} = {constants[one[1]]!r};", text), encoding="utf-8"
+            _CONSTANT.sub(lambda one, own=constants: f"  double {one[1]} = {own[one[1]]!r};", text), encoding="utf-8"
         )
+    for path in pictures:
+        draw(found, constants, path)
     for name, of_law in ((LAW, constants), ("elastoplastic", None)):
         print(f"{name}\n{errors(found, name, of_law).round(1).to_string()}")
 
