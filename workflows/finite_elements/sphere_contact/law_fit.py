@@ -163,9 +163,9 @@ def main() -> None:
         text = path.read_text(encoding="utf-8")
         fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
         constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
-        path.write_text(
-            _CONSTANT.sub(lambda one, own=constants: f"  double {one[1]} = {own[one[1]]!r};", text), encoding="utf-8"
-        )
+        for name, value in constants.items():
+            text = re.sub(rf"^  double {name} = .*;$", f"  double {name} = {value!r};", text, flags=re.MULTILINE)
+        path.write_text(text, encoding="utf-8")
     for path in pictures:
         draw(found, constants, path)
     for name, of_law in ((LAW, constants), ("elastoplastic", None)):
