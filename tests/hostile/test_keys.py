@@ -93,7 +93,7 @@ MAY_BE_NEGATIVE = {
 }  # fmt: skip
 MAY_BE_ZERO = MAY_BE_NEGATIVE | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
-    "contact.initial_overlap", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
+    "contact.initial_overlap", "material.hardening", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
 MAY_BE_EMPTY = {
