@@ -146,6 +146,12 @@ ENTRIES = (
     Quantity("viscous_fraction", "Share dissipated by viscous losses",
              "Energy that contacts lost by the rate of their overlap (contact.loss), walls included, over the input.",
              short="  by viscous losses", digits=".5f", phrase="{} of it", axis="Viscous losses over the input"),
+    Quantity("rolling_fraction", "Share dissipated by resistance to rolling",
+             "Energy that contact.rolling_friction took, walls included, over the input; only where contacts have it.",
+             short="  by rolling", digits=".5f", phrase="{} of it"),
+    Quantity("twisting_fraction", "Share dissipated by resistance to twisting",
+             "Energy that contact.twisting_friction took, walls included, over the input; only where contacts have it.",
+             short="  by twisting", digits=".5f", phrase="{} of it"),
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
@@ -179,6 +185,10 @@ ENTRIES = (
     Quantity("energy_dissipated_wall_J", "Dissipated at walls", note="Part of the dissipated energy."),
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding", note="Part of the dissipated energy."),
     Quantity("energy_dissipated_friction_J", "Dissipated by friction", note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_rolling_J", "Dissipated by resistance to rolling",
+             note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_twisting_J", "Dissipated by resistance to twisting",
+             note="Part of the dissipated energy."),
     Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses",
              note="Part of the dissipated energy; null without contact.loss."),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder",
@@ -368,7 +378,8 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "viscous_fraction", "holder_fraction",
+    "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
+    "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
@@ -385,7 +396,8 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
     "n_spheres", "n_cylinders", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
-    "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "viscous_fraction", "holder_fraction",
+    "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "rolling_fraction", "twisting_fraction",
+    "viscous_fraction", "holder_fraction",
     "absorbed_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",

@@ -35,6 +35,7 @@ Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
+_RESISTED = ("rolling", "twisting")  # where contacts resist these
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
@@ -141,7 +142,9 @@ def restitution(result: Result) -> float | None:
 def _energies(result: Result) -> Summary:
     """Energies at the end, shares of the input, and the largest error of the ledger over the largest input."""
     given, plastic, largest = result.energy_input, float(result.yield_ledger[-1]), result.largest_input
-    final = {name: _last(result, f"energy/{name}") for name in (*_ENERGIES, *_DISSIPATED, "absorbed")}
+    resisted = [name for name in _RESISTED if f"energy/{name}" in result]
+    names = (*_ENERGIES, *_DISSIPATED, *resisted, "absorbed")
+    final = {name: _last(result, f"energy/{name}") for name in names}
     final["plastic"] = 0.0 if abs(plastic) < _ROUNDING * given else plastic  # what is left of a difference
 
     def share(name: str) -> float | None:
@@ -153,7 +156,8 @@ def _energies(result: Result) -> Summary:
         **{f"energy_{name}_J": final[name] for name in _ENERGIES},
         **{f"energy_dissipated_{name}_J": final[name] for name in _DISSIPATED},
         "energy_absorbed_J": final["absorbed"],
-        **{f"{name}_fraction": share(name) for name in ("dissipated", *_DISSIPATED, "absorbed")},
+        **{f"energy_dissipated_{name}_J": final[name] for name in resisted},
+        **{f"{name}_fraction": share(name) for name in ("dissipated", *_DISSIPATED, *resisted, "absorbed")},
         "energy_balance_error": float(np.max(misfit(result.ledger)) / largest) if largest else None,
     }
 

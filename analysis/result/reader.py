@@ -375,8 +375,9 @@ class Result:
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding against time, without friction, viscous losses and dampers: (n_times,), J."""
-        others = ("energy/friction", "energy/viscous", "energy/support_lost", "energy/holder", "energy/absorbed")
-        return self["energy/dissipated"] - sum(self[name] for name in others if name in self)
+        others = ("friction", "rolling", "twisting", "viscous", "support_lost", "holder", "absorbed")
+        columns = [f"energy/{name}" for name in others]
+        return self["energy/dissipated"] - sum(self[name] for name in columns if name in self)
 
     @property
     def energy_input(self) -> float:

@@ -121,9 +121,14 @@ class Case:
 
     @property
     def has_friction(self) -> bool:
-        """True if any contact or wall has friction."""
+        """True if any contact or wall has friction, of sliding, rolling or twisting."""
         contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
-        return any(contacts)
+        return any(contacts) or self.has_resistance
+
+    @property
+    def has_resistance(self) -> bool:
+        """True if any contact resists rolling or twisting."""
+        return any(one.resists for one in (self.contact, *(pair.contact for pair in self.pair)))
 
     @property
     def has_loss(self) -> bool:

@@ -130,6 +130,53 @@ def _parse_restitution(value: Any) -> float:
     return restitution
 
 
+MARSHALL = "marshall"  # resistance to twisting by the friction of the contact circle
+_MOST = {"coefficient": 10.0, "stiffness": 1e15, "damping": 1e9}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Resistance:
+    """Spring, dashpot and slider that resist the rolling or the twisting of a contact.
+
+    Attributes
+    ----------
+    coefficient
+        Largest force over the normal force: a number for rolling, a length (m) for twisting.
+    stiffness
+        N/m for rolling, N m for twisting; None: it follows the contact circle.
+    damping
+        N s/m for rolling, N m s for twisting.
+    """
+
+    coefficient: float
+    stiffness: float | None = None
+    damping: float = 0.0
+
+
+def _parse_resistance(value: Any, form: str) -> Resistance:
+    """Read a coefficient or a table; 0 is no resistance, also where a pair takes back that of [contact]."""
+    table = value if isinstance(value, Mapping) else {"coefficient": value}
+    if unknown := [name for name in table if name not in _MOST]:
+        raise ValidationError(f"{form}; {unknown[0]} is unknown")
+    schema.refuse_if("coefficient" not in table, f"{form}; the coefficient is missing")
+    found = {name: schema.finite(number, form) for name, number in table.items()}
+    for name, number in found.items():
+        schema.refuse_if(not 0 <= number <= _MOST[name], f"{form}; {name} from 0 to {_MOST[name]:g}")
+    schema.refuse_if(found.get("stiffness") == 0, f"{form}; a stiffness above 0, or none, to follow the contact circle")
+    return Resistance(**found)
+
+
+def parse_rolling(value: Any) -> Resistance:
+    """Read a resistance to rolling; raise `ValidationError` for anything else."""
+    return _parse_resistance(value, "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}")
+
+
+def parse_twisting(value: Any) -> Resistance | str:
+    """Read a resistance to twisting; raise `ValidationError` for anything else."""
+    form = 'a coefficient in m, {coefficient = (m), stiffness = (N m), damping = (N m s)}, or "marshall"'
+    return MARSHALL if value == MARSHALL else _parse_resistance(value, form)
+
+
 DEFAULT_YIELD_FACTOR = 1.60
 FITTED_POISSON_RATIO = 0.30
 _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
@@ -212,6 +259,18 @@ class Contact:
         ("mindlin_rescale", "mindlin"),
         default="mindlin_rescale",
     )
+    rolling_friction: Resistance | None = schema.custom(
+        "resistance to rolling: largest torque over effective radius and normal force, or a table of coefficient, "
+        "stiffness (N/m; that of the spring of friction if left out) and damping (N s/m)",
+        parse_rolling,
+        default=None,
+    )
+    twisting_friction: Resistance | str | None = schema.custom(
+        "resistance to twisting: largest torque over normal force (m), a table of coefficient, stiffness (N m) and "
+        'damping (N m s), or "marshall", by the friction of the contact circle',
+        parse_twisting,
+        default=None,
+    )
     loss: Loss | None = schema.custom(
         "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
         parse_loss,
@@ -265,6 +324,12 @@ class Contact:
         return ALL_LAWS[self.law]
 
     @property
+    def resists(self) -> bool:
+        """True if contacts resist rolling or twisting."""
+        both = self.rolling_friction, self.twisting_friction
+        return any(one.coefficient > 0 if isinstance(one, Resistance) else one is not None for one in both)
+
+    @property
     def yields(self) -> bool:
         """True if the law needs a yield strength."""
         return bool(self.entry.yields)
@@ -276,6 +341,7 @@ class Contact:
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap", "line")
+_OF_ANY_LAW = ("friction", "tangential", "rolling_friction", "twisting_friction", "loss")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 
 
@@ -353,4 +419,4 @@ def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]
     """Return the values that a pair takes from ``[contact]``: all but the constants of another law."""
     if own.get("law", common.get("law")) == common.get("law"):
         return dict(common)
-    return {name: common[name] for name in ("friction", "tangential", "loss") if name in common}
+    return {name: common[name] for name in _OF_ANY_LAW if name in common}

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 # Conditions of columns: friction, initial dents, viscous losses, rotation; a record of the forces at every snapshot
 FRICTION, DENTS, LOSS, TURNING, FORCES_OF_ALL = "friction", "dents", "loss", "turning", "forces"
+RESISTANCE = "resistance"  # to rolling and twisting
 # a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an automatic timestep
 PLATE, HOLDER, ABSORB, SUPPORT, ADAPTIVE = "plate", "holder", "absorb", "support", "adaptive"
 
@@ -77,6 +78,10 @@ LEDGER = (
     Column("plate", "f_plate[12]", "J", PLATE),  # part of the kinetic energy
     Column("elastic_tangential", "v_elastic_tangential", "J", FRICTION),
     Column("friction", "v_friction", "J", FRICTION),
+    Column("elastic_rolling", "v_elastic_rolling", "J", RESISTANCE),
+    Column("rolling", "v_rolling", "J", RESISTANCE),
+    Column("elastic_twisting", "v_elastic_twisting", "J", RESISTANCE),
+    Column("twisting", "v_twisting", "J", RESISTANCE),
     Column("viscous", "v_viscous", "J", LOSS),
     Column("holder", "f_holder", "J", HOLDER),
     Column("absorbed", "v_absorbed", "J", ABSORB),
@@ -185,6 +190,7 @@ def recorded(case: Case) -> tuple[str, ...]:
     """Return the conditions that select the columns of a case."""
     there = {
         FRICTION: case.has_friction,
+        RESISTANCE: case.has_resistance,
         DENTS: case.has_initial_dents,
         LOSS: case.has_loss,
         TURNING: case.has_rotation,

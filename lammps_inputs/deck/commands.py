@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -126,6 +126,8 @@ def law_coefficients(
     second: Material | None = None,
     friction: float = 0.0,
     loss: Viscous | None = None,
+    *,
+    resists: bool = False,
 ) -> str:
     """Return the coefficients of a contact law, as pair_coeff and the wall fix take them.
 
@@ -139,6 +141,8 @@ def law_coefficients(
         Coefficient of friction.
     loss
         Kind and size of a viscous loss.
+    resists
+        True to give the resistance to rolling and twisting.
     """
     words: list[str] = [contact.law]
     for material in (first,) if second is None else (first, second):
@@ -157,9 +161,23 @@ def law_coefficients(
     if friction:
         words += ["friction", num(friction)]
         words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
+    if resists:
+        words += _slider("rolling", contact.rolling_friction)
+        marshall = contact.twisting_friction == MARSHALL
+        words += [] if marshall and not friction else _slider("twisting", contact.twisting_friction)
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
     return joined(words)
+
+
+def _slider(key: str, resistance: Resistance | str | None) -> list[str]:
+    """Return the words of a resistance to rolling or twisting; none without one."""
+    if not isinstance(resistance, Resistance):
+        return [key, resistance] if resistance else []
+    if not resistance.coefficient:
+        return []
+    stiffness = "mindlin" if resistance.stiffness is None else num(resistance.stiffness)
+    return [key, "sds", stiffness, num(resistance.damping), num(resistance.coefficient)]
 
 
 _ELASTIC = Contact(law="hertz")
@@ -192,8 +210,9 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
                 bodies, shapes = (first.material, second.material), (first.shape, second.shape)
                 loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
             # the face of a bar has none
-            friction = contact.friction if second.role == "sphere" and not elastic else 0.0
-            words = law_coefficients(contact, first.material, partner, friction, loss)
+            rough = second.role == "sphere" and not elastic
+            friction = contact.friction if rough else 0.0
+            words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
             lines.append(f"pair_coeff      {i} {j} {words}")
     return lines
 
@@ -268,7 +287,7 @@ def wall_commands(
             if not elastic:
                 friction = wall_friction(case, wall, material)
                 loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
-                words = [law_coefficients(contact, material, wall.material, friction, loss)]
+                words = [law_coefficients(contact, material, wall.material, friction, loss, resists=True)]
                 words += _support_arguments(assembly, wall, material)
             words += line
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")

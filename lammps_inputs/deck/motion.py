@@ -230,6 +230,12 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         stored, lost = [*stored, 8], [*lost, 9]
         elastic.append("v_elastic_tangential")
         dissipated.append("v_friction")
+    if case.has_resistance:
+        for number, name in enumerate(("elastic_rolling", "rolling", "elastic_twisting", "twisting")):
+            terms = [f"c_contact[{9 + number}]", *on_walls(17 + number)]
+            lines.append(f"variable        {name} equal {_sum(terms)}")
+            (elastic if number % 2 == 0 else dissipated).extend(terms)
+        stored, lost = [*stored, 17, 19], [*lost, 18, 20]
     if case.has_loss:
         viscous = ["c_contact[8]", *on_walls(16)]  # a variable within another has 15 digits
         lines.append(f"variable        viscous equal {_sum(viscous)}")

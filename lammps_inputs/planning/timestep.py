@@ -29,6 +29,7 @@ import math
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -37,6 +38,7 @@ from granwave.lammps_inputs.planning.encounters import encounters, some_encounte
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
+_OF_ROLLING = 0.2  # timestep over 1/angular frequency of a given stiffness; stable below 2
 _OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
@@ -121,6 +123,9 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
     stiffness = max(encounter.stiffness for encounter in found)
     lossy = [one for one in found if one.loss is not None]
     limits = [Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy]
+    limits += _limits_of_resistance(
+        case, min(one.mass for one in found), min(one.law.effective_radius for one in found)
+    )
     bars = [(BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed, bar.name) for bar in assembly.bars]
     limits += [Limit(step, f"{name}.elements", "fewer elements") for step, name in bars]
     limits.append(Limit(support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"))
@@ -129,6 +134,27 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
         step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
         limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
     return limits
+
+
+def _limits_of_resistance(case: Case, mass: float, radius: float) -> list[Limit]:
+    """Return the bounds by given stiffnesses and dampings of resistance to rolling and twisting.
+
+    With the smallest effective mass m* and radius R* of any contact, the square of the angular frequency of spheres of
+    2/5 m R^2 is at most 2.5 K/m*, their rate of decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2 instead.
+    """
+    found = []
+    for contact in (case.contact, *(pair.contact for pair in case.pair)):
+        for key, arm in (("rolling_friction", 1.0), ("twisting_friction", radius)):
+            one = getattr(contact, key)
+            if not isinstance(one, Resistance) or not one.coefficient:
+                continue
+            if one.stiffness:
+                step = _OF_ROLLING * math.sqrt(mass * arm**2 / (2.5 * one.stiffness))
+                found.append(Limit(step, f"contact.{key}", "a smaller stiffness"))
+            if one.damping:
+                step = _OF_VISCOUS_DECAY * mass * arm**2 / (2.5 * one.damping)
+                found.append(Limit(step, f"contact.{key}", "a smaller damping"))
+    return found
 
 
 def _limits_of_load(assembly: Assembly) -> list[Limit]:

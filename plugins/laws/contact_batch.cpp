@@ -245,3 +245,19 @@ void ContactBatch::add_forces_and_torques(double (*forces)[3], double (*torques)
     }
   }
 }
+
+void ContactBatch::add_forces_and_moments(double (*forces)[3], double (*torques)[3], int owned,
+                                          const double (*moment)[3]) const
+{
+  for (int m = 0; m < size; m++)
+    for (int d = 0; d < 3; d++) {
+      if (i[m] < owned) {
+        forces[i[m]][d] += force_i[d][m];
+        torques[i[m]][d] += lever_i[m] * torque[d][m] + moment[m][d];
+      }
+      if (j[m] < owned) {
+        forces[j[m]][d] -= force_i[d][m];
+        torques[j[m]][d] += lever_j[m] * torque[d][m] - moment[m][d];
+      }
+    }
+}

@@ -82,6 +82,8 @@ struct ContactBatch {
   void add_normal(double (*forces)[3], int owned) const;
   /* Add forces and torques including friction likewise, and meanwhile fetch springs of later pairs. */
   void add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned, const TangentialSpring *springs) const;
+  /* The same with torques of rolling and twisting on sphere i, the opposite on j. */
+  void add_forces_and_moments(double (*forces)[3], double (*torques)[3], int owned, const double (*moment)[3]) const;
 
  private:
   template <bool ADVANCES> void compute_friction(double dt);

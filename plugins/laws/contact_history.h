@@ -51,8 +51,9 @@ struct ForgottenContacts {
   double yielded = 0.0, beyond_half = 0.0, beyond_law = 0.0;             // numbers of contacts
   double peak_force = 0.0, peak_overlap = 0.0;
   double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;    // time_peak: of the largest force; -1 = never
+  double rolling_loss = 0.0, twisting_loss = 0.0;                   // part of frictional_loss
 
-  static constexpr int SIZE = 12;
+  static constexpr int SIZE = 14;
 
   bool none() const { return peak_overlap == 0.0; }
 };

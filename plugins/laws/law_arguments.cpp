@@ -61,6 +61,25 @@ double poisson(const std::string &word)
   return value;
 }
 
+/* Read a resistance to rolling or twisting. Returns the number of words after the key at `at`. */
+std::size_t read_slider(const std::vector<std::string> &words, std::size_t at, SliderModel &model)
+{
+  const std::string &key = words[at], &kind = words[at + 1];
+  if (model) refuse(key + " is given twice");
+  model.marshall = key == "twisting" && kind == "marshall";
+  if (model.marshall) return 1;
+  const std::string form = key + " sds K|mindlin GAMMA MU" + (key == "twisting" ? " or twisting marshall" : "");
+  if (kind != "sds") refuse("expected " + form + ", found '" + key + " " + kind + "'");
+  if (at + 4 >= words.size()) refuse("'" + key + " sds' has too few values; expected " + form);
+  if (words[at + 2] != "mindlin") model.stiffness = positive(words[at + 2], key + " stiffness");
+  model.damping = number(words[at + 3], key + " damping");
+  model.coefficient = number(words[at + 4], key + " coefficient");
+  if (model.damping < 0.0) refuse(key + " damping must not be negative, found '" + words[at + 3] + "'");
+  if (model.coefficient < 0.0) refuse(key + " coefficient must not be negative, found '" + words[at + 4] + "'");
+  if (!model) model = {};
+  return 4;
+}
+
 }    // namespace
 
 const std::vector<LawEntry> &law_table()
@@ -107,6 +126,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
       "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
       " E nu sigma_y "
       "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
+      "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
       "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
       "[beta b] [hardening h [h2]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
@@ -141,6 +161,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
       if (value != "mindlin_rescale" && value != "mindlin")
         refuse("tangential must be mindlin_rescale or mindlin, found '" + value + "'");
       args.tangential = value == "mindlin" ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE;
+    } else if (key == "rolling" || key == "twisting") {
+      k += read_slider(words, k, key == "rolling" ? args.resistance.rolling : args.resistance.twisting) - 1;
     } else if (key == "loss") {
       if (value != "time" && value != "dashpot") refuse("loss must be time or dashpot, found '" + value + "'");
       if (args.loss) refuse("loss is given twice: take one of time and dashpot");
@@ -183,6 +205,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
   }
+  if (args.resistance.twisting.marshall && !(args.friction > 0.0))
+    refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
   if (args.law->takes(POWER) && !(has_constant && has_exponent))
     refuse("law power needs constant K and exponent p; " + usage);
   if (given && args.options.variant == Variant::published)

@@ -4,13 +4,16 @@
      hertz|none E nu [E2 nu2]
      power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
-     keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu, tangential mindlin_rescale|mindlin, loss time A, loss dashpot alpha, and of the options that the law takes: variant
+     keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
+     tangential mindlin_rescale|mindlin, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
+     loss time A, loss dashpot alpha, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
 #include "contact_law.h"
+#include "resistance.h"
 #include "tangential.h"
 #include "viscous_loss.h"
 
@@ -28,13 +31,14 @@ struct LawArguments {
   LawOptions options;
   double friction = 0.0;    // Coulomb's coefficient
   TangentialModel tangential = TangentialModel::MINDLIN_RESCALE;
+  ResistanceModel resistance;
   ViscousLoss loss;
   std::vector<std::string> words;    // that these arguments were read from
 
   bool same_options(const LawArguments &other) const
   {
     return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential &&
-           loss == other.loss;
+           resistance == other.resistance && loss == other.loss;
   }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }

@@ -68,6 +68,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     friction = args.friction;
     tangential_model = args.tangential;
     loss = args.loss;
+    resistance = args.resistance;
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }
@@ -107,7 +108,7 @@ void FixWallGranHysteretic::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (loss && !atom->rmass_flag)
     error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
-  if (friction > 0.0 && !(atom->omega_flag && atom->torque_flag))
+  if ((friction > 0.0 || resistance) && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
@@ -271,6 +272,7 @@ void FixWallGranHysteretic::evaluate()
         }
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
+      if (resistance) compute_resistance(i, side, contact);
     }
   }
   if (arrived) list_spheres();

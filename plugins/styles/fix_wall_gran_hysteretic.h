@@ -18,6 +18,7 @@
 
 #include "../laws/contact_law.h"
 #include "../laws/elastic_contact.h"
+#include "../laws/resistance.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
 #include "../laws/support.h"
@@ -112,7 +113,7 @@ class FixWallGranHysteretic : public Fix {
   struct Contact {    // present contact of a sphere with a wall
     double force;
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
-    double circle_sq;    // squared radius of the contact circle; with friction only
+    double circle_sq;    // squared radius of the contact circle; with friction or resistance only
   };
 
   void list_spheres();
@@ -130,6 +131,8 @@ class FixWallGranHysteretic : public Fix {
   Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
+  void compute_resistance(int i, int side, const Contact &);
+  void report_friction(int i);
   double distance_squared(const double from[2], const double to[2]) const;
   double *at_walls(int i) { return histories.data() + static_cast<std::size_t>(i) * n_history(); }
   Side *sides(int i) { return reinterpret_cast<Side *>(at_walls(i)); }
@@ -145,7 +148,15 @@ class FixWallGranHysteretic : public Fix {
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
-  int n_extra() const { return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0); }
+  int n_extra() const
+  {
+    return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0) +
+           (resistance ? granwave::ResistanceHistory::SIZE : 0);
+  }
+  granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
+  {
+    return granwave::resistance_history(extra(i, side) + n_extra() - granwave::ResistanceHistory::SIZE);
+  }
   granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
   {
     return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
@@ -173,6 +184,7 @@ class FixWallGranHysteretic : public Fix {
   std::vector<LastLaw> last_laws;    // by type
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+  granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
   Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies
   std::vector<double> moved_mass;                // with rigid bodies: of the spheres
@@ -192,9 +204,22 @@ class FixWallGranHysteretic : public Fix {
   granwave::ExactSum on_plane[2];    // force and stiffness of the contacts of this processor with a movable plane
   double contact_stiffness = 0.0;    // sum over all processors
   bigint tallied = -1;
-  enum { STORED, DISSIPATED_SUM, YIELDED, BEYOND_LAW, TANGENTIAL_STORED, FRICTION_LOSS_SUM, VISCOUS_SUM, N_TOTALS };
+  enum {
+    STORED,
+    DISSIPATED_SUM,
+    YIELDED,
+    BEYOND_LAW,
+    TANGENTIAL_STORED,
+    FRICTION_LOSS_SUM,
+    VISCOUS_SUM,
+    ROLLING,
+    ROLLED,
+    TWISTING,
+    TWISTED,
+    N_TOTALS
+  };
   double totals[N_TOTALS];    // of all processors
-  int extensive[16] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1};
+  int extensive[20] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 };
 
 }    // namespace LAMMPS_NS

@@ -87,17 +87,17 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (scaled.line()) {
     contact.force = line_force[line];
     if (support) contact.stiffness = line_stiffness[line];
-    if (friction > 0.0) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
+    if (friction > 0.0 || resistance) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
   } else if (!scaled.yielded(side.dent)) {
     contact.force = scaled.hertz_force(overlap);
     if (support) contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.hertz_stiffness(overlap);
-    if (friction > 0.0)
+    if (friction > 0.0 || resistance)
       contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
     const Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
-    if (friction > 0.0)
+    if (friction > 0.0 || resistance)
       contact.circle_sq =
           raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak));
     if (raised) {
@@ -177,7 +177,41 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
   } else {
     release(spring);
   }
-  state[FRICTION_LOSS] = springs(i)[0].loss + springs(i)[1].loss;
+  report_friction(i);
+}
+
+/* Compute the torque by which one wall resists rolling and twisting of sphere i, as the pair style does. */
+
+void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &contact)
+{
+  ResistanceHistory &history = resisted(i, which);
+  if (contact.force > 0.0) {
+    const double *const omega = atom->omega[i], circle = std::sqrt(contact.circle_sq);
+    RollingContact rolling{{},
+                           {omega[0], omega[1], omega[2]},
+                           scaled_law(i).effective_radius(),
+                           contact.force,
+                           circle,
+                           law.tangential_stiffness(contact.circle_sq),
+                           friction};
+    inward(i, which, rolling.normal);
+    if (update->whichflag == 1 && !update->setupflag) history.advance(resistance, rolling, update->dt);
+    double sum[3];
+    history.torque(rolling.normal, rolling.arm, sum);
+    for (int d = 0; d < 3; d++) atom->torque[i][d] += sum[d];
+  } else {
+    history.release();
+  }
+  report_friction(i);
+}
+
+/* Update the column of the energy that sliding, rolling and twisting took at both walls. */
+
+void FixWallGranHysteretic::report_friction(int i)
+{
+  double sum = friction > 0.0 ? springs(i)[0].loss + springs(i)[1].loss : 0.0;
+  if (resistance) sum += resisted(i, 0).loss() + resisted(i, 1).loss();
+  array_atom[i][FRICTION_LOSS] = sum;
 }
 
 /* ---------------------------------------------------------------------- output */
@@ -200,6 +234,14 @@ void FixWallGranHysteretic::tally()
       const Side &own = sides(i)[side];
       const double overlap = depth(i, side);
       if (friction > 0.0) mine[TANGENTIAL_STORED] += tangential_energy(springs(i)[side]);
+      if (resistance) {
+        const ResistanceHistory &history = resisted(i, side);
+        mine[ROLLING] += history.rolling.stored();
+        mine[ROLLED] += history.rolling.loss;
+        mine[TWISTING] += history.twisting.stored();
+        mine[TWISTED] += history.twisting.loss;
+        mine[FRICTION_LOSS_SUM] -= history.loss();    // that of sliding remains
+      }
       if (own.touching == 0.0 || overlap <= 0.0) continue;
       mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
     }
@@ -233,10 +275,10 @@ double FixWallGranHysteretic::compute_vector(int n)
     MPI_Allreduce(&wall_force[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
     return sum;
   }
-  constexpr int AT_SUPPORT = 3 + VISCOUS_SUM;    // first value of the support; the viscous loss comes after all others
-  if (n < AT_SUPPORT || n == AT_SUPPORT + 6) {
+  constexpr int AT_SUPPORT = 3 + VISCOUS_SUM, N_SUPPORT = 6;    // first value of the support; further totals come after it
+  if (n < AT_SUPPORT || n >= AT_SUPPORT + N_SUPPORT) {
     tally();
-    return totals[n < AT_SUPPORT ? n - 3 : int(VISCOUS_SUM)];
+    return totals[n < AT_SUPPORT ? n - 3 : n - 3 - N_SUPPORT];
   }
   if (!support) return 0.0;
   const double of_support[] = {support->displacement(), support->velocity(),        support->energy(),

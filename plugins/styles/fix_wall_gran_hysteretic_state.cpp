@@ -168,7 +168,10 @@ void FixWallGranHysteretic::begin()
       side.initial = yielded ? side.dent : 0.0;
       if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
       side.lost_before = 0.0;
+      ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
+      kept.rolling.loss = kept.twisting.loss = 0.0;
       if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
+      if (resistance) resisted(i, which) = kept;
       if (loss) viscous(i, which) = {};
       std::copy_n(extra(i, which), n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;

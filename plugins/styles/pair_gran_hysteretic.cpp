@@ -117,25 +117,29 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
-  bool any = has_friction, any_loss = has_loss;
+  bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance;
   int n_extra = 0;
   for (int i = 1; i <= atom_types; i++)
     for (int j = i; j <= atom_types; j++) {
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
-      any = any || args.friction > 0.0;
+      any = any || args.friction > 0.0 || args.resistance;
+      any_resistance = any_resistance || args.resistance;
       any_loss = any_loss || args.loss;
       n_extra = std::max(n_extra, args.law->n_extra);
     }
   if (any_loss) n_extra += ViscousHistory::SIZE;
+  if (any_resistance) n_extra += ResistanceHistory::SIZE;
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
     release_contacts();    // its list lacks these variables
   has_friction = any;
-  if (has_loss && fix_history && n_extra > fix_history->history.layout().n_extra)
+  if ((has_loss || has_resistance) && fix_history && n_extra > fix_history->history.layout().n_extra)
     error->all(FLERR,
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
-               "loss: give all laws before the first run");
+               "{}: give all laws before the first run",
+               has_loss ? "loss" : "resistance to rolling or twisting");
   has_loss = any_loss;
+  has_resistance = any_resistance;
   frozen = has_loss ? frozen_group(lmp) : 0;
   rigid = has_loss ? rigid_bodies(lmp) : nullptr;
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
@@ -156,6 +160,10 @@ void PairGranHysteretic::init_style()
     fix_history->release_contacts = [this] { release_contacts(); };
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
+    if (const int kept = fix_history->history.layout().n_extra; has_resistance && kept > 0 && kept != n_extra)
+      error->all(FLERR,
+                 "Restart file holds pair style gran/hysteretic with another loss or other resistances to rolling and "
+                 "twisting: give them again as they were");
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
@@ -226,6 +234,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
   p.shear_stiffness = contact_law.tangential_stiffness(1.0);
   p.tangential_model = args.tangential;
   p.loss = args.loss;
+  if (args.resistance && ri > 0.0 && rj > 0.0) p.resistance = &args.resistance;
   return p;
 }
 
@@ -259,7 +268,7 @@ void PairGranHysteretic::set_parameters()
 void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
-  write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten)});
+  write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten), double(has_resistance)});
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -276,6 +285,7 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   has_friction = settings[1] != 0.0;
   has_initial_dents = settings[2] != 0.0;
   lists_forgotten = settings[3] != 0.0;
+  has_resistance = settings[4] != 0.0;
 }
 
 /* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */

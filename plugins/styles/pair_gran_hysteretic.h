@@ -52,6 +52,7 @@ class PairGranHysteretic : public Pair {
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
+    double rolling_loss, twisting_loss;    // part of the frictional loss
     double viscous_loss;
     double tangential[3];    // tangential force on sphere i
     double effective_radius;
@@ -85,7 +86,21 @@ class PairGranHysteretic : public Pair {
   granwave::ForgottenContacts forgotten(int i) const { return fix_history->history.forgotten(i); }
 
   // in pvector
-  enum { DISSIPATED, YIELDED, BEYOND_LAW, BEYOND_HALF, LARGEST_FORCE, TANGENTIAL, FRICTIONAL, VISCOUS, N_TOTALS };
+  enum {
+    DISSIPATED,
+    YIELDED,
+    BEYOND_LAW,
+    BEYOND_HALF,
+    LARGEST_FORCE,
+    TANGENTIAL,
+    FRICTIONAL,
+    VISCOUS,
+    ROLLING,
+    ROLLED,
+    TWISTING,
+    TWISTED,
+    N_TOTALS
+  };
 
   /* Sum the part of this processor in the totals; LARGEST_FORCE is nonzero only on the first processor. Returns the energy stored
      by the normal forces. A collective call. Requires a current list. */
@@ -107,7 +122,7 @@ class PairGranHysteretic : public Pair {
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 8;
+  static constexpr int RESTART_FORMAT = 9;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
@@ -127,9 +142,10 @@ class PairGranHysteretic : public Pair {
     std::vector<int> partner;       // local or ghost index
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
-    int n_extra = 0;              // number of history variables of the laws in use in addition to the peak
-    std::vector<double> extra;    // n_extra values per pair; with losses a ViscousHistory comes last
-    std::vector<int> turning;     // index into turnings, or -1 while Hertzian
+    int n_extra = 0;    // number of history variables of the laws in use in addition to the peak
+    // n_extra values per pair; with resistance to rolling or twisting a ResistanceHistory, with losses a ViscousHistory come last
+    std::vector<double> extra;
+    std::vector<int> turning;    // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
     std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
     std::vector<double> circle;       // with friction: normalized area at the turning point
@@ -157,6 +173,7 @@ class PairGranHysteretic : public Pair {
     double shear_stiffness;    // 8 G*
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
     granwave::ViscousLoss loss;
+    const granwave::ResistanceModel *resistance = nullptr;    // to rolling and twisting, null if there is none
   };
 
   struct SpecialPair {                                 // pair of a cylinder, or with a power of the overlap
@@ -235,6 +252,7 @@ class PairGranHysteretic : public Pair {
   void compute_viscous(Batch &);
   void set_masses();
   void compute_tangential(Batch &);
+  void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void discard_turning(int k);
@@ -248,6 +266,16 @@ class PairGranHysteretic : public Pair {
   {
     if (!has_loss) return {};
     return granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
+  }
+  int resistance_at() const    // where the ResistanceHistory stands in the block
+  {
+    return contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0) - granwave::ResistanceHistory::SIZE;
+  }
+  granwave::ResistanceHistory *resistance(int k);
+  granwave::ResistanceHistory resistance_of(const double *extra) const
+  {
+    if (!has_resistance) return {};
+    return granwave::resistance_history(extra + resistance_at());
   }
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
@@ -278,6 +306,7 @@ class PairGranHysteretic : public Pair {
   std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
+  bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
   int frozen = 0;                    // with a loss: bit of the group of fix freeze
   class Fix *rigid = nullptr;        // with a loss: fix of rigid bodies

@@ -149,6 +149,36 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   batch.write(c.spring.data());
 }
 
+/* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
+
+void PairGranHysteretic::compute_resistance(const Batch &batch, const double *circle, double (*moment)[3])
+{
+  const double (*const omega)[3] = triples(atom->omega);
+  for (int m = 0; m < batch.size; m++) {
+    std::fill_n(moment[m], 3, 0.0);
+    const PairParameters &p = *batch.pair[m];
+    if (!p.resistance) continue;
+    ResistanceHistory &history = *resistance(batch.k[m]);
+    if (!(batch.force[m] > 0.0)) {
+      history.release();
+      continue;
+    }
+    RollingContact contact{
+        {}, {}, p.contact.effective_radius(), batch.force[m], circle[m], p.shear_stiffness * circle[m], p.friction};
+    for (int d = 0; d < 3; d++) {
+      contact.normal[d] = batch.normal[d][m];
+      contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
+    }
+    if (springs_advance) history.advance(*p.resistance, contact, update->dt);
+    history.torque(contact.normal, contact.arm, moment[m]);
+  }
+}
+
+ResistanceHistory *PairGranHysteretic::resistance(int k)
+{
+  return &resistance_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + resistance_at());
+}
+
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
 ViscousHistory *PairGranHysteretic::viscous(int k)
@@ -160,7 +190,8 @@ ViscousHistory *PairGranHysteretic::viscous(int k)
 
 bool PairGranHysteretic::has_spring(int k)
 {
-  return (has_friction && contacts.spring[k].compliance > 0.0) || (has_loss && viscous(k)->step > 0.0);
+  return (has_friction && contacts.spring[k].compliance > 0.0) || (has_loss && viscous(k)->step > 0.0) ||
+         (has_resistance && resistance(k)->active());
 }
 
 /* End the spring of a pair that has parted, and its viscous force. */
@@ -174,6 +205,7 @@ void PairGranHysteretic::release_contact(int k)
     viscous(k)->release(atom->radius[i] + atom->radius[j] - distance(i, j));
   }
   if (has_friction) release(c.spring[k]);
+  if (has_resistance) resistance(k)->release();
 }
 
 /* Set the masses that spheres and ghosts move with, where there are rigid bodies. */
@@ -286,7 +318,13 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (special) set_elastic(batch);
   update_history(batch);
   if (has_loss) compute_viscous(batch);
-  if (has_friction) {
+  if (has_resistance) {
+    double circle[Batch::CAPACITY], moment[Batch::CAPACITY][3];
+    std::copy_n(batch.circle, batch.size, circle);
+    compute_tangential(batch);
+    compute_resistance(batch, circle, moment);
+    batch.add_forces_and_moments(triples(atom->f), triples(atom->torque), atom->nlocal, moment);
+  } else if (has_friction) {
     compute_tangential(batch);
     batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal, contacts.spring.data());
   } else {

@@ -55,6 +55,13 @@ double PairGranHysteretic::tally_totals()
     if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
     const ViscousHistory viscous = viscous_of(h.extra);
     pvector[VISCOUS] += weight * viscous.lost;
+    if (has_resistance) {
+      const ResistanceHistory resisted = resistance_of(h.extra);
+      pvector[ROLLING] += weight * resisted.rolling.stored();
+      pvector[ROLLED] += weight * resisted.rolling.loss;
+      pvector[TWISTING] += weight * resisted.twisting.stored();
+      pvector[TWISTED] += weight * resisted.twisting.loss;
+    }
     if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
     largest_force = std::max(largest_force, peak_force);
     const int beyond = beyond_range(contact, h.peak);
@@ -100,7 +107,9 @@ double PairGranHysteretic::tally_totals()
     for (int i = 0; i < nlocal; i++) {
       const ForgottenContacts sums = history.forgotten(i);
       pvector[DISSIPATED] += 0.5 * sums.dissipated;
-      pvector[FRICTIONAL] += 0.5 * sums.frictional_loss;
+      pvector[FRICTIONAL] += 0.5 * (sums.frictional_loss - sums.rolling_loss - sums.twisting_loss);
+      pvector[ROLLED] += 0.5 * sums.rolling_loss;
+      pvector[TWISTED] += 0.5 * sums.twisting_loss;
       pvector[VISCOUS] += 0.5 * sums.viscous_loss;
       pvector[YIELDED] += 0.5 * sums.yielded;
       pvector[BEYOND_HALF] += 0.5 * sums.beyond_half;
@@ -111,7 +120,8 @@ double PairGranHysteretic::tally_totals()
   double all_largest = 0.0;
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
   pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair sums over processors
-  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL] + pvector[VISCOUS]))
+  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL] + pvector[VISCOUS] +
+                     pvector[ROLLED] + pvector[TWISTED]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
   return elastic;
@@ -130,6 +140,13 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.initial = view.initial;
   const ViscousHistory viscous = viscous_of(view.extra);
   report.viscous_loss = viscous.lost;
+  if (has_resistance) {
+    const ResistanceHistory resisted = resistance_of(view.extra);
+    report.rolling_loss = resisted.rolling.loss;
+    report.twisting_loss = resisted.twisting.loss;
+    report.tangential_elastic += resisted.stored();
+    report.frictional_loss += resisted.loss();
+  }
   // a pair that was moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
@@ -232,6 +249,8 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
   sums.own_dissipated += report.share_i * report.dissipated;
   sums.frictional_loss += report.frictional_loss;
   sums.viscous_loss += report.viscous_loss;
+  sums.rolling_loss += report.rolling_loss;
+  sums.twisting_loss += report.twisting_loss;
   sums.yielded += report.yielded;
   sums.beyond_half += beyond > 0;
   sums.beyond_law += beyond > 1;

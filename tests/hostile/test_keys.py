@@ -91,7 +91,9 @@ MAY_BE_NEGATIVE = {
     "material.poisson_ratio", "contact.area_offset", "contact.residual_offset", "pair.1.area_offset",
     "pair.1.residual_offset",
 }  # fmt: skip
-MAY_BE_ZERO = MAY_BE_NEGATIVE | {
+#: Read into a table: a number is its coefficient.
+MAY_BE_A_NUMBER = {f"{table}.{way}_friction" for table in ("contact", "pair.1") for way in ("rolling", "twisting")}
+MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "material.hardening", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
@@ -150,7 +152,7 @@ def wrong_values(key: str, kinds: set[Any]) -> list[Any]:
         wrong += [-1]
     if key not in MAY_BE_ZERO:
         wrong += [0]
-    if float not in kinds:
+    if float not in kinds and key not in MAY_BE_A_NUMBER:
         wrong += [1.5]
     return wrong
 

@@ -56,10 +56,18 @@ TICKS = (
     "fix step all gran/timestep 32 3e-6 v_given first 4\nthermo_style custom step f_step[3]"
 )
 PLATE = [f"f_plate[{n}]" for n in range(1, 16)]
+RESISTS = "rolling sds mindlin 1.0 0.05 twisting marshall"
 # script, steps of the run, values that must be equal beside places, velocities and spins
 RUNS = {
     "collision": (script_of(PAIR, velocities=HEADS_ON), 2400, ["c_ep[1]"]),
     "friction in a packing": (rubbed(), 3000, ["c_en[7]", "c_en[1]", "c_en[6]"]),
+    "rolling and twisting": (
+        rubbed().replace("friction 0.3", f"friction 0.3 {RESISTS}"), 3000, [f"c_en[{n}]" for n in (1, 6, 7, 9, 10, 11, 12)],
+    ),
+    "rolling and twisting on a wall, with losses": (
+        alone(f"{SKEW}fix floor all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.3 {RESISTS} loss time 1e-7\n"
+              "thermo_style custom step f_floor[*]"), 2400, [f"f_floor[{n}]" for n in (4, 9, 16, 17, 18, 19, 20)],
+    ),
     "holder": (script_of(LINE, style=HERTZ, velocities=[(0, 0, 0.2)], box=BOX, extra=HOLDER), 6000, ["f_holder"]),
     "damping": (
         alone(f"{SKEW}fix calm all gran/absorb rate 2e3\ntimestep 1e-6\nthermo_style custom step f_calm"), 600, ["f_calm"],
