@@ -19,7 +19,7 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of
-from tests.helpers.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
+from tests.helpers.twins.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
 from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
 
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}

@@ -26,7 +26,7 @@ from granwave.lammps_inputs.roots import brentq
 from granwave.workflows.cli.contacts import fit
 from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
-from tests.helpers.twin import OTHER
+from tests.helpers.twins.twin import OTHER
 
 PACKING = '[packing]\nkind = "chain"\nsize = 5\ndiameter = 0.01\n'
 

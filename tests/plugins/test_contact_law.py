@@ -13,7 +13,7 @@ from granwave._contact_laws import ContactLaw, exponential, power
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.workflows.finite_elements.sphere_contact.law_fit import errors, measured
 from tests.conftest import script_of
-from tests.helpers.twin import LawTwin, scales
+from tests.helpers.twins.twin import LawTwin, scales
 
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
 # a_max: f, a_R, W, dissipated; default variant, in units of F_y and alpha_y (derived from thesis 2.8 to 2.17)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from granwave._contact_laws import ContactLaw, CylinderPair, LineContact
 from tests.conftest import refuses, script_of
 from tests.helpers.two_spheres import value
-from tests.plugins.test_tubes_and_lines import radius_by_scipy
+from tests.plugins.walls.test_tubes_and_lines import radius_by_scipy
 
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3)}
 SOFT = {"youngs_modulus": (90e6 * 0.7696, 90e6 * 0.7696), "poisson_ratio": (0.48, 0.48)}  # E* = 45 MPa

@@ -7,7 +7,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw, LineContact
 from tests.conftest import script_of
-from tests.helpers import viscous_twin
+from tests.helpers.twins import viscous_twin
 from tests.helpers.two_spheres import BOX, PAIR, R, restitution, value
 
 E, NU, STRENGTH, DENSITY = 115e9, 0.3, 550e6, 8500.0

@@ -8,7 +8,7 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.plugins import library
 from tests.conftest import script_of
-from tests.helpers.twin import Network
+from tests.helpers.twins.twin import Network
 from tests.helpers.two_spheres import LAW, PAIR, R, collide, value
 
 

@@ -13,7 +13,7 @@ SHORT = {"run.end_time": 3e-4, "run.frames": 2, "output.history": 1000}
 
 
 def test_tapered_chain_hands_on_less_than_hard_spheres(tmp_path: Path) -> None:
-    """Of like beads the last gets nearly all; of shrinking ones less than hard spheres would hand on."""
+    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would hand on."""
     shrinking = [{"index": [n], "diameter": 0.00952 * 0.9 ** (n - 1)} for n in range(2, 21)]
     runs = [
         gw.run("elastic-impact", SHORT | {"packing.size": 20} | more, directory=tmp_path / f"{k}", progress=False)

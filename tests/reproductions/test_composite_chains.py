@@ -15,9 +15,9 @@ from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.measures import Chain, exponential_decay, maxima
 from granwave.workflows import load_scan
-from tests.helpers import chain_twin as twin_of
-from tests.helpers.chain_twin import Bead, Record, Solid
 from tests.helpers.scripts import FOLDER, row, study_of
+from tests.helpers.twins import chain_twin as twin_of
+from tests.helpers.twins.chain_twin import Bead, Record, Solid
 
 STEEL = {"modulus": 209e9, "ratio": 0.28, "density": 7925.0}
 STEEL_BEAD = Bead(radius=5e-3, strength=None, **STEEL)
@@ -59,7 +59,7 @@ def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
     force = row(homogeneous, "Peak force; source: penalty 1.5, automatic solver")
     speed = row(homogeneous, "Wave speed; source: penalty 1.5, automatic solver")
     assert (force.source, speed.source) == (27.22, 595)
-    assert force.ours == pytest.approx(27.507, rel=1e-3)  # tests/helpers/chain_twin.py
+    assert force.ours == pytest.approx(27.507, rel=1e-3)  # tests/helpers/twins/chain_twin.py
     assert force.ours == pytest.approx(force.theory, rel=2e-3)
     assert speed.ours == pytest.approx(speed.theory, rel=1e-3)
 

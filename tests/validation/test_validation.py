@@ -32,7 +32,7 @@ from granwave.workflows.scanning.driver import run_scan
 from granwave.workflows.scanning.scan_file import Point, Scan
 from granwave.workflows.scanning.suite import is_suite
 from granwave.workflows.solvers import GRANULAR
-from tests.helpers.twin import Network
+from tests.helpers.twins.twin import Network
 
 pytestmark = pytest.mark.validation
 

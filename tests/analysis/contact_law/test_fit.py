@@ -26,7 +26,7 @@ from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows.cli.contacts import fit
-from tests.helpers.twin import OTHER
+from tests.helpers.twins.twin import OTHER
 
 R = 0.005
 BRASS = material("brass")

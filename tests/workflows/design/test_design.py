@@ -108,7 +108,7 @@ def test_all_designs_of_a_small_space(searched):
 
 
 def test_a_run_ends_after_the_peak(searched):
-    """Where the force has not fallen to a tenth at the end of the file's time, the run goes on."""
+    """A run goes on where the force has not fallen to a tenth at the end of the file's time."""
     directory, _ = searched
     runs = [gw.load(directory / row["directory"]) for row in rows_of(directory)]
     assert all(has_passed(target_force(run.directory)[1]) for run in runs)

@@ -21,9 +21,9 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import echoes
 from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers import chain_twin as twin
-from tests.helpers.chain_twin import Bar, Bead, Chain, rectangle
 from tests.helpers.small_cases import BRASS, DIAMETER, PULSE, case_of
+from tests.helpers.twins import chain_twin as twin
+from tests.helpers.twins.chain_twin import Bar, Bead, Chain, rectangle
 
 SOFT = {"youngs_modulus": 67e9, "poisson_ratio": 0.33, "density": 2700.0, "yield_strength": 150e6}
 HARD = {"youngs_modulus": 210e9, "poisson_ratio": 0.28, "density": 7850.0}

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows import library, run_case
 from tests.helpers.small_cases import LATTICES, packing_of
-from tests.helpers.twin import Network
+from tests.helpers.twins.twin import Network
 
 
 def assert_same_contacts(one, other, *, bits: bool = True):

@@ -19,8 +19,8 @@ from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows.cli.main import main
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers.plane_twin import Discs, crystal
-from tests.helpers.square_twin import Plane, Spheres
+from tests.helpers.twins.plane_twin import Discs, crystal
+from tests.helpers.twins.square_twin import Plane, Spheres
 
 D, L = 0.0127, 0.0254
 LINES = [{"name": "down"}, {"name": "all", "index": "all"}]

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tests.helpers.twin import LawTwin
+from tests.helpers.twins.twin import LawTwin
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(48)
 Impulse = Callable[[float], float]  # impulse up to a time, N s

@@ -6,8 +6,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.helpers.chain_twin import FIXED, RIGID, Bar, Bead, Chain, Elastoplastic, Solid, half_sine, rectangle, table
-from tests.helpers.twin import LawTwin, scales
+from tests.helpers.twins.chain_twin import (
+    FIXED,
+    RIGID,
+    Bar,
+    Bead,
+    Chain,
+    Elastoplastic,
+    Solid,
+    half_sine,
+    rectangle,
+    table,
+)
+from tests.helpers.twins.twin import LawTwin, scales
 
 BRASS = Bead()
 STEEL = Bead(modulus=210e9, strength=700e6, density=7850.0)
