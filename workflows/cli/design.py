@@ -82,7 +82,7 @@ def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
         "variables": [one.key for one in problem.space.variables],
         "n_designs": None if size == float("inf") else int(size),
         "share_within_limits": len(fit) / len(designs),
-        "evaluations": problem.search.evaluations,
+        "evaluations": int(n),
         "runs_each": len(problem.samples),
         "jobs": jobs,
         "wall_time_s": n * len(problem.samples) * sum(times) / len(times) / jobs if times else None,
@@ -101,7 +101,11 @@ def plan_text(problem: Problem, values: dict[str, Any]) -> str:
             ("designs", f"{n}" if n is not None else "without number: ranges are continuous"),
             ("within limits", f"{100 * values['share_within_limits']:.0f} % of designs at random"),
             ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
-            *([("expected time", f"about {duration(seconds)}, without the checks of the best")] if seconds else []),
+            *(
+                [("expected time", f"about {duration(seconds)}, without checks and neighbours of the best")]
+                if seconds
+                else []
+            ),
         ]
     )
 
