@@ -267,7 +267,7 @@ def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
         deck.write_data(assembly, tmp_path / "data")
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
-    assert peaks[1] == pytest.approx(peaks[0], rel=0.1)
+    assert peaks[1] < 1.1 * peaks[0]  # the first also holds what is cached at the first call
 
 
 def test_case_key(tmp_path):
