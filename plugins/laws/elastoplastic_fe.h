@@ -7,8 +7,9 @@
                     f = a^1.5 (1 + ks s (sqrt(d) - sqrt(d_y)))/(1 + D)                            a > 1
                     D = t K (b + (c - b)/(1 + t/tc)),  K = 1/(1 + (t0/t)^tk)                      from elastic to plastic
                     b = (2/3) C/(P (G + H)),  c = c0 W/(1 + hc H)                                 f -> a/b: fully plastic
-                    G = 0.2 + 0.8 exp(-(g/gk)^gq)                                                       flattening
-                    H = h1 eta^h3 d^h2 (1 + e3 ...)                                               hardening
+                    G = 0.05 + 0.95/(1 + g^gq + fl g^2)                                           flattening
+                    H = h1 r d^h2 (1 + hg g) ...,  r = eta^h3,  h = H/(1 + H)                     hardening
+                    a straight line from d = 0.2 on, where there are no finite elements           d > 0.2
        residual     a_R = a_max - B f_max^(2/3),  ln B a sum of terms that vanish at yield
        unloading    exponent n, 1.5 at yield
 
@@ -53,9 +54,11 @@ class ElastoplasticFe : public NormalLaw {
     const double yielding = ps * compliance_a_ + (1.0 - ps) * (1.0 - compliance_a_);
     nu_ = a.poisson_ratio - 0.3;
     pressure_ = 2.0 / 3.0 * yield_pressure(m1, m2) / a.yield_strength;
-    knee_ = c_.c0 * (1.0 + c_.cn * nu_) * power(1.0 - (1.0 - even) * (1.0 - yielding), c_.cw);
-    start_ = c_.t0 * exponential(c_.tn * nu_);
-    limit_ = c_.p0 * (1.0 + c_.pn * nu_);
+    knee_ = c_.c0 * exponential(c_.cn * nu_) * power(1.0 - (1.0 - even) * (1.0 - yielding), c_.cw);
+    start_ = c_.t0 * exponential(c_.te * (1.0 - even));
+    steep_ = c_.tk * exponential(c_.tkn * nu_);
+    limit_ = c_.p0 * (1.0 + c_.pe * (1.0 - even) * (1.0 - yielding));
+    alike_ = even;
   }
 
   /* Contact pressure at first yield over the yield strength; exact for 0 <= nu <= 0.5 to 1e-8. */
@@ -132,17 +135,20 @@ class ElastoplasticFe : public NormalLaw {
 
  private:
   static constexpr double STRENGTH = 40.0, LARGE = 40.0;    // sharpness of the logistic function, and its largest argument
-  static constexpr double FLAT = 0.2;                       // of G at any depth, so that the force rises
-  static constexpr double STIFFER = 1.2;                    // of a sphere with a large contact than of a half-space
+  static constexpr double FLAT = 0.05;                      // of G at any depth, so that the force rises
+  static constexpr double STRAIN = 0.1;     // mean plastic strain over sqrt(d), for the hardening of unloading
+  static constexpr double DEEPEST = 0.2;    // overlap over R* of the finite elements
+  static constexpr double STIFFER = 1.2;    // of a sphere with a large contact than of a half-space
   static constexpr double FIRST_PANEL = 0.125, LEAST = 1e-9, STEEPEST = 1.05;
 
   FeConstants c_;
-  double overlap_per_radius_, compliance_a_, rate_a_, rate_b_, stronger_, nu_, pressure_, knee_, start_, limit_;
+  double overlap_per_radius_, compliance_a_, rate_a_, rate_b_, stronger_, nu_, pressure_, knee_, start_, steep_, limit_,
+      alike_;
   bool swapped_, same_;
 
   /* What follows from the radii. */
   struct Shape {
-    double stiff, curved, flat, hard;
+    double stiff, curved, flat, knee, eta, rate, hard;
   };
 
   static double logistic(double y) { return 1.0 / (1.0 + exponential(-std::min(std::max(y, -LARGE), LARGE))); }
@@ -154,33 +160,52 @@ class ElastoplasticFe : public NormalLaw {
     const double p = logistic(stronger_ + c_.rb * (logarithm(std::max(sa, LEAST)) - logarithm(std::max(sb, LEAST))));
     const double even = 4.0 * p * (1.0 - p);
     const double curved = p * power(std::max(sa, LEAST), c_.q1) + (1.0 - p) * power(std::max(sb, LEAST), c_.q1);
+    const double apart = alike_ * (sa - sb) * (sa - sb);
     Shape s;
     s.stiff = compliance_a_ * sa + (1.0 - compliance_a_) * sb;
     s.curved = sa;
-    s.flat = (c_.q0 + (1.0 - c_.q0) * curved) * (1.0 + c_.qs * (1.0 - even) * 4.0 * sa * sb);
-    const double rate = p * rate_a_ + (1.0 - p) * rate_b_, mean = p * sa + (1.0 - p) * sb;
-    s.hard = rate > 0.0 ? c_.h1 * power(rate, c_.h3) * (1.0 + c_.e3 * (1.0 - even) * (1.0 - mean)) : 0.0;
+    s.flat = (c_.q0 + (1.0 - c_.q0) * curved) * (1.0 + c_.qs * (1.0 - even) * 4.0 * sa * sb) *
+             exponential(apart * (c_.qr + c_.qr2 * apart) + c_.qn * nu_);
+    s.knee = knee_ * exponential(c_.cq * apart);
+    const double mean = p * sa + (1.0 - p) * sb;
+    s.eta = p * rate_a_ + (1.0 - p) * rate_b_;
+    s.rate = s.eta > 0.0 ? power(s.eta, c_.h3) : 0.0;
+    s.hard = c_.h1 * s.rate * (1.0 + c_.e3 * (1.0 - even) * (1.0 - mean)) * exponential(c_.hq * apart);
     return s;
   }
 
   double beyond(double a, const Shape &s) const
   {
-    const double d = a * overlap_per_radius_, g = d * s.flat, root = std::sqrt(a), t = root - 1.0;
+    const double end = DEEPEST / overlap_per_radius_;
+    if (!(a > end && end > 1.0)) return fitted(a, s);
+    const double before = end - 1e-4 * (end - 1.0), force = fitted(end, s);
+    return force + (force - fitted(before, s)) / (end - before) * (a - end);
+  }
+
+  double fitted(double a, const Shape &s) const
+  {
+    const double d = a * overlap_per_radius_, root = std::sqrt(a), t = root - 1.0;
     if (!(t > LEAST)) return hertz_force(a);
-    const double flattening = FLAT + (1.0 - FLAT) * exponential(-power(g / c_.gk, c_.gq));
-    const double hard = s.hard > 0.0 ? s.hard * power(d, c_.h2) * (1.0 + c_.hg * g) : 0.0;
-    const double b = pressure_ / (limit_ * (flattening + hard)), c = knee_ / (1.0 + c_.hc * hard);
-    const double k = 1.0 / (1.0 + power(start_ / t, c_.tk));
+    double g = d * s.flat, hard = 0.0, h = 0.0;
+    if (s.rate > 0.0) {
+      hard = s.hard * power(d, c_.h2) * (1.0 + c_.hg * g) * exponential(c_.hd * d * logarithm(1.0 + s.rate));
+      h = hard / (1.0 + hard);
+    }
+    g *= (1.0 + h * (c_.hf + c_.hf2 * h)) / c_.gk;
+    const double flattening = FLAT + (1.0 - FLAT) / (1.0 + power(g, c_.gq * exponential(c_.gqh * h)) + c_.fl * g * g);
+    const double b = pressure_ / (limit_ * (flattening + hard)), c = s.knee / (1.0 + c_.hc * hard);
+    const double k = 1.0 / (1.0 + power(start_ / t, steep_)), tc = c_.tc * exponential(c_.tch * h + c_.tcn * nu_);
     const double stiffer = 1.0 + c_.ks * s.stiff * std::sqrt(overlap_per_radius_) * t;
-    return a * root * stiffer / (1.0 + k * t * (b + (c - b) / (1.0 + t / c_.tc)));
+    return a * root * stiffer / (1.0 + k * t * (b + (c - b) / (1.0 + t / tc)));
   }
 
   Turning branch(double a, double f, const Shape &s) const
   {
     const double l = logarithm(a), z = std::max(0.0, 1.5 * l - logarithm(f)), d = a * overlap_per_radius_;
     const double root = std::sqrt(d) - std::sqrt(overlap_per_radius_), far = d - overlap_per_radius_;
+    const double h = STRAIN * s.eta * root, hard = h / (1.0 + h);
     const double sum = c_.r0 * l + c_.r1 * z + c_.r2 * l * z + c_.r3 * l * l + c_.r4 * z * z + c_.r5 * root * s.stiff +
-                       c_.r6 * far * s.curved + c_.r7 * l * nu_;
+                       c_.r6 * far * s.curved + c_.r7 * l * nu_ + (c_.r8 * l + c_.r9 * root) * hard;
     const double share = z / (1.0 + z);
     const double drop = c_.n0 * l / (1.0 + l) + c_.n1 * share + c_.n2 * l / ((3.0 + l) * (3.0 + l)) +
                         c_.n3 * far * s.curved + c_.n4 * root * s.stiff + c_.n5 * share * std::min(l / 9.0, 1.0) +

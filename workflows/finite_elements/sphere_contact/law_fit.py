@@ -27,8 +27,8 @@ Array = NDArray[np.float64]
 
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.205  # over R*, of the points that count
-_LEADING = 2.0  # points count from this overlap over that at first yield in the fit, and from 1 in the errors
-_POWERS = (2, 4, 6)  # of the errors whose sum is made small, one after the other
+_PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
+_POWERS = (4, 8, 16)  # of the errors whose sum is made small, one after the other
 _CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
 
 
@@ -74,19 +74,12 @@ class Measured:
         return np.asarray(law.loading_force(self.overlap) / self.force - 1)
 
     def unloading_errors(self, law: ContactLaw) -> Array:
-        """Return the largest errors of the shares of the peak force on unloading, (n_unloadings,)."""
+        """Return the errors of the share of the peak force on unloading, at `_PLACES`: (n_unloadings, n_places)."""
         found = []
         for peak, residual, exponent in zip(self.peak, self.residual, self.exponent, strict=True):
-            overlap = np.linspace(residual, peak, 60)
-            wanted = ((overlap - residual) / (peak - residual)) ** exponent
-            found.append(np.abs(law.force(overlap, peak) / law.loading_force(peak) - wanted).max())
-        return np.array(found)
-
-    def of_unloading(self, law: ContactLaw) -> Array:
-        """Return differences of elastic recovery, relative, and of half the exponent from finite elements."""
-        recovery = (self.peak - law.residual_overlap(self.peak)) / law.loading_force(self.peak) ** (2 / 3)
-        wanted = (self.peak - self.residual) / self.peak_force ** (2 / 3)
-        return np.concatenate([recovery / wanted - 1, 0.5 * (law.unloading_exponent(self.peak) - self.exponent)])
+            overlap = residual + (peak - residual) * _PLACES
+            found.append(law.force(overlap, peak) / law.loading_force(peak) - _PLACES**exponent)
+        return np.array(found).reshape(-1, len(_PLACES))
 
 
 def measured() -> list[Measured]:
@@ -105,8 +98,8 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
             def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
                 trial = constants | dict(zip(names, map(float, x), strict=True))
                 laws = [(one, one.law(LAW, trial)) for one in used]
-                parts = [one.loading_errors(law)[one.overlap > _LEADING * one.start] if names is groups[0]
-                         else one.of_unloading(law) for one, law in laws]  # fmt: skip
+                parts = [one.loading_errors(law) if names is groups[0] else one.unloading_errors(law)[:, ::3].ravel()
+                         for one, law in laws]  # fmt: skip
                 scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
                 return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
 
@@ -126,7 +119,7 @@ def errors(found: list[Measured], name: str = LAW, constants: Mapping[str, float
         laws = [(one, one.law(name, constants)) for one in found if one.name.startswith(kind)]
         at = np.concatenate([one.overlap / one.start for one, _ in laws])
         loading = np.concatenate([one.loading_errors(law) for one, law in laws])
-        back = np.concatenate([one.unloading_errors(law) for one, law in laws])
+        back = np.concatenate([np.abs(one.unloading_errors(law)).max(axis=1) for one, law in laws])
         ranges = {f"{low:g}-{high:g}": (at > low) & (at <= high) for low, high in ((1, 10), (10, 100), (100, math.inf))}
         worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
         rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),

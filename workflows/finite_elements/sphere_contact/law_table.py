@@ -78,6 +78,11 @@ def contacts() -> dict[str, dict[str, float]]:
         add("unlike", nu=0.3, ratio=200, hardening=0.05, radius=radius, modulus=2.0, strength=2.0)
     for nu2 in (0.15, 0.45):
         add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=1, modulus=5.0, strength=np.inf, nu2=nu2)
+    for nu, ratio, hardening in [(0.3, 200, 0.02), (0.1, 500, 0.03), (0.45, 400, 0.01)]:
+        add("rigid", nu=nu, ratio=ratio, hardening=hardening, deepest=4 * _DEEPEST)
+    add("unlike", nu=0.3, ratio=100, hardening=0.05, radius=0.5, modulus=1.5, strength=3.0)
+    add("radii", nu=0.3, ratio=500, hardening=0.03, radius=_FLAT)
+    add("radii", nu=0.3, ratio=100, hardening=0.02, radius=5)
     add("held", nu=0.22, ratio=140, hardening=0.0)
     add("held", nu=0.38, ratio=330, hardening=0.05)
     add("held", nu=0.1, ratio=70, hardening=0.015)
