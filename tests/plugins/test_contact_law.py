@@ -95,8 +95,8 @@ def test_work_is_stored_or_dissipated_at_the_peak(law_name):
 def test_the_fitted_law_is_near_its_finite_elements():
     """The table of finite elements, those held out of the fit too; largest errors are those that the manual says."""
     found = errors(measured())
-    assert found["within_3"].min() > 95.5 and found[["1-10", "10-100", "100-inf"]].max().max() < 3.75
-    assert found["unloading"].max() < 4.6
+    assert found["within_3"].min() > 97 and found[["1-10", "10-100", "100-inf"]].max().max() < 4.2
+    assert found["unloading"].max() < 5
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])

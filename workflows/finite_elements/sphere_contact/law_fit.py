@@ -28,7 +28,9 @@ Array = NDArray[np.float64]
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.205  # over R*, of the points that count
 _PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
-_POWERS = (4, 8, 16)  # of the errors whose sum is made small, one after the other
+_FIRST = 6.0  # overlap over that at first yield, below which the first unloading tells what dissipation begins with
+_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
+_POWERS = (2, 4, 6)  # of the errors whose sum is made small, one after the other
 _CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
 
 
@@ -81,6 +83,16 @@ class Measured:
             found.append(law.force(overlap, peak) / law.loading_force(peak) - _PLACES**exponent)
         return np.array(found).reshape(-1, len(_PLACES))
 
+    def near_yield(self, law: ContactLaw) -> Array:
+        """Return how far the dissipated share is from a straight line between yield and the first unloading."""
+        peak, first = self.peak[0], self.peak[0] / self.start
+        if first > _FIRST:
+            return np.zeros(0)
+        back = law.loading_force(peak) * (peak - self.residual[0]) / (self.exponent[0] + 1)
+        at = peak - (1 - _BETWEEN) * (peak - self.start)
+        wanted = _BETWEEN * (1 - back / law.loading_work(peak))
+        return np.asarray(law.dissipated_energy(at) / law.loading_work(at) - wanted)
+
 
 def measured() -> list[Measured]:
     """Return the contacts of the table."""
@@ -98,8 +110,11 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
             def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
                 trial = constants | dict(zip(names, map(float, x), strict=True))
                 laws = [(one, one.law(LAW, trial)) for one in used]
-                parts = [one.loading_errors(law) if names is groups[0] else one.unloading_errors(law)[:, ::3].ravel()
-                         for one, law in laws]  # fmt: skip
+                if names is groups[0]:
+                    parts = [one.loading_errors(law) for one, law in laws]
+                else:
+                    parts = [one.unloading_errors(law)[:, ::3].ravel() for one, law in laws]
+                    parts += [4 * one.near_yield(law) for one, law in laws]
                 scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
                 return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
 
