@@ -1,0 +1,36 @@
+"""Partial slip by many springs over the reach of the circle (method of dimensionality reduction), without the plugin.
+
+Elastic sphere and rigid plane, in space: springs at fixed, equally spaced places, each with its own elongation and
+its own limit by the overlap above it, where the program has a few cells that follow the circle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def rebound(
+    *, modulus, poisson, density, radius, friction, normal, across, spin=0.0, springs=800, steps=3000
+) -> tuple[float, float, float]:
+    """Velocity away from the plane, along it, m/s, and spin, rad/s, after an elastic impact.
+
+    `across` is the velocity along x, `spin` the angular velocity about y, by which the surface moves at
+    across + radius spin.
+    """
+    plane, shear = modulus / (1 - poisson**2), 2 * modulus / ((1 + poisson) * (2 - poisson))
+    mass = density * 4 / 3 * np.pi * radius**3
+    hertz = 4 / 3 * plane * np.sqrt(radius)
+    deepest = (1.25 * mass * normal**2 / hertz) ** 0.4
+    step, width = 3.0 * deepest / normal / steps, 1.01 * np.sqrt(radius * deepest) / springs
+    depth = ((np.arange(springs) + 0.5) * width) ** 2 / radius  # overlap at which each spring comes into contact
+    elongation, overlap = np.zeros(springs), 0.5 * step * normal
+    while overlap > 0:
+        normal -= step * hertz * overlap**1.5 / mass
+        pressed = np.maximum(overlap - depth, 0.0)
+        elongation = np.clip(
+            elongation + step * (across + radius * spin), *(s * friction * plane / shear * pressed for s in (-1, 1))
+        )
+        impulse = -2 * shear * width * elongation.sum() * step
+        across, spin = across + impulse / mass, spin + 2.5 * impulse / (mass * radius)
+        overlap += step * normal
+    return -normal, across, spin
