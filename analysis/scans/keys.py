@@ -49,6 +49,7 @@ _NAMES: Mapping[str, Naming] = {
     "material.yield_strength": Naming("Yield strength", r"$\sigma_\mathrm{y}$", "MPa", 1e6),
     "contact.law": Naming("Contact law"),
     "contact.friction": Naming("Friction coefficient", r"$\mu$"),
+    "contact.tangential": Naming("Spring of friction"),
     "contact.rolling": Naming("Coefficient of rolling friction", r"$\mu_r$"),
     "contact.loss.time": Naming("Loss time", "$A$", "µs", 1e-6),
     "contact.loss.restitution": Naming("Restitution", "$e$"),

@@ -6,8 +6,8 @@
 
        q(x) = (3/2) mu F_n (a^2 - x^2)/a^3        at most, for Hertz's pressure
 
-   and slips by itself where it would bear more. That is the method of dimensionality reduction (Popov and Hess 2015), which for equal
-   or rigid bodies is exact under any history of both forces (Jaeger 1993): at a constant normal force
+   and slips by itself where it would bear more. That is the method of dimensionality reduction (Popov and Hess 2015), for equal bodies
+   the solution of Cattaneo and Mindlin under any history of both forces (Jaeger 1993): at a constant normal force
    F = mu F_n (1 - (1 - d/d_max)^(3/2)), d_max = (3/2) mu F_n/(K a), and loops follow. A place stays as the circle grows and shrinks: it is
    unstressed when it comes into contact.
 
