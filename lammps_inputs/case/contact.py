@@ -255,8 +255,8 @@ class Contact:
         "coefficient of Coulomb friction between spheres", FRICTION, at_least=0, at_most=1e4, default=0.0
     )
     tangential: str = schema.choice(
-        "friction below Coulomb's limit: one spring for the circle, its force scaled down as that shrinks, or kept, which "
-        "can create energy; or a row of them that slip from the edge of the circle inwards (Mindlin and Deresiewicz)",
+        "friction below Coulomb's limit: one spring, its force scaled down as the contact circle shrinks, or kept, "
+        "which can create energy; or a row of them that slip from the edge of the circle inwards (Mindlin, Deresiewicz)",
         ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
