@@ -256,7 +256,7 @@ class Contact:
     )
     tangential: str = schema.choice(
         "friction below Coulomb's limit: one spring, its force scaled down as the contact circle shrinks, or kept, "
-        "which can create energy; or a row of them that slip from the edge of the circle inwards (Mindlin, Deresiewicz)",
+        "which can create energy; or a row of them that slip from its edge inwards (Mindlin, Deresiewicz)",
         ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
