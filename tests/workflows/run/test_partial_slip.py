@@ -11,6 +11,8 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.deck.commands import pair_coefficients, wall_commands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.cost import expected_space, seconds_per_step
+from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, run_case
 from tests.helpers.twins.slip_twin import rebound
@@ -77,3 +79,22 @@ def test_refused() -> None:
     with pytest.raises(InputError, match=r"contact\.tangential") as error:
         load_case("fcc-small", {"contact.tangential": "partial"})
     assert "partial_slip" in str(error.value) and len(str(error.value).splitlines()) == 1
+
+
+def test_its_cost_is_planned() -> None:
+    single, partial = (
+        assemble(load_case("fcc-impact", {**PARTIAL, "contact.tangential": name}))
+        for name in ("mindlin_rescale", "partial_slip")
+    )
+    assert seconds_per_step(partial) > 1.5 * seconds_per_step(single)
+    memory, more = (expected_space(one, make_schedule(one), 1).memory(1) for one in (single, partial))
+    assert more > memory
+
+
+def test_after_a_static_stage(tmp_path: Path) -> None:
+    """It begins without friction; the cells come with the laws that follow."""
+    case = load_case(
+        "precompressed-fcc", {**PARTIAL, "contact.friction": 0.2, "packing.size": [6, 6, 4], "run.end_time": 5e-5}
+    )
+    found = run_case(case, tmp_path / "run", figures=False).summary
+    assert found["energy_balance_error"] < 1e-5 and found["friction_fraction"] > 0
