@@ -7,7 +7,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.helpers.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, packing, rubbing, state
-from tests.helpers.twins.slip_twin import rebound
+from tests.helpers.twins.slip_twin import forces, rebound
 from tests.helpers.two_spheres import value
 
 LAW = ContactLaw(
@@ -118,6 +118,21 @@ def test_random_cycles_are_passive(law, seed):
     assert (overlap < 0).any()
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_any_path_is_that_of_many_springs(seed):
+    """Both forces vary, and slips turn in the plane; in steps that are small, so that those of both agree."""
+    rng = np.random.default_rng(seed)
+    steps = np.repeat(rng.normal(size=(40, 3)), 100, axis=0)
+    overlap = 2e-6 + 2.5e-6 * np.sin(np.cumsum(steps[:, 2]) / 80)
+    slip = steps[:, :2] * constants(2e-6)[2] / 60
+    ours = path(overlap, slip)["force"]
+    theirs = forces(overlap, slip, modulus=LAW.effective_modulus, shear=4 * LAW.shear_modulus, radius=R, friction=MU)
+    size = MU * LAW.loading_force(overlap.max())
+    assert np.abs(ours - theirs).max() < 0.015 * size
+    assert np.sqrt(np.mean((ours - theirs) ** 2)) < 0.003 * size
+    assert np.abs(theirs).max() > 0.5 * size
+
+
 # ---------------------------------------------------------------------- impacts
 
 
@@ -157,6 +172,23 @@ def test_oblique_impacts(lammps, degrees):
         expected, rebounds_at = twin(degrees, speed)
         assert spin == pytest.approx(expected, rel=0.012)
         assert angle == pytest.approx(rebounds_at, abs=0.12 if wall else 0.25)  # equal spheres also pass each other
+
+
+def test_all_directions_are_alike(lammps):
+    """Impacts on walls across x, y and z, sideways at an angle between the axes: the same spin."""
+    found = []
+    for axis in range(3):
+        velocity, at = np.roll([0.1, 0.1, 1.0], axis + 1), "xyz"[axis]
+        law = f"{HERTZ} {PARTIAL}"
+        floor = f"fix floor all wall/gran/hysteretic {at}plane NULL {R:.17g} {law}\ntimestep 2e-8"
+        lmp = lammps(rubbing([(0, 0, 0)], law, velocities=[velocity], box=[-0.1, 0.1] * 3, extra=floor))
+        lmp.command("run 3000 post no")
+        found.append(np.roll(state(lmp, "omega")["omega"][0], -axis - 1))
+    assert found[1] == pytest.approx(found[0], rel=1e-9, abs=1e-9)
+    assert found[2] == pytest.approx(found[0], rel=1e-9, abs=1e-9)
+    assert np.linalg.norm(found[0]) == pytest.approx(
+        -twin(np.degrees(np.arctan(0.1 * np.sqrt(2))), np.sqrt(1.02))[0], rel=0.01
+    )
 
 
 def test_a_single_spring_turns_half_as_much(lammps):

@@ -34,3 +34,20 @@ def rebound(
         across, spin = across + impulse / mass, spin + 2.5 * impulse / (mass * radius)
         overlap += step * normal
     return -normal, across, spin
+
+
+def forces(overlap, slip, *, modulus, shear, radius, friction, springs=800):
+    """Tangential force along a path of overlaps (n,), m, and slips of the steps, (n, 2), m: (n, 2), N.
+
+    `modulus` is E*, `shear` 4 G*, `radius` R*.
+    """
+    width = 1.01 * np.sqrt(radius * np.max(overlap)) / springs
+    depth = ((np.arange(springs) + 0.5) * width) ** 2 / radius
+    elongation, found = np.zeros((springs, 2)), []
+    for a, s in zip(overlap, slip, strict=True):
+        elongation = elongation + s
+        most = friction * modulus / shear * np.maximum(a - depth, 0.0)
+        size = np.linalg.norm(elongation, axis=1)
+        elongation *= np.minimum(1.0, most / np.maximum(size, 1e-300))[:, None]
+        found.append(-2 * shear * width * elongation.sum(axis=0))
+    return np.array(found)
