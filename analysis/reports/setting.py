@@ -27,8 +27,8 @@ _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text an
     "packing.diameter_scatter": ("diameters scattered by {}", "m"),
     "packing.vacancies": ("vacancies {}", ""),
     "contact.loss": ("losses in contacts", ""),
-    "contact.rolling_friction": ("resistance to rolling", ""),
-    "contact.twisting_friction": ("resistance to twisting", ""),
+    "contact.rolling": ("resistance to rolling", ""),
+    "contact.twisting": ("resistance to twisting", ""),
     "contact.initial_overlap": ("initial dents", ""),
     "replace": ("some spheres replaced", ""),
 }

@@ -126,6 +126,12 @@ class Case:
         return any(contacts) or self.has_resistance
 
     @property
+    def has_partial_slip(self) -> bool:
+        """True if any contact with friction slips in a part of its circle."""
+        contacts = (self.contact, *(pair.contact for pair in self.pair))
+        return self.has_friction and any(one.tangential == "partial_slip" for one in contacts)
+
+    @property
     def has_resistance(self) -> bool:
         """True if any contact resists rolling or twisting."""
         return any(one.resists for one in (self.contact, *(pair.contact for pair in self.pair)))

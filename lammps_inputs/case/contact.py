@@ -255,17 +255,18 @@ class Contact:
         "coefficient of Coulomb friction between spheres", FRICTION, at_least=0, at_most=1e4, default=0.0
     )
     tangential: str = schema.choice(
-        "spring of friction where its circle shrinks: force scaled down with it, or kept, which can create energy",
-        ("mindlin_rescale", "mindlin"),
+        "friction below Coulomb's limit: one spring, its force scaled down as the contact circle shrinks, or kept, "
+        "which can create energy; or a row of them that slip from its edge inwards (Mindlin, Deresiewicz)",
+        ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
-    rolling_friction: Resistance | None = schema.custom(
+    rolling: Resistance | None = schema.custom(
         "resistance to rolling: largest torque over effective radius and normal force, or a table of coefficient, "
         "stiffness (N/m; that of the spring of friction if left out) and damping (N s/m)",
         parse_rolling,
         default=None,
     )
-    twisting_friction: Resistance | str | None = schema.custom(
+    twisting: Resistance | str | None = schema.custom(
         "resistance to twisting: largest torque over normal force (m), a table of coefficient, stiffness (N m) and "
         'damping (N m s), or "marshall", by the friction of the contact circle',
         parse_twisting,
@@ -326,7 +327,7 @@ class Contact:
     @property
     def resists(self) -> bool:
         """True if contacts resist rolling or twisting."""
-        both = self.rolling_friction, self.twisting_friction
+        both = self.rolling, self.twisting
         return any(one.coefficient > 0 if isinstance(one, Resistance) else one is not None for one in both)
 
     @property
@@ -341,7 +342,7 @@ class Contact:
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap", "line")
-_OF_ANY_LAW = ("friction", "tangential", "rolling_friction", "twisting_friction", "loss")
+_OF_ANY_LAW = ("friction", "tangential", "rolling", "twisting", "loss")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 
 

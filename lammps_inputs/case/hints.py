@@ -116,8 +116,8 @@ _KEY_OF_WORD = {
     for key, words in {
         "velocity": "speed v v0 impact_speed impact_velocity initial_velocity striker_velocity",
         "friction": "mu mu_s friction_coefficient coefficient_of_friction coulomb sliding_friction",
-        "rolling_friction": "mu_r mu_roll rolling rolling_resistance rolling_coefficient rolling_friction_coefficient",
-        "twisting_friction": "mu_twist twisting torsion spinning_friction twisting_resistance torsional_friction",
+        "rolling": "mu_r mu_roll rolling_friction rolling_resistance rolling_coefficient rolling_friction_coefficient",
+        "twisting": "mu_twist twisting_friction torsion spinning_friction twisting_resistance torsional_friction",
         "youngs_modulus": "e young youngs young_modulus e_modulus elastic_modulus elasticity modulus stiffness",
         "poisson_ratio": "nu poisson poissons_ratio poisson_number",
         "density": "rho mass_density specific_mass",

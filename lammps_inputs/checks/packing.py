@@ -210,9 +210,9 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
             (value is not None and not takes, f"{key}.{name}",
              f'found {value or 0.0:g} with law = "{contact.law}"; it belongs to law = "power"'),
         )  # fmt: skip
-    if contact.twisting_friction == MARSHALL and not contact.friction:
+    if contact.twisting == MARSHALL and not contact.friction:
         found = f'found "{MARSHALL}" with friction = 0'
-        errors.add(f"{key}.twisting_friction", f"{found}, expected friction above 0, by which it resists")
+        errors.add(f"{key}.twisting", f"{found}, expected friction above 0, by which it resists")
     names = list(contact.constants)
     if names and (not contact.takes("constants") or contact.variant != "continuous"):
         found = f"found {contact.law}, {contact.variant}"

@@ -162,9 +162,9 @@ def law_coefficients(
         words += ["friction", num(friction)]
         words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
     if resists:
-        words += _slider("rolling", contact.rolling_friction)
-        marshall = contact.twisting_friction == MARSHALL
-        words += [] if marshall and not friction else _slider("twisting", contact.twisting_friction)
+        words += _slider("rolling", contact.rolling)
+        marshall = contact.twisting == MARSHALL
+        words += [] if marshall and not friction else _slider("twisting", contact.twisting)
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
     return joined(words)

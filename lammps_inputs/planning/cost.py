@@ -47,6 +47,7 @@ _SPHERE, _PAIR, _ROUGH_PAIR = (
     135.0,
     60.0,
 )  # of LAMMPS, and of the snapshot that is sorted; with friction in addition
+_SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
 _ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 310.0  # of the analysis of a part, all contacts dented
 _LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
@@ -61,6 +62,7 @@ _INITIAL_FORCE = (
 )
 _SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
 _CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
+_CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
 _ROW = 400.0  # of the ledger
 _ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
 
@@ -94,7 +96,8 @@ class Space:
 def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
     """Estimate the memory and the disk space of a run."""
     case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
-    pair = _PAIR + (_ROUGH_PAIR if case.has_friction else 0.0)
+    pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
+    kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
     steps = (n * _SPHERE + pairs * pair) * (_STATIC_STAGE if case.precompression else 1.0)
     nx, ny, _ = assembly.lattice.shape
     at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
@@ -111,7 +114,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
         first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
         other_rank=_PROGRAM + steps / n_ranks,
         disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
-        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * _CHECKPOINT_PAIR,
+        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
     )
 
 
@@ -121,6 +124,7 @@ _PARTICLE = 20e-9  # each sphere and each node of a bar, with ledger and wall fo
 _TOUCHING_PAIR = 2e-9  # each touching pair
 _LOADED = 12.5e-9  # added for a loaded contact: fcc under 1 MPa
 _FRICTION = 25e-9  # added for a loaded contact with friction: 1.6 times a step of an impact, 2 under precompression
+_PARTIAL_SLIP = 80e-9  # added for a loaded contact with partial slip
 _YIELDED = 30e-9  # added for a loaded contact that has yielded
 _SHARE_LOADED = 0.3  # mean share of loaded pairs during an impact on a packing at rest; 1 under precompression
 # The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an energy input of e F_y alpha_y per contact:
@@ -229,7 +233,8 @@ def seconds_per_step(assembly: Assembly) -> float:
 
 
 def _seconds(assembly: Assembly, *, loaded: float, has_friction: bool) -> float:
-    a_pair = _TOUCHING_PAIR + loaded * (_LOADED + has_friction * _FRICTION)
+    friction = _FRICTION + assembly.case.has_partial_slip * _PARTIAL_SLIP
+    a_pair = _TOUCHING_PAIR + loaded * (_LOADED + has_friction * friction)
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
 
 

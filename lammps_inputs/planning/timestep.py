@@ -144,7 +144,7 @@ def _limits_of_resistance(case: Case, mass: float, radius: float) -> list[Limit]
     """
     found = []
     for contact in (case.contact, *(pair.contact for pair in case.pair)):
-        for key, arm in (("rolling_friction", 1.0), ("twisting_friction", radius)):
+        for key, arm in (("rolling", 1.0), ("twisting", radius)):
             one = getattr(contact, key)
             if not isinstance(one, Resistance) or not one.coefficient:
                 continue

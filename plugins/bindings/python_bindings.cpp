@@ -6,6 +6,7 @@
 #include "../laws/law_arguments.h"
 #include "../laws/elastic_contact.h"
 #include "../laws/load_shape.h"
+#include "../laws/partial_slip.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -206,6 +207,54 @@ class Contact {
     return law.tangential_stiffness(scaled.circle_squared(overlap, history(peak)));
   }
 
+  py::dict friction_path(const py::array_t<double> &overlaps, const py::array_t<double> &slips, double friction,
+                         const std::string &model, int cells) const
+  {
+    if (cells == 8) return path<8>(overlaps, slips, friction, model);
+    if (cells == 16) return path<16>(overlaps, slips, friction, model);
+    if (cells == 32) return path<32>(overlaps, slips, friction, model);
+    throw py::value_error("cells must be 8, 16 or 32");
+  }
+
+  /* Tangential force, stored energy and loss along a path of overlaps and slips in the tangent plane. */
+  template <int N>
+  py::dict path(const py::array_t<double> &overlaps, const py::array_t<double> &slips, double friction,
+                const std::string &model) const
+  {
+    const auto overlap = overlaps.unchecked<1>();
+    const auto slip = slips.unchecked<2>();
+    const py::ssize_t n = overlap.shape(0);
+    if (slip.shape(0) != n || slip.shape(1) != 2) throw py::value_error("slip must have the shape (n, 2)");
+    const TangentialModel kind = tangential_model(model);
+    py::array_t<double> force({n, py::ssize_t(2)}), stored(n), lost(n);
+    TangentialSpring spring;
+    SlipCells<N> cells;
+    double peak = 0.0;
+    for (py::ssize_t m = 0; m < n; m++) {
+      peak = std::max(peak, overlap(m));
+      const double normal_force = overlap(m) > 0.0 ? scaled.force(overlap(m), history(peak)) : 0.0;
+      if (normal_force > 0.0 && friction > 0.0) {
+        const SlipContact contact{{0.0, 0.0, 1.0},
+                                  {slip(m, 0), slip(m, 1), 0.0},
+                                  contact_radius(overlap(m), peak),
+                                  tangential_stiffness(overlap(m), peak),
+                                  friction * normal_force,
+                                  scaled.effective_radius()};
+        if (kind == TangentialModel::PARTIAL_SLIP) cells.advance(spring, contact);
+        else compute_tangential(spring, contact.normal, contact.slip, contact.stiffness, contact.limit, kind);
+      } else if (cells.active()) {
+        cells.release(spring);
+      } else {
+        release(spring);
+      }
+      for (int d = 0; d < 2; d++) force.mutable_at(m, d) = spring.force[d];
+      stored.mutable_at(m) = cells.energy(spring);
+      lost.mutable_at(m) = spring.loss;
+    }
+    using namespace py::literals;
+    return py::dict("force"_a = force, "stored_energy"_a = stored, "loss"_a = lost);
+  }
+
   ContactLaw law;
   std::optional<ElasticContact> elastic;    // along a line
   ScaledLaw scaled;
@@ -375,5 +424,10 @@ PYBIND11_MODULE(_contact_laws, module)
       .def("contact_radius", py::vectorize(&Contact::contact_radius), py::arg("overlap"), py::arg("peak_overlap"),
            "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
       .def("tangential_stiffness", py::vectorize(&Contact::tangential_stiffness), py::arg("overlap"),
-           py::arg("peak_overlap"), "k_t = 8 G* a of that circle, N/m.");
+           py::arg("peak_overlap"), "k_t = 8 G* a of that circle, N/m.")
+      .def("friction_path", &Contact::friction_path, py::arg("overlap"), py::arg("slip"), py::kw_only(), py::arg("friction"),
+           py::arg("tangential") = "mindlin_rescale", py::arg("cells") = 16,
+           "Force (n, 2), N, stored_energy and loss (n,), J, of friction along a path, from a new contact on.\n\n"
+           "Overlaps (n,), and the slips of the steps that end there, (n, 2), of the first body over the second, m.\n"
+           "Partial slip is computed with 16 cells in LAMMPS; 8 and 32 tell how much that matters.");
 }

@@ -120,12 +120,20 @@ double LawConstants::*law_constant(const std::string &name)
   return nullptr;
 }
 
+TangentialModel tangential_model(const std::string &name)
+{
+  if (name == "mindlin_rescale") return TangentialModel::MINDLIN_RESCALE;
+  if (name == "mindlin") return TangentialModel::MINDLIN;
+  if (name == "partial_slip") return TangentialModel::PARTIAL_SLIP;
+  refuse("tangential must be mindlin_rescale, mindlin or partial_slip, found '" + name + "'");
+}
+
 LawArguments parse_law(const std::vector<std::string> &words)
 {
   const std::string usage =
       "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
       " E nu sigma_y "
-      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
+      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
       "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
       "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
       "[beta b] [hardening h [h2]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
@@ -158,9 +166,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
       args.friction = number(value, "friction");
       if (args.friction < 0.0) refuse("friction must not be negative, found '" + value + "'");
     } else if (key == "tangential") {
-      if (value != "mindlin_rescale" && value != "mindlin")
-        refuse("tangential must be mindlin_rescale or mindlin, found '" + value + "'");
-      args.tangential = value == "mindlin" ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE;
+      args.tangential = tangential_model(value);
     } else if (key == "rolling" || key == "twisting") {
       k += read_slider(words, k, key == "rolling" ? args.resistance.rolling : args.resistance.twisting) - 1;
     } else if (key == "loss") {

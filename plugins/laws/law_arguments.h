@@ -5,7 +5,7 @@
      power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
      keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
-     tangential mindlin_rescale|mindlin, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
+     tangential mindlin_rescale|mindlin|partial_slip, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
      loss time A, loss dashpot alpha, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
@@ -35,6 +35,7 @@ struct LawArguments {
   ViscousLoss loss;
   std::vector<std::string> words;    // that these arguments were read from
 
+  bool slips_partially() const { return friction > 0.0 && tangential == TangentialModel::PARTIAL_SLIP; }
   bool same_options(const LawArguments &other) const
   {
     return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential &&
@@ -43,6 +44,9 @@ struct LawArguments {
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };
+
+/* Model with this name. Throws std::invalid_argument if there is none. */
+TangentialModel tangential_model(const std::string &name);
 
 /* Parse the words of a law. Throws std::invalid_argument with the word found and the word expected. */
 LawArguments parse_law(const std::vector<std::string> &words);

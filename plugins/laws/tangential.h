@@ -26,7 +26,8 @@
 
 namespace granwave {
 
-enum class TangentialModel { MINDLIN_RESCALE, MINDLIN };    // force rescaled as the contact circle shrinks, or unchanged
+// force rescaled as the contact circle shrinks, or unchanged, or a row of springs (partial_slip.h)
+enum class TangentialModel { MINDLIN_RESCALE, MINDLIN, PARTIAL_SLIP };
 
 /* Tangential history of a contact. The loss is kept after separation, the force is not. */
 struct TangentialSpring {

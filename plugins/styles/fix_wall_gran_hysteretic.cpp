@@ -67,6 +67,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     law = args.contact(body, wall);
     friction = args.friction;
     tangential_model = args.tangential;
+    slips_partially = args.slips_partially();
     loss = args.loss;
     resistance = args.resistance;
   } catch (const std::invalid_argument &fault) {

@@ -18,6 +18,7 @@
 
 #include "../laws/contact_law.h"
 #include "../laws/elastic_contact.h"
+#include "../laws/partial_slip.h"
 #include "../laws/resistance.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
@@ -140,8 +141,8 @@ class FixWallGranHysteretic : public Fix {
   {
     return reinterpret_cast<granwave::TangentialSpring *>(at_walls(i) + 2 * N_SIDE);
   }
-  double *extra(int i, int side) { return at_walls(i) + n_history() - (4 - side) * n_extra(); }
-  double *initial_extra(int i, int side) { return extra(i, 2 + side); }
+  double *extra(int i, int side) { return initial_extra(i, 0) - (2 - side) * n_extra(); }
+  double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.entry().n_extra; }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
@@ -151,18 +152,23 @@ class FixWallGranHysteretic : public Fix {
   int n_extra() const
   {
     return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0) +
-           (resistance ? granwave::ResistanceHistory::SIZE : 0);
+           (slips_partially ? granwave::SlipHistory::SIZE : 0) + (resistance ? granwave::ResistanceHistory::SIZE : 0);
   }
   granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
   {
     return granwave::resistance_history(extra(i, side) + n_extra() - granwave::ResistanceHistory::SIZE);
+  }
+  granwave::SlipHistory &slip(int i, int side)    // before it
+  {
+    return granwave::slip_history(extra(i, side) + n_extra() - (resistance ? granwave::ResistanceHistory::SIZE : 0) -
+                                  granwave::SlipHistory::SIZE);
   }
   granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
   {
     return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
   }
   void report_viscous(int i);
-  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }
+  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (n_extra() + law.entry().n_extra); }
   int n_state() const { return N_REPORTED + n_history(); }
 
   int axis = 2;
@@ -184,6 +190,7 @@ class FixWallGranHysteretic : public Fix {
   std::vector<LastLaw> last_laws;    // by type
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
+  bool slips_partially = false;
   granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
   Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies

@@ -162,8 +162,15 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
       slip_of_step(velocity, spin, normal, update->dt, slip);
-      granwave::compute_tangential(spring, normal, slip, law.tangential_stiffness(contact.circle_sq),
-                                   friction * contact.force, tangential_model);
+      const double stiffness = law.tangential_stiffness(contact.circle_sq), limit = friction * contact.force;
+      if (slips_partially)
+        this->slip(i, which).advance(spring, {{normal[0], normal[1], normal[2]},
+                                              {slip[0], slip[1], slip[2]},
+                                              std::sqrt(contact.circle_sq),
+                                              stiffness,
+                                              limit,
+                                              scaled_law(i).effective_radius()});
+      else granwave::compute_tangential(spring, normal, slip, stiffness, limit, tangential_model);
     }
     double torque[3];
     torque_per_lever(normal, spring.force, torque);
@@ -174,6 +181,8 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
     add_to_wall(i, on_wall);
     if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
+  } else if (slips_partially) {
+    slip(i, which).release(spring);
   } else {
     release(spring);
   }
@@ -233,7 +242,9 @@ void FixWallGranHysteretic::tally()
     for (int side = 0; side < 2; side++) {
       const Side &own = sides(i)[side];
       const double overlap = depth(i, side);
-      if (friction > 0.0) mine[TANGENTIAL_STORED] += tangential_energy(springs(i)[side]);
+      if (friction > 0.0)
+        mine[TANGENTIAL_STORED] +=
+            slips_partially ? slip(i, side).energy(springs(i)[side]) : tangential_energy(springs(i)[side]);
       if (resistance) {
         const ResistanceHistory &history = resisted(i, side);
         mine[ROLLING] += history.rolling.stored();

@@ -170,10 +170,12 @@ void FixWallGranHysteretic::begin()
       side.lost_before = 0.0;
       ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
       kept.rolling.loss = kept.twisting.loss = 0.0;
+      const SlipHistory slipping = slips_partially ? slip(i, which) : SlipHistory();
       if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
+      if (slips_partially) slip(i, which) = slipping;
       if (resistance) resisted(i, which) = kept;
       if (loss) viscous(i, which) = {};
-      std::copy_n(extra(i, which), n_extra(), initial_extra(i, which));
+      std::copy_n(extra(i, which), law.entry().n_extra, initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;
     }
     state[VISCOUS] = 0.0;

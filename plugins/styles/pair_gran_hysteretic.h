@@ -23,6 +23,7 @@
 #include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
+#include "../laws/partial_slip.h"
 #include "../laws/elastic_contact.h"
 #include "../laws/plastic_batch.h"
 #include "../laws/touching_pairs.h"
@@ -122,7 +123,7 @@ class PairGranHysteretic : public Pair {
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 9;
+  static constexpr int RESTART_FORMAT = 10;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
@@ -143,7 +144,8 @@ class PairGranHysteretic : public Pair {
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
     int n_extra = 0;    // number of history variables of the laws in use in addition to the peak
-    // n_extra values per pair; with resistance to rolling or twisting a ResistanceHistory, with losses a ViscousHistory come last
+    // n_extra values per pair; with partial slip a SlipHistory, with resistance to rolling or twisting a ResistanceHistory, with losses
+    // a ViscousHistory come last
     std::vector<double> extra;
     std::vector<int> turning;    // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
@@ -252,12 +254,14 @@ class PairGranHysteretic : public Pair {
   void compute_viscous(Batch &);
   void set_masses();
   void compute_tangential(Batch &);
+  void advance_slip(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void discard_turning(int k);
   bool has_spring(int k);
   void release_contact(int k);
+  void release_spring(int k);
   void raise_reached(int k, double overlap);
   int cached_turning(int k, const granwave::ScaledLaw &);
   granwave::LawHistory law_history(int k) const;
@@ -272,6 +276,17 @@ class PairGranHysteretic : public Pair {
     return contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0) - granwave::ResistanceHistory::SIZE;
   }
   granwave::ResistanceHistory *resistance(int k);
+  int slip_at() const    // where the SlipHistory stands in the block
+  {
+    return (has_resistance ? resistance_at() : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
+           granwave::SlipHistory::SIZE;
+  }
+  granwave::SlipHistory *slip(int k);
+  double tangential_energy_of(const granwave::BlockView &view) const
+  {
+    return has_slip ? granwave::slip_history(view.extra + slip_at()).energy(view.spring)
+                    : granwave::tangential_energy(view.spring);
+  }
   granwave::ResistanceHistory resistance_of(const double *extra) const
   {
     if (!has_resistance) return {};
@@ -306,6 +321,7 @@ class PairGranHysteretic : public Pair {
   std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
+  bool has_slip = false;             // true from the first pair_coeff with partial slip on
   bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
   int frozen = 0;                    // with a loss: bit of the group of fix freeze

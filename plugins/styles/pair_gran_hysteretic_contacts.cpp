@@ -289,7 +289,9 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   double *const extra = c.extra.data() + static_cast<std::size_t>(k) * c.n_extra;
   ResistanceHistory rolling = has_resistance ? *resistance(k) : ResistanceHistory();
   rolling.rolling.loss = rolling.twisting.loss = 0.0;
+  const SlipHistory slipping = has_slip ? *slip(k) : SlipHistory();
   if (!dented) std::fill_n(extra, c.n_extra, 0.0);
+  if (has_slip) *slip(k) = slipping;
   if (has_resistance) *resistance(k) = rolling;
   c.peak[k] = peak;
   c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;

@@ -137,7 +137,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   if (batch.prepare_friction())
     for (int m = 0; m < batch.size; m++) {
       if (batch.limit[m] > 0.0) continue;
-      release(c.spring[batch.k[m]]);
+      release_spring(batch.k[m]);
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
@@ -146,7 +146,40 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     return;
   }
   batch.advance_forces_and_torques(update->dt);
+  if (has_slip) advance_slip(batch);
   batch.write(c.spring.data());
+}
+
+/* Replace the tangential forces of the pairs with partial slip by those of their rows of springs. */
+
+void PairGranHysteretic::advance_slip(Batch &batch)
+{
+  bool any = false;
+  for (int m = 0; m < batch.size; m++) {
+    const PairParameters &p = *batch.pair[m];
+    if (p.tangential_model != TangentialModel::PARTIAL_SLIP || !(batch.limit[m] > 0.0)) continue;
+    any = true;
+    SlipContact contact{
+        {}, {}, batch.circle[m], batch.shear_stiffness[m] * batch.circle[m], batch.limit[m], p.contact.effective_radius()};
+    double velocity[3], spin[3];
+    for (int d = 0; d < 3; d++) {
+      contact.normal[d] = batch.normal[d][m];
+      velocity[d] = batch.velocity[d][m];
+      spin[d] = batch.spin[d][m];
+    }
+    slip_of_step(velocity, spin, contact.normal, update->dt, contact.slip);
+    TangentialSpring spring = contacts.spring[batch.k[m]];
+    slip(batch.k[m])->advance(spring, contact);
+    for (int d = 0; d < 3; d++) batch.tangential[d][m] = spring.force[d];
+    batch.compliance[m] = spring.compliance;
+    batch.loss[m] = spring.loss;
+  }
+  if (any) batch.compute_forces_and_torques();
+}
+
+SlipHistory *PairGranHysteretic::slip(int k)
+{
+  return &slip_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + slip_at());
 }
 
 /* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
@@ -204,8 +237,14 @@ void PairGranHysteretic::release_contact(int k)
     const int i = c.row[row], j = c.partner[k];
     viscous(k)->release(atom->radius[i] + atom->radius[j] - distance(i, j));
   }
-  if (has_friction) release(c.spring[k]);
+  if (has_friction) release_spring(k);
   if (has_resistance) resistance(k)->release();
+}
+
+void PairGranHysteretic::release_spring(int k)
+{
+  if (has_slip && slip(k)->active()) slip(k)->release(contacts.spring[k]);
+  else release(contacts.spring[k]);
 }
 
 /* Set the masses that spheres and ghosts move with, where there are rigid bodies. */

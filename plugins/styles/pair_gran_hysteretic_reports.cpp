@@ -50,7 +50,7 @@ double PairGranHysteretic::tally_totals()
 
   const auto count = [&](const ScaledLaw &contact, const LawHistory &h, const BlockView &view, double dissipated,
                          double peak_force, double overlap, double weight) {
-    pvector[TANGENTIAL] += weight * tangential_energy(view.spring);
+    pvector[TANGENTIAL] += weight * tangential_energy_of(view);
     pvector[FRICTIONAL] += weight * view.spring.loss;
     if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
     const ViscousHistory viscous = viscous_of(h.extra);
@@ -135,7 +135,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.effective_radius = contact.effective_radius();
   report.tangential_force = tangential_force(view.spring);
   std::copy_n(view.spring.force, 3, report.tangential);
-  report.tangential_elastic = tangential_energy(view.spring);
+  report.tangential_elastic = tangential_energy_of(view);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;
   const ViscousHistory viscous = viscous_of(view.extra);

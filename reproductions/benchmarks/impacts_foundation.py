@@ -1,9 +1,9 @@
 """Rebound of a sphere from a rigid plane, with partial slip: an integration that shares nothing with the program.
 
 The contact is a row of springs over the reach of its circle (method of dimensionality reduction, V. L. Popov and M.
-Hess, 2015): for equal or rigid bodies that is exact for Hertz's law and for Mindlin and Deresiewicz's partial slip
-under any history of both forces (J. Jaeger, 1993). Each spring sticks where it comes into contact, and slips on its
-own at friction times its own pressure; the row as a whole slides where all do.
+Hess, 2015): that is Hertz's law and Mindlin and Deresiewicz's partial slip under any history of both forces (J. Jaeger,
+1993), without the shear by pressing unlike bodies together. Each spring sticks where it comes into contact, and slips
+on its own at friction times its own pressure; the row as a whole slides where all do.
 """
 
 import math

@@ -4,10 +4,11 @@ A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s
 from the normal; friction 0.092, restitution 0.98. The rebound angle is that of the surface. Beyond some 33 degrees
 the sphere slides all the time and every program agrees. Below, the spring of friction decides: the tests are
 defined for a spring of no slip, ours keeps its force and loses some of it as its circle shrinks, theirs keeps its
-elongation. None of them has the annulus of slip that the theory of Mindlin and Deresiewicz has, and the
-measurements show.
+elongation. The measurements show the annulus of slip that the theory of Mindlin and Deresiewicz has, and that
+contact.tangential = "partial_slip" computes.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -20,9 +21,13 @@ import granwave as gw
 WHERE = "Chung and Ooi 2011, test 4"
 NAMES = {3.8e11: "oxide", 7e10: "alloy"}
 KINDS = (("tangential restitution", ""), ("spin", "rad/s"), ("rebound angle", "degrees"))
+MODELS = {"mindlin_rescale": "one spring", "partial_slip": "partial slip"}  # contact.tangential
 ONE_SPRING = "One spring: theirs keeps its elongation, ours its force; theory is partial slip (Mindlin, Deresiewicz)."
 EXPERIMENT = "Kharaz et al. 2001, in the same"
-MEASURED = "Measured on glass; theory has partial slip, ours does not."
+MEASURED = {
+    "mindlin_rescale": "Measured on glass; theory has partial slip, one spring does not.",
+    "partial_slip": "Measured on glass.",
+}
 
 
 def three(one, normal, across, spin):
@@ -31,13 +36,14 @@ def three(one, normal, across, spin):
 
 
 def measured(runs):
-    """Angle, the three ours and the three with partial slip, by rising angle: (7, n) of each material."""
-    found = {name: [] for name in NAMES.values()}
+    """Angle, the three ours and the three of theory, by rising angle: (7, n) of each material and model."""
+    found = {(name, model): [] for name in NAMES.values() for model in MODELS}
     for one in map(Rebound, runs):
         ours = three(one, one.normal_after, one.across_after, one.spin_after)
         theory = three(one, *one.with_partial_slip())
-        found[NAMES[one.case.material.youngs_modulus]].append((one.case.load.angle, *ours, *theory))
-    return {name: np.array(sorted(values)).T for name, values in found.items()}
+        key = NAMES[one.case.material.youngs_modulus], one.case.contact.tangential
+        found[key].append((one.case.load.angle, *ours, *theory))
+    return {key: np.array(sorted(values)).T for key, values in found.items()}
 
 
 def rows(runs):
@@ -45,7 +51,8 @@ def rows(runs):
     for angle in (5, 10, 20, 30, 50):
         (printed,) = TEST_4[:, TEST_4[0] == angle].T
         for name, columns in (("oxide", printed[1:4]), ("alloy", printed[4:6])):
-            (values,) = found[name][:, found[name][0] == angle].T
+            columns_of = found[name, "mindlin_rescale"]
+            (values,) = columns_of[:, columns_of[0] == angle].T
             for k, source in enumerate(columns):
                 (quantity, unit), remark = KINDS[k], ONE_SPRING if angle < 30 else ""
                 yield gw.Row(
@@ -59,11 +66,13 @@ def rows(runs):
                 )
     points = (MEASURED_RESTITUTION, MEASURED_SPIN, MEASURED_REBOUND)
     for k, ((quantity, unit), values) in enumerate(zip(KINDS, points, strict=True)):
-        for angle, source in values.T:
-            for at in np.flatnonzero(found["oxide"][0] == angle):  # angles that were measured and run
-                ours, theory = found["oxide"][[1 + k, 4 + k], at]
-                name = f"{quantity.capitalize()} measured at {angle:g} degrees, oxide"
-                yield gw.Row(name, unit, source=source, ours=ours, theory=theory, where=EXPERIMENT, remark=MEASURED)
+        for (angle, source), (model, label) in itertools.product(values.T, MODELS.items()):
+            columns = found["oxide", model]
+            for at in np.flatnonzero(columns[0] == angle):  # angles that were measured and run
+                ours, theory = columns[[1 + k, 4 + k], at]
+                name = f"{quantity.capitalize()} measured at {angle:g} degrees, oxide, {label}"
+                remark = MEASURED[model]
+                yield gw.Row(name, unit, source=source, ours=ours, theory=theory, where=EXPERIMENT, remark=remark)
 
 
 def pictures(runs):
@@ -73,15 +82,16 @@ def pictures(runs):
     for k, (axes, (quantity, unit)) in enumerate(zip(figure.subplots(1, 3), KINDS, strict=True)):
         axes.plot(*points[k], "ks", markersize=4, label="measured, oxide on glass")
         axes.plot(TEST_4[0], TEST_4[1 + k], "C1o", fillstyle="none", label="Chung and Ooi, oxide")
-        axes.plot(found["oxide"][0], found["oxide"][1 + k], "C0.-", label="ours, oxide")
-        axes.plot(found["oxide"][0], found["oxide"][4 + k], "0.5", label="partial slip, oxide")
+        for (model, label), style in zip(MODELS.items(), ("C0.-", "C2.-"), strict=True):
+            axes.plot(*found["oxide", model][[0, 1 + k]], style, label=f"ours, {label}")
+        axes.plot(*found["oxide", "partial_slip"][[0, 4 + k]], "0.3", linestyle=":", label="theory of partial slip")
         axes.set(xlabel="Angle of incidence (degrees)", ylabel=quantity.capitalize() + (f" ({unit})" if unit else ""))
         word = quantity.replace(" ", "_")
-        data |= {f"{name}_{word}": values[1 + k] for name, values in found.items()}
-        data |= {f"{name}_partial_slip_{word}": values[4 + k] for name, values in found.items()}
+        data |= {f"{name}_{MODELS[model].replace(' ', '_')}_{word}": v[1 + k] for (name, model), v in found.items()}
+        data |= {f"{name}_theory_{word}": found[name, "partial_slip"][4 + k] for name in NAMES.values()}
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=8)
     caption = (
-        "Oblique impacts of a sphere on a plane at 3.9 m/s. Below some 25 degrees partial slip counts: measurements "
-        "follow it, and single springs miss it, ours as those of others"
+        "Oblique impacts of a sphere of aluminium oxide on a plane at 3.9 m/s. Below some 25 degrees partial slip "
+        "counts: measurements follow it, and single springs miss it, ours as those of others"
     )
-    yield gw.Picture("", caption, figure, {"angle_degrees": found["oxide"][0]} | data)
+    yield gw.Picture("", caption, figure, {"angle_degrees": found["oxide", "partial_slip"][0]} | data)

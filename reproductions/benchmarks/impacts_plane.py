@@ -3,8 +3,11 @@
 In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin are those of the
 surface, over friction times the normal velocity. In test 6 they spin, friction 0.4 and restitution 0.5. Where
 spheres slide all the time rigid bodies are enough. Below, theory is partial slip after Mindlin and Deresiewicz;
-finite elements of a steel sphere follow it in test 5, single springs do not.
+finite elements of a steel sphere follow it in test 5, and so do runs with contact.tangential = "partial_slip";
+single springs do not.
 """
+
+import itertools
 
 import numpy as np
 from impacts_foundation import Rebound
@@ -20,7 +23,10 @@ REMARKS = {
     5: "Theory is partial slip, which finite elements in the same figure follow; no spring of ours gives their curve.",
     6: "Theory is partial slip. Theirs damps the tangential motion as the normal one, which explains most of it.",
 }
-FINITE = "Ours is a single spring; theory, with partial slip, is what finite elements follow."
+FINITE = {
+    "one spring": "Theory, with partial slip, is what finite elements follow; a single spring does not.",
+    "partial slip": "",
+}
 
 
 class Point:
@@ -28,6 +34,7 @@ class Point:
 
     def __init__(self, run):
         one = Rebound(run)
+        self.partial = one.case.contact.tangential == "partial_slip"
         self.name, self.slides = NAMES[one.case.material.youngs_modulus], not any(one.case.load.spin)
         scale = one.case.contact.friction if self.slides else 1.0
         first = one.surface[0]
@@ -42,9 +49,9 @@ class Point:
         self.theory = numbers(*one.with_partial_slip())
 
 
-def measured(runs):
+def measured(runs, partial=False):
     """Points by the name of their material, by rising incidence: (5, n) of incidence, two ours, two of theory."""
-    points = [Point(run) for run in runs]
+    points = [point for point in map(Point, runs) if point.partial == partial]
     return {
         name: np.array(sorted((p.incidence, *p.ours, *p.theory) for p in points if p.name == name)).T
         for name in NAMES.values()
@@ -76,25 +83,26 @@ def rows(runs):
                         where=WHERE.format(test),
                         remark=remark,
                     )
-    if "steel" in found:
-        pairs = (("rebound", FINITE_ELEMENTS_REBOUND), ("spin", FINITE_ELEMENTS_SPIN))
-        for k, (quantity, points) in enumerate(pairs):
-            for incidence, value in points.T[[3, 6, 9]]:
-                ours, theory = (
-                    float(Akima1DInterpolator(found["steel"][0], found["steel"][n + k])(incidence)) for n in (1, 3)
-                )
-                yield gw.Row(
-                    f"Test 5, {quantity} of finite elements at incidence {incidence:g}",
-                    source=value,
-                    ours=ours,
-                    theory=theory,
-                    where=f"finite elements in {WHERE.format(5)}",
-                    remark=FINITE,
-                )
+    if "steel" not in found:
+        return
+    both = {"one spring": found["steel"], "partial slip": measured(runs, partial=True)["steel"]}
+    pairs = (("rebound", FINITE_ELEMENTS_REBOUND), ("spin", FINITE_ELEMENTS_SPIN))
+    for k, (quantity, points) in enumerate(pairs):
+        for (incidence, value), (label, steel) in itertools.product(points.T[[3, 6, 9]], both.items()):
+            ours, theory = (float(Akima1DInterpolator(steel[0], steel[n + k])(incidence)) for n in (1, 3))
+            yield gw.Row(
+                f"Test 5, {quantity} of finite elements at incidence {incidence:g}, {label}",
+                source=value,
+                ours=ours,
+                theory=theory,
+                where=f"finite elements in {WHERE.format(5)}",
+                remark=FINITE[label],
+            )
 
 
 def pictures(runs):
     found = measured(runs)
+    partial = measured(runs, partial=True).get("steel")
     for test, printed, names in ((5, TEST_5, ("steel",)), (6, TEST_6, ("alloy", "nylon"))):
         if names[0] not in found:
             continue
@@ -104,12 +112,15 @@ def pictures(runs):
             if test == 5:
                 points = (FINITE_ELEMENTS_REBOUND, FINITE_ELEMENTS_SPIN)[k]
                 axes.plot(*points, "ks", markersize=4, label="finite elements, steel")
+                axes.plot(*partial[[0, 1 + k]], "C2.-", label="ours, steel, partial slip")
+                data[f"steel_ours_partial_slip_{labels[k].lower()}"] = partial[1 + k]
+            single = ", one spring" if test == 5 else ""
             for column, name in enumerate(names):
                 colour = f"C{column}"
                 source = printed[1 + k] if test == 5 else printed[1 + column + 2 * k]
                 axes.plot(printed[0], source, "o", color=colour, fillstyle="none", label=f"Chung and Ooi, {name}")
-                axes.plot(found[name][0], found[name][1 + k], ".-", color=colour, label=f"ours, {name}")
-                axes.plot(found[name][0], found[name][3 + k], ":", color=colour, label=f"partial slip, {name}")
+                axes.plot(found[name][0], found[name][1 + k], ".-", color=colour, label=f"ours, {name}{single}")
+                axes.plot(found[name][0], found[name][3 + k], ":", color=colour, label=f"theory, {name}")
                 data[f"{name}_incidence"] = found[name][0]
                 data[f"{name}_{label.lower().replace(' ', '_')}"] = found[name][1 + k]
                 data[f"{name}_partial_slip_{label.lower().replace(' ', '_')}"] = found[name][3 + k]

@@ -26,7 +26,7 @@ from tests.golden.outputs import FOLDER, SUMMARIES
 
 SHORT = {"run.end_time": 1e-6}
 BARS_AND_SENSORS = ("split-hopkinson", "composite-chain", "square-in-plane")
-RESISTANCE = {"contact.friction": 0.2, "contact.rolling_friction": 0.01, "contact.twisting_friction": "marshall"}
+RESISTANCE = {"contact.friction": 0.2, "contact.rolling": 0.01, "contact.twisting": "marshall"}
 CONTACT = {"sphere": {"radius": 0.005}, "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005}}
 
 

@@ -92,7 +92,7 @@ MAY_BE_NEGATIVE = {
     "pair.1.residual_offset",
 }  # fmt: skip
 #: Read into a table: a number is its coefficient.
-MAY_BE_A_NUMBER = {f"{table}.{way}_friction" for table in ("contact", "pair.1") for way in ("rolling", "twisting")}
+MAY_BE_A_NUMBER = {f"{table}.{way}" for table in ("contact", "pair.1") for way in ("rolling", "twisting")}
 MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "material.hardening", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",

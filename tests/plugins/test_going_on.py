@@ -61,6 +61,14 @@ RESISTS = "rolling sds mindlin 1.0 0.05 twisting marshall"
 RUNS = {
     "collision": (script_of(PAIR, velocities=HEADS_ON), 2400, ["c_ep[1]"]),
     "friction in a packing": (rubbed(), 3000, ["c_en[7]", "c_en[1]", "c_en[6]"]),
+    "partial slip": (
+        rubbed().replace("friction 0.3", f"friction 0.3 tangential partial_slip {RESISTS}"), 3000,
+        [f"c_en[{n}]" for n in (1, 6, 7, 9, 10, 11, 12)],
+    ),
+    "partial slip on a wall, with losses": (
+        alone(f"{SKEW}fix floor all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.3 tangential partial_slip {RESISTS} "
+              "loss time 1e-7\nthermo_style custom step f_floor[*]"), 2400, [f"f_floor[{n}]" for n in (4, 8, 9, 16, 17, 18, 19, 20)],
+    ),
     "rolling and twisting": (
         rubbed().replace("friction 0.3", f"friction 0.3 {RESISTS}"), 3000, [f"c_en[{n}]" for n in (1, 6, 7, 9, 10, 11, 12)],
     ),

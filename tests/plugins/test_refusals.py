@@ -96,6 +96,7 @@ REFUSED = {
         ("friction -0.1", "friction must not be negative, found '-0.1'"),
         ("friction much", "friction must be a number, found 'much'"),
         ("friction", "'friction' has no value"),
+        ("tangential slip", "tangential must be mindlin_rescale, mindlin or partial_slip, found 'slip'"),
         ("rolling 0.1 2", "expected rolling sds K|mindlin GAMMA MU, found 'rolling 0.1'"),
         ("rolling sds 1e6 0", "'rolling sds' has too few values"),
         ("rolling sds soft 0 0.1", "rolling stiffness must be a number, found 'soft'"),

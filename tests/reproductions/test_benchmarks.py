@@ -43,3 +43,12 @@ def test_rebound_beside_partial_slip(tmp_path: Path, angle: float) -> None:
         assert one.across_after == pytest.approx(across, rel=1e-3)
     else:
         assert 1.15 < spin / one.spin_after < 1.35
+
+
+@pytest.mark.parametrize(("angle", "loss"), [(3.94, None), (10, {"dashpot": {"restitution": 0.98}})])
+def test_runs_with_partial_slip_follow_it(tmp_path: Path, angle: float, loss: object) -> None:
+    case = CASE | {"load.angle": angle, "contact.tangential": "partial_slip"} | ({"contact.loss": loss} if loss else {})
+    one = rebound_of(gw.run("sphere-on-wall", case, directory=tmp_path / "run", progress=False))
+    _, across, spin = one.with_partial_slip()
+    assert one.spin_after == pytest.approx(spin, rel=0.01)
+    assert one.across_after == pytest.approx(across, rel=3e-3)

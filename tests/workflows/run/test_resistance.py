@@ -17,8 +17,8 @@ from granwave.workflows import load_case, run_case
 SPIN = {
     "packing.size": [6, 6, 4],
     "contact.friction": 0.2,
-    "contact.rolling_friction": {"coefficient": 0.05, "damping": 0.5},
-    "contact.twisting_friction": "marshall",
+    "contact.rolling": {"coefficient": 0.05, "damping": 0.5},
+    "contact.twisting": "marshall",
     "load.spin": [300.0, 0.0, 600.0],
     "run.end_time": 1e-4,
     "run.frames": 3,
@@ -50,9 +50,9 @@ def words(**contact: object) -> tuple[str, str]:
 
 def test_words_of_pair_style_and_walls() -> None:
     table = {"coefficient": 2e-5, "stiffness": 4.0, "damping": 1e-5}
-    for text in words(friction=0.3, rolling_friction=0.02, twisting_friction=table):
+    for text in words(friction=0.3, rolling=0.02, twisting=table):
         assert "friction 0.3 rolling sds mindlin 0 0.02 twisting sds 4 1e-05 2e-05" in text
-    for text in words(friction=0.3, rolling_friction=0.0, twisting_friction="marshall"):
+    for text in words(friction=0.3, rolling=0.0, twisting="marshall"):
         assert "rolling" not in text and "twisting marshall" in text
     for text in words(friction=0.3):
         assert "rolling" not in text and "twisting" not in text
@@ -61,28 +61,28 @@ def test_words_of_pair_style_and_walls() -> None:
 def test_a_case_file_keeps_them() -> None:
     case = load_case("fcc-small", SPIN)
     table = case.to_dict()["contact"]
-    assert table["rolling_friction"] == {"coefficient": 0.05, "damping": 0.5}
-    assert table["twisting_friction"] == "marshall"
+    assert table["rolling"] == {"coefficient": 0.05, "damping": 0.5}
+    assert table["twisting"] == "marshall"
 
 
 def test_a_given_stiffness_or_damping_shortens_the_timestep() -> None:
-    usual = auto_timestep(load_case("fcc-small", {"contact.friction": 0.3, "contact.rolling_friction": 0.1}))
+    usual = auto_timestep(load_case("fcc-small", {"contact.friction": 0.3, "contact.rolling": 0.1}))
     assert usual == auto_timestep(load_case("fcc-small", {"contact.friction": 0.3}))
     for name, value in (("stiffness", 1e12), ("damping", 1e6)):
-        case = load_case("fcc-small", {"contact.rolling_friction": {"coefficient": 0.1, name: value}})
+        case = load_case("fcc-small", {"contact.rolling": {"coefficient": 0.1, name: value}})
         assert auto_timestep(case) < 0.5 * usual
 
 
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [
-        ("rolling_friction", -0.1, "coefficient from 0 to 10"),
-        ("rolling_friction", "marshall", "a coefficient, or {coefficient"),
-        ("rolling_friction", {"stiffness": 1e6}, "the coefficient is missing"),
-        ("rolling_friction", {"coefficient": 0.1, "stiffness": 0.0}, "a stiffness above 0"),
-        ("rolling_friction", {"coefficient": 0.1, "viscosity": 1.0}, "viscosity is unknown"),
-        ("twisting_friction", "hertz", 'or "marshall"'),
-        ("twisting_friction", "marshall", "expected friction above 0, by which it resists"),
+        ("rolling", -0.1, "coefficient from 0 to 10"),
+        ("rolling", "marshall", "a coefficient, or {coefficient"),
+        ("rolling", {"stiffness": 1e6}, "the coefficient is missing"),
+        ("rolling", {"coefficient": 0.1, "stiffness": 0.0}, "a stiffness above 0"),
+        ("rolling", {"coefficient": 0.1, "viscosity": 1.0}, "viscosity is unknown"),
+        ("twisting", "hertz", 'or "marshall"'),
+        ("twisting", "marshall", "expected friction above 0, by which it resists"),
     ],
 )
 def test_refused(key: str, value: object, message: str) -> None:

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Partial slip of a contact with friction, after Mindlin and Deresiewicz (1953): a row of springs with a slider each, in place of
+   the single spring of tangential.h. No LAMMPS types.
+
+   The contact circle of radius a is a row over 0 <= x <= a of tangential stiffness K = 8 G* per unit length, in which the place x bears
+
+       q(x) = (3/2) mu F_n (a^2 - x^2)/a^3        at most, for Hertz's pressure
+
+   and slips by itself where it would bear more. That is the method of dimensionality reduction (Popov and Hess 2015), for equal bodies
+   the solution of Cattaneo and Mindlin under any history of both forces (Jaeger 1993): at a constant normal force
+   F = mu F_n (1 - (1 - d/d_max)^(3/2)), d_max = (3/2) mu F_n/(K a), and loops follow. A place stays as the circle grows and shrinks: it is
+   unstressed when it comes into contact.
+
+   The row is divided into N = 16 cells of one force each, their edges at reach (n/N)^(2/3), where cells err alike. In a timestep with slip s,
+   with k the stiffness of a cell's part within the circle and l its part of mu F_n:
+
+       f <- f min(1, k/k_before) - k s,  |f| <= l
+
+   The reach is R* 2^(2m/3) with the smallest whole m for which the circle is within: if that rises by 1, two cells each become one, and the
+   reverse where the circle is below 2/5 of the reach. So 8 to 16 cells are within a circle that grows.
+
+   Stored energy: sum of f^2/(2k). Loss: work against the slip, (F_before + F)/2 . (-s), minus the increase of the stored energy, with F the
+   sum of f. It is the slip of the cells, and the part of the stored energy that depends on differences within a cell. */
+
+#ifndef GRANWAVE_PARTIAL_SLIP_H
+#define GRANWAVE_PARTIAL_SLIP_H
+
+#include "tangential.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace granwave {
+
+/* State of a contact with partial slip. */
+struct SlipContact {
+  double normal[3];    // towards the first body
+  double slip[3];      // of the timestep
+  double circle;       // radius of the contact circle
+  double stiffness;    // k of the circle, 8 G* a
+  double limit;        // mu F_n
+  double effective_radius;
+};
+
+/* History of a contact with partial slip; all members are doubles, for communication. Force, compliance and loss of the whole are those
+   of the contact's TangentialSpring. */
+template <int N> struct SlipCells {
+  static_assert(N % 2 == 0);
+
+  double axis[3] = {};        // in the tangent plane: the forces have a component along it, and one along normal x axis
+  double reach = 0.0;         // 0: no cells
+  double circle = 0.0;        // at the last step
+  double stored = 0.0;        // energy
+  double force[N][2] = {};    // on the first body
+
+  static constexpr int SIZE = 6 + 2 * N;
+
+  bool active() const { return reach > 0.0; }
+
+  /* Stored energy; without cells, that of the single spring. */
+  double energy(const TangentialSpring &spring) const { return active() ? stored : tangential_energy(spring); }
+
+  /* Advance by the slip of a timestep, with a positive normal force. */
+  void advance(TangentialSpring &spring, const SlipContact &c)
+  {
+    const double per_length = c.stiffness / c.circle;
+    turn(c.normal);
+    follow(c.circle, c.effective_radius);
+    const double (&n)[3] = c.normal, (&u)[3] = axis;
+    const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]};
+    const double slip[2] = {dot(c.slip, u), dot(c.slip, v)};
+    double sum[2] = {}, before[2] = {}, energy = 0.0, first = 0.0;
+    for (int m = 0; m < N; m++) {
+      double (&f)[2] = force[m];
+      const double k_before = per_length * covered(m, circle), k = per_length * covered(m, c.circle);
+      const double last = share(edge(m + 1) / c.circle), limit = c.limit * (last - first);
+      const double kept = k < k_before ? k / k_before : 1.0;
+      first = last;
+      double square = 0.0;
+      for (int d = 0; d < 2; d++) {
+        before[d] += f[d];
+        f[d] = kept * f[d] - k * slip[d];
+        square += f[d] * f[d];
+      }
+      const double factor = square > limit * limit ? limit / std::sqrt(square) : 1.0;
+      for (int d = 0; d < 2; d++) sum[d] += f[d] *= factor;
+      if (k > 0.0) energy += 0.5 * factor * factor * square / k;
+    }
+    const double work = -0.5 * ((before[0] + sum[0]) * slip[0] + (before[1] + sum[1]) * slip[1]);
+    for (int d = 0; d < 3; d++) spring.force[d] = sum[0] * u[d] + sum[1] * v[d];
+    spring.compliance = 1.0 / c.stiffness;
+    // negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell
+    spring.loss += std::max(work - (energy - stored), 0.0);
+    stored = energy;
+    circle = c.circle;
+  }
+
+  /* End the contact: the stored energy is dissipated. */
+  void release(TangentialSpring &spring)
+  {
+    const double lost = spring.loss + stored;
+    spring = {{0.0, 0.0, 0.0}, 0.0, lost};
+    *this = {};
+  }
+
+ private:
+  static constexpr double STEP = 1.5874010519681994;    // 2^(2/3), of the reach
+
+  /* Edges of the cells over the reach. */
+  inline static const std::array<double, N + 1> EDGES = [] {
+    std::array<double, N + 1> edges{};
+    for (int n = 0; n <= N; n++) edges[n] = std::cbrt(double(n) * n / (double(N) * N));
+    return edges;
+  }();
+
+  double edge(int m) const { return reach * EDGES[m]; }
+
+  /* Length of a cell within a circle. */
+  double covered(int m, double circle) const { return std::max(std::min(edge(m + 1), circle) - edge(m), 0.0); }
+
+  /* Part of the normal force within x, over the radius. */
+  static double share(double x) { return x < 1.0 ? x * (1.5 - 0.5 * x * x) : 1.0; }
+
+  /* Rotate the axis into the plane normal to n. */
+  void turn(const double (&n)[3])
+  {
+    double along = dot(axis, n), square = dot(axis, axis) - along * along;
+    if (!(square > 0.25)) {    // new, or turned so far that the forces have lost their direction
+      const int least = std::fabs(n[0]) < 0.6 ? 0 : 1;
+      for (int d = 0; d < 3; d++) axis[d] = d == least;
+      along = n[least];
+      square = 1.0 - along * along;
+    }
+    for (int d = 0; d < 3; d++) axis[d] = (axis[d] - along * n[d]) / std::sqrt(square);
+  }
+
+  /* Have the cells follow the circle. */
+  void follow(double now, double unit)
+  {
+    if (reach == 0.0) {
+      reach = unit * std::exp2(std::ceil(1.5 * std::log2(now / unit)) / 1.5);
+      circle = now;
+    }
+    for (; now > reach; reach *= STEP)
+      for (int m = 0; m < N; m++)
+        for (int d = 0; d < 2; d++) force[m][d] = 2 * m < N ? force[2 * m][d] + force[2 * m + 1][d] : 0.0;
+    while (std::max(now, circle) < reach / (STEP * STEP)) {
+      reach /= STEP;
+      for (int m = N / 2 - 1; m >= 0; m--) {    // from the last on, for two take the place of each
+        const double inner = covered(2 * m, circle), outer = covered(2 * m + 1, circle), both = inner + outer;
+        for (int d = 0; d < 2; d++) {
+          const double whole = force[m][d];
+          force[2 * m][d] = both > 0.0 ? whole * inner / both : 0.0;
+          force[2 * m + 1][d] = both > 0.0 ? whole * outer / both : 0.0;
+        }
+      }
+    }
+  }
+};
+
+using SlipHistory = SlipCells<16>;
+static_assert(sizeof(SlipHistory) == SlipHistory::SIZE * sizeof(double));
+
+/* The history in a block of doubles of a contact. */
+inline SlipHistory &slip_history(double *block) { return *reinterpret_cast<SlipHistory *>(block); }
+inline const SlipHistory &slip_history(const double *block) { return *reinterpret_cast<const SlipHistory *>(block); }
+
+}    // namespace granwave
+
+#endif
