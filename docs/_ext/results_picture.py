@@ -83,7 +83,9 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
     for suite, content in stored["suites"].items():
         for study, one in content["studies"].items():
             for kind in KINDS:
-                rows = [(off, row) for row in one["rows"] if row["kind"] == kind and (off := deviation(row)) is not None]
+                rows = [
+                    (off, row) for row in one["rows"] if row["kind"] == kind and (off := deviation(row)) is not None
+                ]
                 out = [(off, row) for off, row in rows if abs(off) > FAR]
                 if out:
                     offs = [off for off, _ in out]
@@ -112,7 +114,7 @@ def digest_of(path: Path) -> str:
 
 
 def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> None:
-    """Draw the picture as WebP."""
+    """Draw the picture, as WebP or as the end of its name says."""
     shown = points(stored)
     suites = list(dict.fromkeys(suite for suite, *_ in shown))
     with style():
@@ -143,7 +145,7 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
     exif = Image.Exif()
     exif[_DESCRIPTION] = digest(stored, labels)
     file = io.BytesIO()
-    Image.open(picture).convert("RGB").save(file, "webp", quality=80, method=6, exif=exif)
+    Image.open(picture).convert("RGB").save(file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif)
     replace_bytes(path, file.getvalue())
 
 

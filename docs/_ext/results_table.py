@@ -4,7 +4,8 @@
 
 A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
 source, theory, a verification of the code, or granwave alone), and its own tables. The first page has the most telling
-rows and a picture of all; each suite has a page of its own. Nothing of them is typed: all is made from the stored results.
+rows and a picture of all; each suite has a page of its own. Nothing of them is typed: all
+is made from the stored results.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ PICTURE = STORED.with_name("agreement.webp")
 PAGES = STORED.with_suffix("")  # folder of a page for each suite
 README = ROOT / "README.md"
 FIRST_PAGE = ROOT / "docs" / "index.md"
+PAPER = ROOT / "docs" / "paper" / "paper.md"
 _TITLE = "Results against the sources"
 _LEAD = (
     "Made from finished runs by make results, and not typed. Thesis is R. K. Pal, University of Illinois at "
@@ -102,7 +104,12 @@ CHOSEN = (
 MORE = (
     ("FCC packing: ", "bands", "bands", ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",)),
     ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
-    ("Chain under a static force: ", "benchmarks", "chains_precompressed", ("Speed over c0, force added 129 times 1 N",)),
+    (
+        "Chain under a static force: ",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129 times 1 N",),
+    ),
     ("Measured: ", "benchmarks", "chains_brass_teflon", ("Speed in brass over speed in PTFE, impact at 1 m/s",)),
     ("Chain in gravity: ", "benchmarks", "chains_gravity", ("Power of the speed with the depth, beads 60 to 180",)),
     ("Sphere on a plane: ", "benchmarks", "impacts_oblique", ("Tangential restitution at 20 degrees, oxide",)),
@@ -112,9 +119,24 @@ MORE = (
     ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
     ("", "lateral", "crystals", ("Front speed of BCC over that of HCP, crystals of 40",)),
     ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
-    ("", "square-packing-sensors", "defects", ("Power of the wave speed with the force, square struck in its plane, scatter",)),
-    ("Elasto-plastic chain: ", "thesis-2", "elastoplastic_decay", ("Power of the peak force with distance, contacts 15",)),
-    ("", "sphere-contacts", "sphere_contact", ("Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",)),
+    (
+        "",
+        "square-packing-sensors",
+        "defects",
+        ("Power of the wave speed with the force, square struck in its plane, scatter",),
+    ),
+    (
+        "Elasto-plastic chain: ",
+        "thesis-2",
+        "elastoplastic_decay",
+        ("Power of the peak force with distance, contacts 15",),
+    ),
+    (
+        "",
+        "sphere-contacts",
+        "sphere_contact",
+        ("Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",),
+    ),
     ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
     ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Speed of the front",)),
     ("Bilinear chain, short pulse: ", "thesis-4", "bilinear_pulse", ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",)),
@@ -145,6 +167,21 @@ MEASURED = (
         ("Speed in brass over speed in PTFE, impact at 1 m/s",),
     ),
 )
+#: Rows of the paper, with what the quantity is called there; a few columns, as its page is narrow.
+IN_PAPER = (
+    ("Dissipated share, 155 520 brass spheres", *CHOSEN[0][1:]),
+    ("Force of a bilinear chain once its fronts have met", *CHOSEN[3][1:]),
+    ("Energy in the central chains of a square packing", *CHOSEN[5][1:]),
+    ("Speed of small waves in a compressed FCC packing", *CHOSEN[9][1:]),
+    (
+        "Speed over that of sound, precompressed chain",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129",),
+    ),
+    ("Tangential restitution at 20.22 degrees, measured", *MEASURED[0][1:]),
+    ("Speed in a brass section of a steel chain, measured", "composite-chains", "contact_losses", MEASURED[1][3][:1]),
+)
 
 
 def read_stored(path: Path = STORED) -> dict[str, Any]:
@@ -169,15 +206,37 @@ def write_pages(stored: Mapping[str, Any]) -> None:
         old.unlink()
     for page, text in pages.items():
         replace_text(page, text)
-    if not PICTURE.is_file() or results_picture.digest_of(PICTURE) != results_picture.digest(stored, LABELS):
-        results_picture.draw(stored, LABELS, PICTURE)
+    for picture in (PICTURE, PAPER.with_name("agreement.png")):
+        if not picture.is_file() or results_picture.digest_of(picture) != results_picture.digest(stored, LABELS):
+            results_picture.draw(stored, LABELS, picture)
     for page, table in tables_elsewhere(stored).items():
         replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
 
 
 def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
     """Return the tables of pages that are written by hand."""
-    return {README: table_of(chosen_rows(stored)), FIRST_PAGE: table_of(chosen_rows(stored, MEASURED))}
+    return {
+        README: table_of(chosen_rows(stored)),
+        FIRST_PAGE: table_of(chosen_rows(stored, MEASURED)),
+        PAPER: _of_paper(stored),
+    }
+
+
+def _of_paper(stored: Mapping[str, Any]) -> str:
+    """Return the sentence on all rows, and the table, of the paper."""
+    shown = results_picture.points(stored)
+    parts = []
+    for kind, (name, _) in results_picture.KINDS.items():
+        offs = [abs(off) for _, _, of, off in shown if of == kind]
+        close = [sum(off <= limit for off in offs) for limit in (0.01, 0.1)]
+        parts.append(f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} within 10 %")
+    text = "; ".join(parts)
+    lines = ["| quantity | kind | other | granwave | difference |", "|---|---|---|---|---|"]
+    for name, (row, *_) in chosen_rows(stored, IN_PAPER):
+        against, unit = row.theory if row.source is None else row.source, f" {row.unit}" if row.unit else ""
+        values = significant(against, 5), significant(row.ours, min(row.digits, 5))
+        lines.append(f"| {name} | {_KINDS[row.kind]} | {values[0]}{unit} | {values[1]}{unit} | {_difference(row)} |")
+    return "\n".join([f"{text[:1].upper()}{text[1:]}.", "", *lines]) + "\n"
 
 
 def as_stored(study: Study) -> dict[str, Any]:
@@ -228,6 +287,9 @@ def _first_page(stored: Mapping[str, Any]) -> str:
     tree = "\n".join(f"results/{name}" for name in names)
     return f"""# {_TITLE}
 
+```{{index}} ! validation, ! comparison with experiments
+```
+
 {_LEAD}
 
 Of {number} rows, these {len(lines)} tell most; all of them, agreeing or not, are on [pages of their own](#all-rows).
@@ -235,16 +297,17 @@ Of {number} rows, these {len(lines)} tell most; all of them, agreeing or not, ar
 {table}
 ## All agreements
 
-![Difference of each value of ours from what it is compared with, by suite, for sources, theory and verification](agreement.webp)
+![Difference of each value of ours from what it is compared with, by suite and kind](agreement.webp)
 
-*Each point is one of the {len(shown)} values that are compared: ours over that of the source, of theory, or what the code must
-give, less 1, on a logarithmic axis. Full: ours is larger; open: smaller. The grey area begins at 10 %. Points at the left edge
-are smaller still, those at the right edge larger. Rows that have only a bound, or nothing to be compared with, are left out. Letters: the list below.*
+*Each point is one of the {len(shown)} values that are compared: ours over that of the source, of theory, or what the
+code must give, less 1, on a logarithmic axis. Full: ours is larger; open: smaller. The grey area begins at 10 %. Points
+at the left edge are smaller still, those at the right edge larger. Rows that have only a bound, or nothing to be
+compared with, are left out. Letters: the list below.*
 
 ### What lies further off than {_percent(results_picture.FAR)}
 
-A value may differ because a source has a misprint ([errata](errata.md)), because a formula does not hold there, or because granwave
-lacks something ([limits](limits.md)). Each letter is a study with such values; the remark is that of the furthest.
+A value may differ because a source has a misprint ([errata](errata.md)), because a formula does not hold there, or
+because granwave lacks something ([limits](limits.md)). Each letter is a study with such values; the remark is that of the furthest.
 
 | | study | compared with | how many | difference | remark on the furthest |
 |---|---|---|---|---|---|
@@ -267,10 +330,9 @@ def _far_rows(stored: Mapping[str, Any]) -> str:
     lines = []
     for one in results_picture.far_off(stored):
         ends = dict.fromkeys(percent(100 * off) if abs(off) < _LARGE else _factor(off) for off in (one.least, one.most))
-        lines.append(
-            f"| **{one.mark}** | [{_escaped(one.title)}](results/{one.suite}.md) | {_KINDS[one.kind]} | {one.number} of {one.total} | "
-            f"{' to '.join(ends)} | {_escaped(one.why)} |\n"
-        )
+        link, number = f"[{_escaped(one.title)}](results/{one.suite}.md)", f"{one.number} of {one.total}"
+        cells = [f"**{one.mark}**", link, _KINDS[one.kind], number, " to ".join(ends), _escaped(one.why)]
+        lines.append(f"| {' | '.join(cells)} |\n")
     return "".join(lines)
 
 
@@ -325,7 +387,15 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     links
         To the page of each line, in a last column.
     """
-    heads = ["quantity", "what it is compared with", "value", "granwave", "difference", "remark", *(["page"] if links else [])]
+    heads = [
+        "quantity",
+        "what it is compared with",
+        "value",
+        "granwave",
+        "difference",
+        "remark",
+        *(["page"] if links else []),
+    ]
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     for number, (name, rows) in enumerate(lines):
         if rows:
@@ -337,7 +407,15 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
             what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
             sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
             remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
-            cells = [_escaped(name), what, values + unit, ours + unit, off, _escaped(remark), *links[number : number + 1]]
+            cells = [
+                _escaped(name),
+                what,
+                values + unit,
+                ours + unit,
+                off,
+                _escaped(remark),
+                *links[number : number + 1],
+            ]
             text.append(f"| {' | '.join(cells)} |")
     return "\n".join(text) + "\n"
 

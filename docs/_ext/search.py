@@ -4,7 +4,7 @@
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
 The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles, entries of the index,
-Python objects, words of the text. Words of people that a page does not use get an index entry at the place that answers.
+Python objects, words of the text. Words that a page does not use get an index entry at the place that answers.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ _INDEX = 100  # of a whole entry
 WORDS = {
     "howto/struck-packings": ("impactor", "striker", "projectile", "oblique impact"),
     "howto/target": (
-        "armor", "armour", "drop test", "wall force", "energy absorption", "crashworthiness", "sandwich", "shock absorber",
-        "protection", "impact attenuation", "helmet", "packaging",
+        "armor", "armour", "drop test", "wall force", "energy absorption", "crashworthiness", "sandwich",
+        "shock absorber", "protection", "impact attenuation", "helmet", "packaging",
     ),
     "howto/losses": ("damping", "coefficient of restitution", "restitution", "viscoelastic"),
     "howto/real-packings": ("friction", "gravity", "polydisperse", "vacancies", "preload"),
@@ -33,8 +33,8 @@ WORDS = {
     "howto/case-files": ("periodic", "boundary conditions", "initial velocity"),
     "howto/stop-and-resume": ("restart", "resume", "checkpoint"),
     "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export"),
-    "howto/films": ("movie", "animation", "video", "colour map"),
-    "howto/scans": ("parameter study", "sensitivity", "error bars", "sweep", "replicates"),
+    "howto/films": ("movie", "animation", "video", "colour map", "picture for a paper"),
+    "howto/scans": ("parameter study", "sensitivity", "error bars", "sweep", "replicates", "spread", "scatter"),
     "howto/design": ("optimisation", "optimization", "design"),
     "howto/bands": ("band gap", "dispersion", "phonon", "eigenmodes"),
     "howto/infer": ("force chains", "inverse problem"),
@@ -98,7 +98,10 @@ def search(index: Index, query: str, stem: Callable[[str], str], stopwords: froz
     objects = [one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)]
     found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
     ordered = [*_ordered(found), *_ordered(others)]  # entries that are not marked as the main ones come last
-    return list({(one.page, one.title, one.anchor, one.description): one for one in reversed(ordered)}.values())[::-1]
+    first: dict[object, Result] = {}
+    for one in ordered:
+        first.setdefault((one.page, one.title, one.anchor, one.description), one)
+    return list(first.values())
 
 
 def _ordered(found: list[Result]) -> list[Result]:
@@ -134,12 +137,13 @@ def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
         for file, kind, priority, anchor, name in objects:
             whole = f"{prefix}.{name}" if prefix else name
             lower, last = whole.lower(), whole.lower().split(".")[-1]
-            label, title = index["objnames"][str(kind)][2], index["titles"][file]
+            (_, role, label), title = index["objnames"][str(kind)], index["titles"][file]
             text = f"{prefix} {name} {label} {title}".lower()
             if word in lower and all(one in text for one in others):
                 score = _OBJECT if word in (lower, last) else _PART_OF_OBJECT if word in last else 0
                 score += _PRIORITY.get(priority, 0)
-                yield Result(index["docnames"][file], whole, f"#{anchor or whole}", score, f"{label}, in {title}")
+                place = f"{role}-{whole}" if anchor == "-" else anchor or whole
+                yield Result(index["docnames"][file], whole, f"#{place}", score, f"{label}, in {title}")
 
 
 def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
@@ -165,7 +169,9 @@ def missed(index: Index, stem: Callable[[str], str], stopwords: frozenset[str] |
         for word in words:
             first = [one.page for one in search(index, word, stem, stopwords)[:FIRST]]
             if page not in first:
-                found.append(f"{word}: expected {page} among the first {FIRST} results, found {', '.join(first) or 'nothing'}")
+                found.append(
+                    f"{word}: expected {page} among the first {FIRST} results, found {', '.join(first) or 'nothing'}"
+                )
     return found
 
 

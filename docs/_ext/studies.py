@@ -134,7 +134,7 @@ def card_of(script: Path) -> str:
 
 
 def lines_of(script: Path) -> str:
-    """Return the lines of a script that do the work: without imports, the drawing of the picture, and what is printed."""
+    """Return the lines of a script that do the work: no imports, no drawing, nothing that is printed."""
     _, _, code = parts_of(script)
     before = code.partition("\nwith gw.style()")[0].partition("\nprint(")[0]
     kept = [line for line in before.splitlines() if not line.startswith("import ")]

@@ -14,7 +14,9 @@ PACKINGS = {
     "5 um tolerance": {"packing.diameter_scatter": 5e-6, "packing.seed": 1},
 }
 common = {"packing.size": [12, 12, 8], "run.end_time": 8e-4}
-runs = {label: gw.run("fcc-small", common | changes, directory=label, force=True) for label, changes in PACKINGS.items()}
+runs = {
+    label: gw.run("fcc-small", common | changes, directory=label, force=True) for label, changes in PACKINGS.items()
+}
 
 with gw.style():
     figure, axes = plt.subplots(figsize=(3.4, 2.8))
