@@ -277,14 +277,14 @@ def _first_page(stored: Mapping[str, Any]) -> str:
     names = [name for name in stored["suites"]]
     lines = sorted(zip((*CHOSEN, *MORE), chosen_rows(stored, (*CHOSEN, *MORE)), strict=True),
                    key=lambda pair: names.index(pair[0][1]) if pair[0][1] in names else len(names))  # fmt: skip
-    table = table_of((line for _, line in lines), [_link(entry[1]) for entry, _ in lines])
+    table = table_of((line for _, line in lines), [f"results/{entry[1]}.md" for entry, _ in lines])
     counts = {name: _counts(suite) for name, suite in stored["suites"].items()}
     pages = "\n".join(f"| {_link(name)} | {stored['suites'][name]['title']} | {counts[name]} |" for name in names)
     absent = stored.get("absent", ())
     note = f"\nNo rows are stored of: {', '.join(absent)}. Nothing is said of them here.\n" if absent else ""
     shown = results_picture.points(stored)
     number = sum(len(study["rows"]) for suite in stored["suites"].values() for study in suite["studies"].values())
-    tree = "\n".join(f"results/{name}" for name in names)
+    tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
 ```{{index}} ! validation, ! comparison with experiments
@@ -292,9 +292,6 @@ def _first_page(stored: Mapping[str, Any]) -> str:
 
 {_LEAD}
 
-Of {number} rows, these {len(lines)} tell most; all of them, agreeing or not, are on [pages of their own](#all-rows).
-
-{table}
 ## All agreements
 
 ![Difference of each value of ours from what it is compared with, by suite and kind](agreement.webp)
@@ -304,10 +301,16 @@ code must give, less 1, on a logarithmic axis. Full: ours is larger; open: small
 at the left edge are smaller still, those at the right edge larger. Rows that have only a bound, or nothing to be
 compared with, are left out. Letters: the list below.*
 
-### What lies further off than {_percent(results_picture.FAR)}
+## Rows that tell most
+
+Of {number} rows, these {len(lines)} tell most; all of them, agreeing or not, are on [pages of their own](#all-rows).
+
+{table}
+## What lies further off than {_percent(results_picture.FAR)}
 
 A value may differ because a source has a misprint ([errata](errata.md)), because a formula does not hold there, or
-because granwave lacks something ([limits](limits.md)). Each letter is a study with such values; the remark is that of the furthest.
+because granwave lacks something ([limits](limits.md)). Each letter is a study with such values; the remark is that of
+the furthest.
 
 | | study | compared with | how many | difference | remark on the furthest |
 |---|---|---|---|---|---|
@@ -385,17 +388,9 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     Parameters
     ----------
     links
-        To the page of each line, in a last column.
+        Page of each line, to which its quantity leads.
     """
-    heads = [
-        "quantity",
-        "what it is compared with",
-        "value",
-        "granwave",
-        "difference",
-        "remark",
-        *(["page"] if links else []),
-    ]
+    heads = ("quantity", "what it is compared with", "value", "granwave", "difference", "remark")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
     for number, (name, rows) in enumerate(lines):
         if rows:
@@ -407,15 +402,8 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
             what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
             sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
             remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
-            cells = [
-                _escaped(name),
-                what,
-                values + unit,
-                ours + unit,
-                off,
-                _escaped(remark),
-                *links[number : number + 1],
-            ]
+            shown = f"[{_escaped(name)}]({links[number]})" if links else _escaped(name)
+            cells = [shown, what, values + unit, ours + unit, off, _escaped(remark)]
             text.append(f"| {' | '.join(cells)} |")
     return "\n".join(text) + "\n"
 

@@ -182,7 +182,7 @@ def fill_in(_: Sphinx, name: str, source: list[str]) -> None:
     """Put cards and table of contents into the page of the gallery, and twelve cards into the first page."""
     if name == "index":
         cards = "\n\n".join(card_with_lines(SCRIPTS / f"{script}.py") for script in FIRST)
-        source[0] = source[0].replace("<!-- gallery -->", f":::::{{grid}} 1 2 2 3\n:gutter: 3\n\n{cards}\n:::::")
+        source[0] = source[0].replace("<!-- gallery -->", f":::::{{grid}} 1 2 2 2\n:gutter: 3\n\n{cards}\n:::::")
     if name == "gallery/index":
         cards = "\n\n".join(map(card_of, scripts()))
         tree = "\n".join(["```{toctree}", ":hidden:", "", *(f"studies/{script.stem}" for script in scripts()), "```"])
