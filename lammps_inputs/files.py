@@ -29,6 +29,7 @@ from granwave.lammps_inputs.errors import InputError
 
 DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
 _BLOCK = 2**20  # bytes read at a time
+_LONGEST_LINE = 60  # characters of a line that a message shows
 
 
 @contextlib.contextmanager
@@ -318,7 +319,15 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        raise InputError(f"{path}: not valid TOML: {error}{_line_of(content, str(error))}") from None
+
+
+def _line_of(content: str, error: str) -> str:
+    """Return the line that a message on TOML names by its number; empty if it names none."""
+    number = re.search(r"at line (\d+)", error)
+    lines = content.split("\n")[int(number[1]) - 1 :] if number else []
+    text = "".join(letter if letter.isprintable() else " " for letter in lines[0]).strip() if lines else ""
+    return f": {text[:_LONGEST_LINE]}" if text else ""
 
 
 def _similar(path: Path) -> str:
