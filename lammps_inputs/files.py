@@ -325,9 +325,10 @@ def read_toml(path: str | Path) -> dict[str, Any]:
 def _line_of(content: str, error: str) -> str:
     """Return the line that a message on TOML names by its number; empty if it names none."""
     number = re.search(r"at line (\d+)", error)
-    lines = content.split("\n")[int(number[1]) - 1 :] if number else []
-    text = "".join(letter if letter.isprintable() else " " for letter in lines[0]).strip() if lines else ""
-    return f": {text[:_LONGEST_LINE]}" if text else ""
+    lines = content.split("\n", int(number[1]))[int(number[1]) - 1 :] if number else []
+    line = lines[0].lstrip()[:_LONGEST_LINE] if lines else ""
+    text = "".join(letter if letter.isprintable() else " " for letter in line).strip()
+    return f": {text}" if text else ""
 
 
 def _similar(path: Path) -> str:

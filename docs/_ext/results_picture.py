@@ -119,9 +119,9 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
     suites = list(dict.fromkeys(suite for suite, *_ in shown))
     with style():
         height = 0.31 * len(suites) + 1.2  # inches
-        figure, panels = plt.subplots(1, 3, figsize=(9.0, height), sharey=True)
-        figure.subplots_adjust(left=0.27, right=0.955, wspace=0.2, top=1 - 0.45 / height, bottom=0.75 / height)
-        for axes, (kind, (title, colour)) in zip(panels, KINDS.items(), strict=True):
+        figure, panels = plt.subplots(1, 3, figsize=(7.6, height), sharey=True)
+        figure.subplots_adjust(left=0.325, right=0.965, wspace=0.25, top=1 - 0.45 / height, bottom=0.75 / height)
+        for axes, (kind, (_, colour)) in zip(panels, KINDS.items(), strict=True):
             axes.axvspan(0.1, _MOST * 2, color=GREY, alpha=0.10, lw=0)
             axes.axvline(0.01, color=GREY, lw=0.5, ls=":")
             for place, suite in enumerate(suites):
@@ -129,7 +129,7 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
                 _points(axes, place, own, colour)
             total = [abs(off) for _, _, of, off in shown if of == kind]
             close = sum(off <= 0.01 for off in total), sum(off <= 0.1 for off in total)
-            axes.set_title(f"{title}: {len(total)} values\n{close[0]} within 1 %, {close[1]} within 10 %", loc="left")
+            axes.set_title(f"{kind}, {len(total)} values:\n{close[0]} in 1 %, {close[1]} in 10 %", loc="left")
             axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
             axes.set_xticks(list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor")
             axes.minorticks_off()
@@ -140,7 +140,7 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
         _letters(panels, suites, shown, far_off(stored))
         panels[1].set_xlabel("difference |ours / other - 1| (full: ours is larger; open: smaller)")
         picture = io.BytesIO()
-        figure.savefig(picture, format="png", dpi=170)
+        figure.savefig(picture, format="png", dpi=200)
         plt.close(figure)
     exif = Image.Exif()
     exif[_DESCRIPTION] = digest(stored, labels)
