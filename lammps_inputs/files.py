@@ -29,7 +29,6 @@ from granwave.lammps_inputs.errors import InputError
 
 DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
 _BLOCK = 2**20  # bytes read at a time
-_LONGEST_LINE = 60  # characters of a line that a message shows
 
 
 @contextlib.contextmanager
@@ -324,11 +323,9 @@ def read_toml(path: str | Path) -> dict[str, Any]:
 
 def _line_of(content: str, error: str) -> str:
     """Return the line that a message on TOML names by its number; empty if it names none."""
-    number = re.search(r"at line (\d+)", error)
-    lines = content.split("\n", int(number[1]))[int(number[1]) - 1 :] if number else []
-    line = lines[0].lstrip()[:_LONGEST_LINE] if lines else ""
-    text = "".join(letter if letter.isprintable() else " " for letter in line).strip()
-    return f": {text}" if text else ""
+    found = re.search(r"at line (\d+)", error)
+    line = content.split("\n", int(found[1]))[int(found[1]) - 1].lstrip()[:60] if found else ""  # characters shown
+    return f": {''.join(filter(str.isprintable, line))}" if line else ""
 
 
 def _similar(path: Path) -> str:

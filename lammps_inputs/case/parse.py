@@ -223,8 +223,7 @@ def read_parts(
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            also = ', or a name such as material = "steel"' if name == "material" else ""
-            errors.add(name, f"missing; a case needs [{name}]{also}")
+            errors.add(name, f"missing; a case needs [{name}]" + ', or material = "steel"' * (name == "material"))
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():

@@ -188,8 +188,8 @@ def check_contact(case: Case, errors: ErrorList) -> None:
     for key, body in (numbered("replace", case.replace) | numbered("striker", case.striker)).items():
         _check_yield(case, body.material, f"{key}.material", errors)
     _check_yield(case, case.material, "material", errors)
-    known = {*presets(), *(one.name for one in case.materials)}
-    for name in {} if case.packing.grains is None else sorted(known.intersection(case.packing.grains.material)):
+    of_file = case.packing.grains.material if case.packing.grains is not None else ()
+    for name in sorted({*presets(), *(one.name for one in case.materials)}.intersection(of_file)):
         _check_yield(case, case.named_material(name), f"packing.file: material {name}", errors)
 
 
