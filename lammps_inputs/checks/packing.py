@@ -189,7 +189,7 @@ def check_contact(case: Case, errors: ErrorList) -> None:
         _check_yield(case, body.material, f"{key}.material", errors)
     _check_yield(case, case.material, "material", errors)
     of_file = case.packing.grains.material if case.packing.grains is not None else ()
-    for name in sorted({*presets(), *(one.name for one in case.materials)}.intersection(of_file)):
+    for name in sorted({*presets(), *(str(one.name) for one in case.materials)}.intersection(of_file)):
         _check_yield(case, case.named_material(name), f"packing.file: material {name}", errors)
 
 
