@@ -2,7 +2,7 @@
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
-# make docs      the site, into build/docs; warnings are errors, links are checked. make gallery runs its scripts alone
+# make docs      the site, into build/docs; warnings are errors, links and its search are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
 # make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
 # make docs-links  links of the site to other sites; says so and passes where there is no network
@@ -68,6 +68,7 @@ docs: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there
 	$(BIN)/python -m sphinx -q -E -W --keep-going -b html docs build/docs
 	$(BIN)/python docs/_ext/links.py build/docs
+	$(BIN)/python docs/_ext/search.py build/docs
 	@echo "The site: build/docs/index.html"
 
 docs-links: $(READY)
@@ -98,6 +99,7 @@ gallery: $(READY)
 
 # stale suites alone; goes on with what build/results holds. A part:  .venv/bin/python docs/_ext/results.py chains
 # of runs that are there, without running any:  .venv/bin/python docs/_ext/results.py --no-run
+# pages and picture of docs/explanation/results.json as it is:  .venv/bin/python docs/_ext/results_table.py
 results: $(READY)
 	$(BIN)/python docs/_ext/results.py
 

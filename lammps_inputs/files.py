@@ -318,7 +318,14 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        raise InputError(f"{path}: not valid TOML: {error}{_line_of(content, str(error))}") from None
+
+
+def _line_of(content: str, error: str) -> str:
+    """Return the line that a message on TOML names by its number; empty if it names none."""
+    found = re.search(r"at line (\d+)", error)
+    line = content.split("\n", int(found[1]))[int(found[1]) - 1].lstrip()[:60] if found else ""  # characters shown
+    return f": {''.join(filter(str.isprintable, line))}" if line else ""
 
 
 def _similar(path: Path) -> str:

@@ -1,20 +1,25 @@
-"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the page and README made of it.
+"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the pages and README made of it.
+
+    python docs/_ext/results_table.py      # pages, picture, README and first page again from the stored rows; no runs
 
 A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
-source, theory, a verification of the code, or granwave alone), and its own tables. Nothing of the page is typed: it is
-made from the stored results alone.
+source, theory, a verification of the code, or granwave alone), and its own tables. The first page has the most telling
+rows and a picture of all; each suite has a page of its own. Nothing of them is typed: all
+is made from the stored results.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import significant, tidied
-from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Report, Section, Table, cleaned
+import results_picture
+
+from granwave.analysis.document.cells import percent, significant, tidied
+from granwave.analysis.document.model import Cell, Column, Note, Report, Section, Table, cleaned
 from granwave.analysis.reports.studies import row_tables
 from granwave.analysis.reports.writers import markdown
 from granwave.analysis.studies.study import Row, Study, record_of
@@ -23,7 +28,11 @@ from granwave.lammps_inputs.files import replace_text
 ROOT = Path(__file__).parents[2]
 STORED = ROOT / "docs" / "explanation" / "results.json"
 PAGE = STORED.with_suffix(".md")
+PICTURE = STORED.with_name("agreement.webp")
+PAGES = STORED.with_suffix("")  # folder of a page for each suite
 README = ROOT / "README.md"
+FIRST_PAGE = ROOT / "docs" / "index.md"
+PAPER = ROOT / "docs" / "paper" / "paper.md"
 _TITLE = "Results against the sources"
 _LEAD = (
     "Made from finished runs by make results, and not typed. Thesis is R. K. Pal, University of Illinois at "
@@ -35,6 +44,30 @@ _LEAD = (
     "granwave. The rest is granwave alone. Where ours is missing, only source and theory speak. A bound is all that a "
     "source tells there: the end of an axis, or at most; no difference is given."
 )
+#: What the suites are called in the picture and in the list of pages.
+LABELS = {
+    "bands": "Bands and gaps",
+    "benchmarks": "Measurements and tests of others",
+    "composite-chains": "Composite chains",
+    "losses": "Losses in contacts",
+    "lateral": "Plane crystals between walls",
+    "prestress": "Precompression",
+    "square-packing-sensors": "Square packings: sensors",
+    "square-packing": "Square packings",
+    "thesis-2": "Thesis 2: elasto-plastic chains",
+    "sphere-contacts": "Thesis 2, 3: contact of two spheres",
+    "thesis-3": "Thesis 3: elastic bars",
+    "thesis-4": "Thesis 4: elastic and bilinear chains",
+    "fcc-impact": "Thesis 5: reference impact",
+    "thesis-5": "Thesis 5: packings and blocks",
+    "confined": "Thesis 6: rows in a tube",
+    "thesis-7": "Thesis 7: filters",
+    "thesis-8": "Thesis 8: a row that switches",
+    "protection": "Protected targets",
+    "tolerance": "Tolerance and friction",
+}
+_ROUNDING = 1e-12  # relative
+_LARGE = 10.0  # deviation from which on a ratio says more than per cent
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
 _REFERENCE = "second_solver"
@@ -67,6 +100,88 @@ CHOSEN = (
     ),
     ("FCC packing: ", "prestress", "packing_speed", ("Speed of small waves, fcc, uniaxial",)),
 )
+#: Further rows of the first page of results, in the same form; a name that ends in nothing is the quantity alone.
+MORE = (
+    ("FCC packing: ", "bands", "bands", ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",)),
+    ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
+    (
+        "Chain under a static force: ",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129 times 1 N",),
+    ),
+    ("Measured: ", "benchmarks", "chains_brass_teflon", ("Speed in brass over speed in PTFE, impact at 1 m/s",)),
+    ("Chain in gravity: ", "benchmarks", "chains_gravity", ("Power of the speed with the depth, beads 60 to 180",)),
+    ("Sphere on a plane: ", "benchmarks", "impacts_oblique", ("Tangential restitution at 20 degrees, oxide",)),
+    ("", "benchmarks", "impacts_plane", ("Test 5, spin at incidence 2.01, steel",)),
+    ("", "benchmarks", "impacts_plastic", ("Power of restitution, 1 to 10 m/s, thornton",)),
+    ("Homogeneous chain: ", "composite-chains", "homogeneous_chain", ("Peak force; source: mesh 0.01 to 0.02 mm",)),
+    ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
+    ("", "lateral", "crystals", ("Front speed of BCC over that of HCP, crystals of 40",)),
+    ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
+    (
+        "",
+        "square-packing-sensors",
+        "defects",
+        ("Power of the wave speed with the force, square struck in its plane, scatter",),
+    ),
+    (
+        "Elasto-plastic chain: ",
+        "thesis-2",
+        "elastoplastic_decay",
+        ("Power of the peak force with distance, contacts 15",),
+    ),
+    (
+        "",
+        "sphere-contacts",
+        "sphere_contact",
+        ("Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",),
+    ),
+    ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
+    ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Speed of the front",)),
+    ("Bilinear chain, short pulse: ", "thesis-4", "bilinear_pulse", ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",)),
+    ("FCC packing: ", "thesis-5", "spheres", ("Energy of a sphere at 16 m/s",)),
+    ("Row in a tube: ", "confined", "confined_scaling", ("Power of the speed with the velocity, n = 8",)),
+    ("Filter: ", "thesis-7", "peaks", ("Beads that the leading wave spans at contact 121",)),
+    ("Switch: ", "thesis-8", "switch", ("First peak at sphere 21, open gaps, 2 cylinders, friction 0",)),
+    ("Sphere on a target: ", "protection", "protected-checks", ("Peak force, rigid wall",)),
+)
+#: Measurements of others on the first page of the site.
+MEASURED = (
+    (
+        "Tangential restitution of a sphere of aluminium oxide on glass, 20.22 degrees",
+        "benchmarks",
+        "impacts_oblique",
+        ("Tangential restitution measured at 20.22 degrees, oxide",),
+    ),
+    (
+        "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
+        "composite-chains",
+        "contact_losses",
+        ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
+    ),
+    (
+        "Speed of the wave in a chain of brass beads over that in PTFE",
+        "benchmarks",
+        "chains_brass_teflon",
+        ("Speed in brass over speed in PTFE, impact at 1 m/s",),
+    ),
+)
+#: Rows of the paper, with what the quantity is called there; a few columns, as its page is narrow.
+IN_PAPER = (
+    ("Dissipated share, 155 520 brass spheres", *CHOSEN[0][1:]),
+    ("Force of a bilinear chain once its fronts have met", *CHOSEN[3][1:]),
+    ("Energy in the central chains of a square packing", *CHOSEN[5][1:]),
+    ("Speed of small waves in a compressed FCC packing", *CHOSEN[9][1:]),
+    (
+        "Speed over that of sound, precompressed chain",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129",),
+    ),
+    ("Tangential restitution at 20.22 degrees, measured", *MEASURED[0][1:]),
+    ("Speed in a brass section of a steel chain, measured", "composite-chains", "contact_losses", MEASURED[1][3][:1]),
+)
 
 
 def read_stored(path: Path = STORED) -> dict[str, Any]:
@@ -78,11 +193,50 @@ def read_stored(path: Path = STORED) -> dict[str, Any]:
 
 
 def write_all(stored: Mapping[str, Any]) -> None:
-    """Write the JSON file, the page and the README's block."""
+    """Write the JSON file, the pages, the picture, and the blocks of the README and of the site's first page."""
     replace_text(STORED, json.dumps(stored, indent=1, ensure_ascii=False) + "\n")
-    replace_text(PAGE, page_of(stored))
-    text = README.read_text(encoding="utf-8")
-    replace_text(README, with_block(text, readme_table(stored)))
+    write_pages(stored)
+
+
+def write_pages(stored: Mapping[str, Any]) -> None:
+    """Write what is made of the stored results."""
+    pages = pages_of(stored)
+    PAGES.mkdir(exist_ok=True)
+    for old in set(PAGES.glob("*.md")) - set(pages):
+        old.unlink()
+    for page, text in pages.items():
+        replace_text(page, text)
+    for picture in (PICTURE, PAPER.with_name("agreement.png")):
+        if not picture.is_file() or results_picture.digest_of(picture) != results_picture.digest(stored, LABELS):
+            results_picture.draw(stored, LABELS, picture)
+    for page, table in tables_elsewhere(stored).items():
+        replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
+
+
+def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
+    """Return the tables of pages that are written by hand."""
+    return {
+        README: table_of(chosen_rows(stored)),
+        FIRST_PAGE: table_of(chosen_rows(stored, MEASURED)),
+        PAPER: _of_paper(stored),
+    }
+
+
+def _of_paper(stored: Mapping[str, Any]) -> str:
+    """Return the sentence on all rows, and the table, of the paper."""
+    shown = results_picture.points(stored)
+    parts = []
+    for kind, (name, _) in results_picture.KINDS.items():
+        offs = [abs(off) for _, _, of, off in shown if of == kind]
+        close = [sum(off <= limit for off in offs) for limit in (0.01, 0.1)]
+        parts.append(f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} within 10 %")
+    text = "; ".join(parts)
+    lines = ["| quantity | kind | other | granwave | difference |", "|---|---|---|---|---|"]
+    for name, (row, *_) in chosen_rows(stored, IN_PAPER):
+        against, unit = row.theory if row.source is None else row.source, f" {row.unit}" if row.unit else ""
+        values = significant(against, 5), significant(row.ours, min(row.digits, 5))
+        lines.append(f"| {name} | {_KINDS[row.kind]} | {values[0]}{unit} | {values[1]}{unit} | {_difference(row)} |")
+    return "\n".join([f"{text[:1].upper()}{text[1:]}.", "", *lines]) + "\n"
 
 
 def as_stored(study: Study) -> dict[str, Any]:
@@ -112,40 +266,146 @@ def row_of(record: Mapping[str, Any]) -> Row:
     )
 
 
-def page_of(stored: Mapping[str, Any]) -> str:
-    """Return the page of all stored results."""
-    sections = tuple(_section(name, suite) for name, suite in stored["suites"].items())
-    if absent := stored.get("absent"):
-        note = Note(f"No rows are stored of: {', '.join(absent)}. Nothing is said of them here.")
-        sections += (Section("Not run", "not-run", (note,)),)
-    text, _ = markdown(cleaned(tidied(Report(_TITLE, _LEAD, sections))), "")
-    return text
+def pages_of(stored: Mapping[str, Any]) -> dict[Path, str]:
+    """Return the first page of results, and that of each suite."""
+    pages = {PAGES / f"{name}.md": _suite_page(suite) for name, suite in stored["suites"].items()}
+    return {PAGE: _first_page(stored), **pages}
 
 
-def chosen_rows(stored: Mapping[str, Any]) -> Iterator[tuple[str, list[Row]]]:
-    """Name and rows of each line of the README; no rows if the stored results lack one of them."""
-    for before, suite, study, starts in CHOSEN:
+def _first_page(stored: Mapping[str, Any]) -> str:
+    """Return the page with the most telling rows, the picture of all, what is far off, and the list of the others."""
+    names = [name for name in stored["suites"]]
+    lines = sorted(zip((*CHOSEN, *MORE), chosen_rows(stored, (*CHOSEN, *MORE)), strict=True),
+                   key=lambda pair: names.index(pair[0][1]) if pair[0][1] in names else len(names))  # fmt: skip
+    table = table_of((line for _, line in lines), [f"results/{entry[1]}.md" for entry, _ in lines])
+    counts = {name: _counts(suite) for name, suite in stored["suites"].items()}
+    pages = "\n".join(f"| {_link(name)} | {stored['suites'][name]['title']} | {counts[name]} |" for name in names)
+    absent = stored.get("absent", ())
+    note = f"\nNo rows are stored of: {', '.join(absent)}. Nothing is said of them here.\n" if absent else ""
+    shown = results_picture.points(stored)
+    number = sum(len(study["rows"]) for suite in stored["suites"].values() for study in suite["studies"].values())
+    tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
+    return f"""# {_TITLE}
+
+```{{index}} ! validation, ! comparison with experiments
+```
+
+{_LEAD}
+
+## All agreements
+
+![Difference of each value of ours from what it is compared with, by suite and kind](agreement.webp)
+
+*Each point is one of the {len(shown)} values that are compared: ours over that of the source, of theory, or what the
+code must give, less 1, on a logarithmic axis. Full: ours is larger; open: smaller. The grey area begins at 10 %. Points
+at the left edge are smaller still, those at the right edge larger. Rows that have only a bound, or nothing to be
+compared with, are left out. Letters: the list below.*
+
+## Rows that tell most
+
+Of {number} rows, these {len(lines)} tell most; all of them, agreeing or not, are on [pages of their own](#all-rows).
+
+{table}
+## What lies further off than {_percent(results_picture.FAR)}
+
+A value may differ because a source has a misprint ([errata](errata.md)), because a formula does not hold there, or
+because granwave lacks something ([limits](limits.md)). Each letter is a study with such values; the remark is that of
+the furthest.
+
+| | study | compared with | how many | difference | remark on the furthest |
+|---|---|---|---|---|---|
+{_far_rows(stored)}
+## All rows
+
+| page | what | rows |
+|---|---|---|
+{pages}
+{note}
+```{{toctree}}
+:hidden:
+
+{tree}
+```
+"""
+
+
+def _far_rows(stored: Mapping[str, Any]) -> str:
+    lines = []
+    for one in results_picture.far_off(stored):
+        ends = dict.fromkeys(percent(100 * off) if abs(off) < _LARGE else _factor(off) for off in (one.least, one.most))
+        link, number = f"[{_escaped(one.title)}](results/{one.suite}.md)", f"{one.number} of {one.total}"
+        cells = [f"**{one.mark}**", link, _KINDS[one.kind], number, " to ".join(ends), _escaped(one.why)]
+        lines.append(f"| {' | '.join(cells)} |\n")
+    return "".join(lines)
+
+
+def _difference(row: Row) -> str:
+    """Return how far ours lies off, rounding left out."""
+    off = row.deviation
+    return "-" if off is None else percent(100 * off if abs(off) > _ROUNDING else 0)
+
+
+def _factor(off: float) -> str:
+    """Return a very large ratio of ours to the other."""
+    return f"times {significant(off + 1, 2)}"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:g} %"
+
+
+def _escaped(text: str) -> str:
+    """Escape what Markdown would take for its own within a table."""
+    return re.sub(r"([\\`*_\[\]|~#$<>])", r"\\\1", text)
+
+
+def _link(name: str) -> str:
+    return f"[{LABELS.get(name, name)}](results/{name}.md)"
+
+
+def _counts(suite: Mapping[str, Any]) -> str:
+    """Return how many rows of each kind a suite has."""
+    kinds = [row["kind"] for study in suite["studies"].values() for row in study["rows"]]
+    return ", ".join(f"{kinds.count(kind)} {word}" for kind, word in _KINDS.items() if kind in kinds) or "tables alone"
+
+
+def chosen_rows(
+    stored: Mapping[str, Any], chosen: Sequence[tuple[str, str, str, tuple[str, ...]]] = CHOSEN
+) -> Iterator[tuple[str, list[Row]]]:
+    """Name and rows of each line of a table; no rows if the stored results lack one of them."""
+    for before, suite, study, starts in chosen:
         records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
         found = [next((row_of(one) for one in records if one["quantity"].startswith(start)), None) for start in starts]
         rows = [row for row in found if row is not None and row.ours is not None]
-        name = before + rows[0].quantity if len(starts) == 1 and rows else before
+        whole = before.endswith(": ") or not before  # then what the quantity is called follows
+        name = before + rows[0].quantity if whole and len(starts) == 1 and rows else before
         yield name, rows if len(rows) == len(starts) else []
 
 
-def readme_table(stored: Mapping[str, Any]) -> str:
-    """Return the README's table."""
-    lines = ["| quantity | what it is compared with | value | granwave | remark |", "|---|---|---|---|---|"]
-    for name, rows in chosen_rows(stored):
+def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) -> str:
+    """Return chosen rows as a table.
+
+    Parameters
+    ----------
+    links
+        Page of each line, to which its quantity leads.
+    """
+    heads = ("quantity", "what it is compared with", "value", "granwave", "difference", "remark")
+    text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    for number, (name, rows) in enumerate(lines):
         if rows:
             against = [row.theory if row.source is None else row.source for row in rows]
             values = ", ".join("-" if one is None else significant(one, 5) for one in against)
             ours = ", ".join(significant(row.ours, row.digits) for row in rows)
+            off = ", ".join(map(_difference, rows))
             unit = f" {rows[0].unit}" if rows[0].unit else ""
             what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
             sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
             remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
-            lines.append(f"| {name} | {what} | {values}{unit} | {ours}{unit} | {remark} |")
-    return "\n".join(lines) + "\n"
+            shown = f"[{_escaped(name)}]({links[number]})" if links else _escaped(name)
+            cells = [shown, what, values + unit, ours + unit, off, _escaped(remark)]
+            text.append(f"| {' | '.join(cells)} |")
+    return "\n".join(text) + "\n"
 
 
 def with_block(text: str, table: str) -> str:
@@ -161,22 +421,22 @@ def with_block(text: str, table: str) -> str:
     return _BLOCK.sub(lambda found: f"{found[1]}{table}{found[3]}", text)
 
 
-def _section(name: str, suite: Mapping[str, Any]) -> Section:
-    kinds = [row["kind"] for study in suite["studies"].values() for row in study["rows"]]
-    counts = ", ".join(f"{kinds.count(kind)} {word}" for kind, word in _KINDS.items() if kind in kinds)
+def _suite_page(suite: Mapping[str, Any]) -> str:
+    """Return the page of a suite: a section for each study that has rows or tables."""
     versions = ", ".join(f"{program} {'/'.join(found)}" for program, found in suite["versions"].items())
     state = "" if suite["complete"] else " Not all of its runs are done."
-    blocks: list[Block] = [Note(f"Command: {suite['command']}. Last run on {suite['date']}, with {versions}.{state}")]
-    if counts:
-        blocks.append(Note(f"Rows: {counts}."))
-    for study in suite["studies"].values():
+    lead = f"Command: {suite['command']}. Last run on {suite['date']}, with {versions}.{state} Rows: {_counts(suite)}."
+    sections = []
+    for name, study in suite["studies"].items():
         found = Study("", study["title"], "", tuple(map(row_of, study["rows"])))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
         tables = [Note(one) if isinstance(one, str) else _read_table(one) for one in study["tables"]]
         parts = (*notes, *row_tables(found), *tables)
         if len(parts) > len(notes):
-            blocks.append(Group(study["title"], parts))
-    return Section(suite["title"], name, tuple(blocks))
+            sections.append(Section(study["title"], name, parts))
+    text, _ = markdown(cleaned(tidied(Report(suite["title"], lead, tuple(sections)))), "")
+    title, _, rest = text.partition("\n")
+    return f"{title}\n\nA page of [{_TITLE.lower()}](../results.md), which tells what the words mean.\n{rest}"
 
 
 def _table(table: Table) -> dict[str, Any]:
@@ -188,3 +448,7 @@ def _read_table(stored: Mapping[str, Any]) -> Table:
     columns = tuple(Column(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"])
     rows: Sequence[Sequence[str]] = stored["rows"]
     return Table(stored["caption"], columns, tuple(tuple(map(Cell, row)) for row in rows))
+
+
+if __name__ == "__main__":
+    write_pages(read_stored())

@@ -27,6 +27,12 @@ ROOT = Path(__file__).parents[2]
 SCRIPTS = ROOT / "docs" / "gallery"
 RUNS = ROOT / "build" / "gallery"
 LONGEST = 60  # s that a script may take
+#: Those on the first page of the site, each with its picture and its lines.
+FIRST = (
+    "impact_on_fcc", "contact_law", "solitary_wave", "restitution", "velocity_and_loss", "repeated_hits",
+    "tolerance", "protected_plate", "punch_on_block", "precompressed_chain", "tunable_gap", "best_row",
+)  # fmt: skip
+MOST_LINES = 11  # of a script on the first page, blank ones and imports not counted
 _PICTURE, _PRINTED, _STAMP = "picture.png", "printed.txt", "stamp.txt"
 
 
@@ -127,6 +133,36 @@ def card_of(script: Path) -> str:
     )
 
 
+def lines_of(script: Path) -> str:
+    """Return the lines of a script that do the work: no imports, no drawing, nothing that is printed."""
+    _, _, code = parts_of(script)
+    before = code.partition("\nwith gw.style()")[0].partition("\nprint(")[0]
+    kept = [line for line in before.splitlines() if not line.startswith("import ")]
+    return "\n".join(kept).strip()
+
+
+def card_with_lines(script: Path) -> str:
+    """Return the card of a script on the first page: picture, title, and its lines to unfold."""
+    title, _, _ = parts_of(script)
+    return "\n".join(
+        [
+            "::::{grid-item-card}",
+            f":img-top: gallery/studies/{script.stem}-{_PICTURE}",
+            ":class-img-top: gallery-thumb",
+            ":class-body: gallery-lines",
+            "",
+            f"[{title}](gallery/studies/{script.stem}.md)",
+            "",
+            ":::{dropdown} its lines",
+            "```python",
+            lines_of(script),
+            "```",
+            ":::",
+            "::::",
+        ]
+    )
+
+
 def write_pages(app: Sphinx) -> None:
     """Run the scripts, and write their pages into the site's sources, where git ignores them."""
     run_all()
@@ -143,7 +179,10 @@ def write_pages(app: Sphinx) -> None:
 
 
 def fill_in(_: Sphinx, name: str, source: list[str]) -> None:
-    """Put cards and table of contents into the page of the gallery."""
+    """Put cards and table of contents into the page of the gallery, and twelve cards into the first page."""
+    if name == "index":
+        cards = "\n\n".join(card_with_lines(SCRIPTS / f"{script}.py") for script in FIRST)
+        source[0] = source[0].replace("<!-- gallery -->", f":::::{{grid}} 1 2 2 2\n:gutter: 3\n\n{cards}\n:::::")
     if name == "gallery/index":
         cards = "\n\n".join(map(card_of, scripts()))
         tree = "\n".join(["```{toctree}", ":hidden:", "", *(f"studies/{script.stem}" for script in scripts()), "```"])

@@ -10,29 +10,20 @@ import numpy as np
 
 import granwave as gw
 
-MATERIALS = ["stainless-steel", "ptfe"]
-tables = {
-    "base": "elastic-impact",
-    "set": {
-        "material": "stainless-steel",
-        "packing.size": 6,
-        "load.velocity": 2.0,
-        "run.end_time": 4e-4,
-        "boundary.bottom": "wall",
-    },
-    "variables": {f"replace.{n}.material": MATERIALS for n in range(1, 7)},
-    "objective": {"minimise": ["target_peak_force_N"]},
-    "search": {"evaluations": 24, "guards": False},
-}
-found = gw.design(tables, directory="row", force=True)
-force = found.table["target_peak_force_N"]
-order = ", ".join("PTFE" if value == "ptfe" else "steel" for value in found.best["variables"].values())
-print(f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; the worst that was run: {force.max():.4g} N")
+row = {"material": "stainless-steel", "packing.size": 6, "load.velocity": 2.0, "run.end_time": 4e-4}
+row |= {"boundary.bottom": "wall"}
+beads = {f"replace.{n}.material": ["stainless-steel", "ptfe"] for n in range(1, 7)}
+search = {"objective": {"minimise": ["target_peak_force_N"]}, "search": {"evaluations": 24, "guards": False}}
+found = gw.design({"base": "elastic-impact", "set": row, "variables": beads, **search}, directory="row", force=True)
 
 with gw.style():
     figure, axes = plt.subplots()
+    force = found.table["target_peak_force_N"]
     axes.plot(found.table["number"], force, ".", label="each row")
     axes.step(found.table["number"], np.minimum.accumulate(force), where="post", label="best so far")
     axes.set(xlabel="rows that were run", ylabel="peak force on the wall (N)", yscale="log")
     axes.legend()
     figure.savefig("picture.png", dpi=150)
+
+order = ", ".join("PTFE" if value == "ptfe" else "steel" for value in found.best["variables"].values())
+print(f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; the worst that was run: {force.max():.4g} N")

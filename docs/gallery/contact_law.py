@@ -15,15 +15,17 @@ sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
 contact = ("elastoplastic", [sphere, sphere])
 unit, yield_force = gw.contact_yield(*contact)
 
+overlap = np.linspace(0, 100 * unit, 400)
+loading = gw.contact_force(*contact, overlap)
+branches = {n: np.linspace(0, n * unit, 800) for n in (20, 40, 70, 100)}
+unloading = {n: gw.contact_force(*contact, back, peak_overlap=n * unit) for n, back in branches.items()}
+
 with gw.style():
     figure, axes = plt.subplots(figsize=(3.4, 2.8))
-    overlap = np.linspace(0, 100 * unit, 400)
-    axes.plot(overlap * 1e6, gw.contact_force(*contact, overlap), color="C5", label="loading")
-    for largest in (20 * unit, 40 * unit, 70 * unit, 100 * unit):
-        back = np.linspace(0, largest, 800)
-        force = gw.contact_force(*contact, back, peak_overlap=largest)
-        label = "unloading and reloading" if largest == 20 * unit else None
-        axes.plot(back[force > 0] * 1e6, force[force > 0], color="C0", label=label)
+    axes.plot(overlap * 1e6, loading, color="C5", label="loading")
+    for n, force in unloading.items():
+        label = "unloading and reloading" if n == 20 else None
+        axes.plot(branches[n][force > 0] * 1e6, force[force > 0], color="C0", label=label)
     axes.set(xlabel="overlap (um)", ylabel="force (N)", xlim=(0, None), ylim=(0, None))
     axes.legend()
     figure.savefig("picture.png", dpi=150)

@@ -12,22 +12,13 @@ import granwave as gw
 forces = np.geomspace(0.1, 100, 4)
 speeds = []
 for force in forces:
-    changes = {
-        "precompression.force": force,
-        "load.velocity": 1e-4 * force ** (5 / 6),  # equally small beside the static compression
-        "packing.size": 60,
-        "run.end_time": 1.3e-3 / force ** (1 / 6),
-        "output.history": 2000,
-    }
+    changes = {"precompression.force": force, "packing.size": 60, "output.history": 2000}
+    changes |= {"run.end_time": 1.3e-3 / force ** (1 / 6)}
+    changes |= {"load.velocity": 1e-4 * force ** (5 / 6)}  # equally small beside the static compression
     run = gw.run("precompressed-chain", changes, directory="run", force=True)
-    time, contact_force = run.chain.time.values, run.chain.contact_force.values  # s; N, (n_times, n_contacts)
-    rise = contact_force - contact_force[0]
-    first, last = (time[rise[:, contact].argmax()] for contact in (9, 49))
+    rise = (run.chain.contact_force - run.chain.contact_force[0]).values  # N, (n_times, n_contacts)
+    first, last = run.chain.time.values[rise[:, [9, 49]].argmax(axis=0)]
     speeds.append(40 * run.case.packing.diameter / (last - first))
-    print(f"{force:6.1f} N   {speeds[-1]:.0f} m/s")
-
-power = np.polyfit(np.log(forces), np.log(speeds), 1)[0]
-print(f"power {power:.3f}")
 
 with gw.style():
     figure, axes = plt.subplots()
@@ -36,3 +27,7 @@ with gw.style():
     axes.set(xlabel="static force (N)", ylabel="speed (m/s)")
     axes.legend()
     figure.savefig("picture.png", dpi=150)
+
+for force, speed in zip(forces, speeds, strict=True):
+    print(f"{force:6.1f} N   {speed:.0f} m/s")
+print(f"power {np.polyfit(np.log(forces), np.log(speeds), 1)[0]:.3f}")

@@ -9,17 +9,18 @@ import matplotlib.pyplot as plt
 import granwave as gw
 
 LAYERS = (2, 4, 6, 8)
+reductions = {0.0: [], 0.3: []}
+for friction, found in reductions.items():
+    for layers in LAYERS:
+        changes = {"packing.size": [10, 10, layers], "contact.friction": friction}
+        run = gw.run("protected-target", changes, directory="run", force=True)
+        found.append(run["peak_reduction"])
 
 with gw.style():
     figure, axes = plt.subplots()
-    for friction, colour in ((0.0, "C0"), (0.3, "C1")):
-        reductions = []
-        for layers in LAYERS:
-            changes = {"packing.size": [10, 10, layers], "contact.friction": friction}
-            run = gw.run("protected-target", changes, directory="run", force=True)
-            reductions.append(run["peak_reduction"])
-        axes.plot(LAYERS, reductions, "o-", color=colour, markersize=3, label=f"friction {friction:g}")
-        print(f"friction {friction:g}: peak reduction", ", ".join(f"{value:.2f}" for value in reductions))
+    for (friction, found), colour in zip(reductions.items(), ("C0", "C1"), strict=True):
+        axes.plot(LAYERS, found, "o-", color=colour, markersize=3, label=f"friction {friction:g}")
+        print(f"friction {friction:g}: peak reduction", ", ".join(f"{value:.2f}" for value in found))
     axes.set(xlabel="layers of spheres", ylabel="peak reduction", ylim=(0, None))
     axes.legend()
     figure.savefig("picture.png", dpi=150)

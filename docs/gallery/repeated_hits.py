@@ -9,26 +9,23 @@ import matplotlib.pyplot as plt
 
 import granwave as gw
 
-HITS = 5
 GAPS = {"kept": 0.1, "forgotten": 1e-9}  # diameters: a dent is forgotten beyond this gap
-lost, passed = {}, {}
+hits = {dents: [] for dents in GAPS}
 for dents, gap in GAPS.items():
-    lost[dents], passed[dents] = [], []
-    for hit in range(1, HITS + 1):
+    for hit in range(1, 6):
         changes = {"packing.size": [10, 10, 6], "run.end_time": 4e-4, "boundary.forget_gap": gap}
         if hit > 1:
             changes["contact.initial_overlap"] = f"{dents}-{hit - 1}"
-        run = gw.run("fcc-small", changes, directory=f"{dents}-{hit}", force=True)
-        lost[dents].append(run["dissipated_fraction"])
-        passed[dents].append(run["wall_peak_force_N"])
-        share, force = lost[dents][-1], passed[dents][-1]
-        print(f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom")
+        hits[dents].append(gw.run("fcc-small", changes, directory=f"{dents}-{hit}", force=True))
 
 with gw.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(5.6, 2.4))
-    for (dents, shares), line, colour in zip(lost.items(), ("o-", "^--"), ("C0", "C1"), strict=True):
-        left.plot(range(1, HITS + 1), shares, line, color=colour, markersize=4, label=f"dents {dents}")
-        right.plot(range(1, HITS + 1), passed[dents], line, color=colour, markersize=4)
+    for (dents, runs), line, colour in zip(hits.items(), ("o-", "^--"), ("C0", "C1"), strict=True):
+        shares, forces = ([run[name] for run in runs] for name in ("dissipated_fraction", "wall_peak_force_N"))
+        left.plot(range(1, 6), shares, line, color=colour, markersize=4, label=f"dents {dents}")
+        right.plot(range(1, 6), forces, line, color=colour, markersize=4)
+        for hit, (share, force) in enumerate(zip(shares, forces, strict=True), start=1):
+            print(f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom")
     left.set(xlabel="hit", ylabel="share dissipated", ylim=(0, 1))
     left.legend(loc="lower left")
     right.set(xlabel="hit", ylabel="peak force at the bottom (N)", ylim=(0, None))

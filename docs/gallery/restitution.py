@@ -10,26 +10,23 @@ import numpy as np
 import granwave as gw
 
 velocities = np.geomspace(0.05, 20, 6)
-found = []
-for velocity in velocities:
-    run = gw.run("sphere-on-wall", {"load.velocity": velocity}, directory="run", force=True)
-    found.append(run["restitution"])
-    print(f"{velocity:6.2f} m/s   {found[-1]:.4f}")
+runs = [gw.run("sphere-on-wall", {"load.velocity": v}, directory="run", force=True) for v in velocities]
 
-sphere = {"shape": "sphere", "diameter": run.case.packing.diameter, "material": "brass"}
-contact = ("elastoplastic", [sphere, "plane"])
+contact = ("elastoplastic", [{"shape": "sphere", "diameter": 0.010, "material": "brass"}, "plane"])
 overlap = np.geomspace(1e-9, 3e-4, 4000)  # m
 force = gw.contact_force(*contact, overlap)
 work = np.cumsum(np.diff(overlap, prepend=0) * (force + np.append(0, force[:-1])) / 2)  # J, of loading
-velocity = np.sqrt(2 * work / run.case.sphere_mass)
+velocity = np.sqrt(2 * work / runs[0].case.sphere_mass)
 coefficient = np.sqrt(gw.contact_energy(*contact, overlap) / work)
-shown = (velocity > 0.01) & (velocity < 30)
-velocity, coefficient = velocity[shown], coefficient[shown]
 
 with gw.style():
     figure, axes = plt.subplots()
-    axes.semilogx(velocity, coefficient, color="C0", label="contact law")
+    found, shown = [run["restitution"] for run in runs], (velocity > 0.01) & (velocity < 30)
+    axes.semilogx(velocity[shown], coefficient[shown], color="C0", label="contact law")
     axes.semilogx(velocities, found, "o", color="C1", markersize=4, label="runs")
     axes.set(xlabel="impact velocity (m/s)", ylabel="coefficient of restitution", ylim=(0, 1.02))
     axes.legend()
     figure.savefig("picture.png", dpi=150)
+
+for velocity, value in zip(velocities, found, strict=True):
+    print(f"{velocity:6.2f} m/s   {value:.4f}")

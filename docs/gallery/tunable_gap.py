@@ -17,7 +17,6 @@ for force in forces:
     bands = gw.bands("precompressed-chain", changes)
     edges.append([float(bands.edges[0, 1]), float(bands.edges[1, 0]), float(bands.edges[1, 1])])
     decay.append(bands.attrs["attenuation_in_widest_gap"])
-    print(f"{force:6.1f} N   gap {edges[-1][0]:6.0f} to {edges[-1][1]:6.0f} Hz   attenuation {decay[-1]:.2f} a cell")
 
 below, above, top = np.array(edges).T / 1e3
 with gw.style():
@@ -29,3 +28,6 @@ with gw.style():
     axes.set(xscale="log", xlabel="static force (N)", ylabel="frequency (kHz)", xlim=(1, 100), ylim=(0, None))
     axes.legend(loc="upper left")
     figure.savefig("picture.png", dpi=150)
+
+for force, (low, high, _), fall in zip(forces, edges, decay, strict=True):
+    print(f"{force:6.1f} N   gap {low:6.0f} to {high:6.0f} Hz   attenuation {fall:.2f} a cell")

@@ -223,7 +223,7 @@ def read_parts(
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            errors.add(name, f"missing; a case needs [{name}]")
+            errors.add(name, f"missing; a case needs [{name}]" + ', or material = "steel"' * (name == "material"))
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():

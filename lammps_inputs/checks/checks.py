@@ -340,7 +340,8 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         warnings.append(
             f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, found {ratio:g}; its "
             f"exact Hertz-von Mises yield factor is C = {hertz_von_mises_yield_factor(ratio):.4f} "
-            f"(contact.yield_factor is {case.contact.yield_factor:g})"
+            f"(contact.yield_factor is {case.contact.yield_factor:g}); "
+            'law = "elastoplastic-fe" holds for ratios of 0 to 0.45'
         )
     materials = {id(one.material): one.material for one in assembly.species}.values()
     if case.contact.takes("hardening"):

@@ -10,7 +10,7 @@ import numpy as np
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, RIGID, Contact
-from granwave.lammps_inputs.case.material import Material, Shape
+from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
@@ -188,6 +188,9 @@ def check_contact(case: Case, errors: ErrorList) -> None:
     for key, body in (numbered("replace", case.replace) | numbered("striker", case.striker)).items():
         _check_yield(case, body.material, f"{key}.material", errors)
     _check_yield(case, case.material, "material", errors)
+    of_file = case.packing.grains.material if case.packing.grains is not None else ()
+    for name in sorted({*presets(), *(str(one.name) for one in case.materials)}.intersection(of_file)):
+        _check_yield(case, case.named_material(name), f"packing.file: material {name}", errors)
 
 
 def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorList) -> None:

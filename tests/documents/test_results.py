@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.util
 import sys
 from pathlib import Path
@@ -33,6 +34,7 @@ def program(name: str) -> ModuleType:
     return module
 
 
+PICTURE = program("results_picture")
 TABLE = program("results_table")
 RESULTS = program("results")
 STORED = TABLE.read_stored()
@@ -55,16 +57,61 @@ def test_a_fresh_run_gives_the_stored_rows(tmp_path, name, study):
             assert ours == (None if theirs is None else pytest.approx(theirs, rel=SAME)), row.quantity
 
 
-def test_the_page_and_the_readme_are_made_of_the_stored_rows():
-    assert TABLE.page_of(STORED) == TABLE.PAGE.read_text(encoding="utf-8"), "make results was not run"
-    readme = TABLE.README.read_text(encoding="utf-8")
-    assert TABLE.with_block(readme, TABLE.readme_table(STORED)) == readme, "make results was not run"
+AGAIN = "run .venv/bin/python docs/_ext/results_table.py"
 
 
-def test_the_readme_has_ten_rows():
-    lines = list(TABLE.chosen_rows(STORED))
-    assert len(lines) == 10 and all(rows for _, rows in lines)
-    assert not any(row.bound for _, rows in lines for row in rows)
+def test_pages_are_made_of_the_stored_rows():
+    pages = TABLE.pages_of(STORED)
+    assert set(TABLE.PAGES.glob("*.md")) == set(pages) - {TABLE.PAGE}, AGAIN
+    for page, text in pages.items():
+        assert page.read_text(encoding="utf-8") == text, f"{page.name}: {AGAIN}"
+    for page, table in TABLE.tables_elsewhere(STORED).items():
+        text = page.read_text(encoding="utf-8")
+        assert TABLE.with_block(text, table) == text, f"{page.name}: {AGAIN}"
+
+
+def test_the_picture_is_of_the_stored_rows():
+    for picture in (TABLE.PICTURE, TABLE.PAPER.with_name("agreement.png")):
+        assert PICTURE.digest_of(picture) == PICTURE.digest(STORED, TABLE.LABELS), AGAIN
+        assert picture.stat().st_size < 300_000
+    changed = copy.deepcopy(STORED)
+    row = next(row for row in changed["suites"]["thesis-4"]["studies"]["long_load"]["rows"] if row["source"])
+    row["granwave"] *= 1.01
+    assert PICTURE.digest(changed, TABLE.LABELS) != PICTURE.digest(STORED, TABLE.LABELS)
+
+
+def test_what_is_far_off_is_named():
+    """Deviations of the list and the picture are those of the rows; each has a mark of its own, and a reason."""
+    rows = [
+        (name, key, TABLE.row_of(record))
+        for name, suite in STORED["suites"].items()
+        for key, study in suite["studies"].items()
+        for record in study["rows"]
+    ]
+    compared = [(name, key, row.kind, row.deviation) for name, key, row in rows if row.deviation is not None]
+    assert sorted(PICTURE.points(STORED)) == sorted(compared)
+    far = PICTURE.far_off(STORED)
+    assert sum(one.number for one in far) == sum(abs(off) > PICTURE.FAR for *_, off in compared)
+    assert len({one.mark for one in far}) == len(far) and all(one.why for one in far)
+    assert PICTURE._mark(25) == "z" and PICTURE._mark(26) == "aa" and PICTURE._mark(52) == "ba"
+
+
+def test_the_first_pages_have_few_rows():
+    for chosen, numbers in (
+        (TABLE.CHOSEN, {10}),
+        (TABLE.MEASURED, {3}),
+        (TABLE.IN_PAPER, {7}),
+        ((*TABLE.CHOSEN, *TABLE.MORE), range(28, 36)),
+    ):
+        lines = list(TABLE.chosen_rows(STORED, chosen))
+        assert len(lines) in numbers
+        assert [name for name, rows in lines if not rows or any(row.bound for row in rows)] == []
+    named = {entry[1] for entry in (*TABLE.CHOSEN, *TABLE.MORE)}
+    with_rows = {
+        name for name, suite in STORED["suites"].items() if any(one["rows"] for one in suite["studies"].values())
+    }
+    assert named == with_rows, "every suite has a row on the first page of results"
+    assert set(TABLE.LABELS) == set(STORED["suites"])
 
 
 def test_the_stored_rows_are_those_of_the_code():

@@ -64,6 +64,31 @@ def test_every_script_of_the_gallery_has_a_title_and_a_text():
         assert title and not title.endswith(".") and text and "picture.png" in code, script.name
 
 
+def test_twelve_scripts_stand_on_the_first_page_with_few_lines_each():
+    studies = gallery()
+    assert len(set(studies.FIRST)) == 12
+    for name in studies.FIRST:
+        lines = studies.lines_of(studies.SCRIPTS / f"{name}.py")
+        ast.parse(lines)
+        assert "gw." in lines and 1 <= len(list(filter(None, lines.splitlines()))) <= studies.MOST_LINES, name
+    text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    assert "<!-- gallery -->" in text
+
+
+def test_the_lammps_script_of_the_first_page_runs(tmp_path):
+    """On the packing that the case file beside it writes; what was put in is found again."""
+    page = ROOT / "docs" / "index.md"
+    write_files(page, tmp_path)
+    (script,) = (block.text for block in blocks(page) if block.language == "LAMMPS")
+    (tmp_path / "in.mine").write_text(script, encoding="utf-8")
+    for command in (["granwave", "write", "mine.toml", "-o", "."], ["lmp", "-in", "in.mine", "-log", "log.mine"]):
+        done = subprocess.run([BIN / command[0], *command[1:]], cwd=tmp_path, env=PLAIN, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+    table = re.findall(r"^ +\d+ +(\S+) +(\S+) +(\S+) *$", (tmp_path / "log.mine").read_text(), re.MULTILINE)
+    first, last = ([float(value) for value in row] for row in table)
+    assert sum(last) == pytest.approx(first[0], rel=1e-5) and last[2] > 0.8 * first[0]
+
+
 def test_scripts_of_the_gallery_import_the_public_door_alone():
     for script in gallery().scripts():
         for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):

@@ -1,0 +1,178 @@
+"""Picture of all agreements: how far each stored value of ours lies from what it is compared with, by suite and kind.
+
+The picture holds a digest of the points that it shows, so that a test can tell an old one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from PIL import Image
+
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, style
+from granwave.lammps_inputs.files import replace_bytes
+
+KINDS = {
+    "source": ("printed in a source", BLUE),
+    "theory": ("theory", ORANGE),
+    "verification": ("verification of the code", GREEN),
+}
+FAR = 0.3  # deviation from which on values are named below the picture
+_LEAST, _MOST = 1e-7, 10.0  # ends of the axis
+_TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
+_SPREAD = 0.62  # of a suite's band that its points take
+_DESCRIPTION = 0x010E  # ImageDescription of EXIF
+_LETTERS = "abcdefghijklmnopqrstuvwxyz"
+
+
+@dataclasses.dataclass(frozen=True)
+class Far:
+    """Values of a study that lie further than `FAR` from what they are compared with.
+
+    Attributes
+    ----------
+    mark
+        Letter in the picture.
+    least, most
+        Of their deviations.
+    number, total
+        Of such values, and of all of that kind in the study.
+    why
+        Remark on the one that lies furthest; what the study is where none has a remark.
+    """
+
+    mark: str
+    suite: str
+    study: str
+    title: str
+    kind: str
+    least: float
+    most: float
+    number: int
+    total: int
+    why: str
+
+
+def deviation(row: Mapping[str, Any]) -> float | None:
+    """Return ours over what it is compared with, less 1; None where nothing is compared, or only a bound."""
+    against = row["theory"] if row["source"] is None else row["source"]
+    return row["granwave"] / against - 1 if against and row["granwave"] is not None and not row["bound"] else None
+
+
+def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
+    """Suite, study, kind and deviation of all values that are compared."""
+    return [
+        (suite, study, row["kind"], off)
+        for suite, found in stored["suites"].items()
+        for study, one in found["studies"].items()
+        for row in one["rows"]
+        if (off := deviation(row)) is not None
+    ]
+
+
+def far_off(stored: Mapping[str, Any]) -> list[Far]:
+    """Return the studies with values that are far off, marked in the order of suites and kinds."""
+    found = []
+    for suite, content in stored["suites"].items():
+        for study, one in content["studies"].items():
+            for kind in KINDS:
+                rows = [
+                    (off, row) for row in one["rows"] if row["kind"] == kind and (off := deviation(row)) is not None
+                ]
+                out = [(off, row) for off, row in rows if abs(off) > FAR]
+                if out:
+                    offs = [off for off, _ in out]
+                    remarks = [row["remark"] for _, row in sorted(out, key=lambda pair: -abs(pair[0]))]
+                    why = next(filter(None, [*remarks, one["text"].partition(". ")[0]]), "")
+                    far = (suite, study, one["title"], kind, min(offs), max(offs), len(out), len(rows), why)
+                    found.append(Far(_mark(len(found)), *far))
+    return found
+
+
+def _mark(number: int) -> str:
+    """Return a, b, ... z, aa, ab, ..."""
+    first, last = divmod(number, len(_LETTERS))
+    return (_LETTERS[first - 1] if first else "") + _LETTERS[last]
+
+
+def digest(stored: Mapping[str, Any], labels: Mapping[str, str]) -> str:
+    """Return a digest of what the picture shows."""
+    shown = [(labels.get(suite, suite), study, kind, f"{off:.3e}") for suite, study, kind, off in points(stored)]
+    return hashlib.sha256(repr(shown).encode()).hexdigest()[:16]
+
+
+def digest_of(path: Path) -> str:
+    """Return the digest of the points that a picture was drawn of; empty if it tells none."""
+    return str(Image.open(path).getexif().get(_DESCRIPTION, ""))
+
+
+def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> None:
+    """Draw the picture, as WebP or as the end of its name says."""
+    shown = points(stored)
+    suites = list(dict.fromkeys(suite for suite, *_ in shown))
+    with style():
+        height = 0.31 * len(suites) + 1.2  # inches
+        figure, panels = plt.subplots(1, 3, figsize=(7.6, height), sharey=True)
+        figure.subplots_adjust(left=0.325, right=0.965, wspace=0.25, top=1 - 0.45 / height, bottom=0.75 / height)
+        for axes, (kind, (_, colour)) in zip(panels, KINDS.items(), strict=True):
+            axes.axvspan(0.1, _MOST * 2, color=GREY, alpha=0.10, lw=0)
+            axes.axvline(0.01, color=GREY, lw=0.5, ls=":")
+            for place, suite in enumerate(suites):
+                own = [off for one, _, of, off in shown if (one, of) == (suite, kind)]
+                _points(axes, place, own, colour)
+            total = [abs(off) for _, _, of, off in shown if of == kind]
+            close = sum(off <= 0.01 for off in total), sum(off <= 0.1 for off in total)
+            axes.set_title(f"{kind}, {len(total)} values:\n{close[0]} in 1 %, {close[1]} in 10 %", loc="left")
+            axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
+            axes.set_xticks(list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor")
+            axes.minorticks_off()
+            axes.set_yticks(range(len(suites)), [labels.get(suite, suite) for suite in suites])
+            axes.tick_params(axis="y", length=0)
+            for place in range(1, len(suites)):
+                axes.axhline(place - 0.5, color=GREY, lw=0.3, alpha=0.5)
+        _letters(panels, suites, shown, far_off(stored))
+        panels[1].set_xlabel("difference |ours / other - 1| (full: ours is larger; open: smaller)")
+        picture = io.BytesIO()
+        figure.savefig(picture, format="png", dpi=200)
+        plt.close(figure)
+    exif = Image.Exif()
+    exif[_DESCRIPTION] = digest(stored, labels)
+    file = io.BytesIO()
+    Image.open(picture).convert("RGB").save(file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif)
+    replace_bytes(path, file.getvalue())
+
+
+def _at(off: np.ndarray | float) -> Any:
+    return np.clip(np.abs(off), _LEAST, _MOST * 1.3)
+
+
+def _heights(place: int, number: int) -> np.ndarray:
+    """Return where the points of a suite lie, one below the other, so that they do not cover each other."""
+    return place + (_SPREAD * (np.arange(number) / (number - 1) - 0.5) if number > 1 else np.zeros(number))
+
+
+def _points(axes: Any, place: int, offs: Sequence[float], colour: str) -> None:
+    found = np.array(sorted(offs, key=abs))
+    height = _heights(place, len(found))
+    for above in (True, False):
+        some = (found >= 0) == above
+        face = colour if above else "white"
+        axes.plot(
+            _at(found[some]), height[some], "o", ms=2.6, mfc=face, mec=colour, mew=0.6, alpha=0.8, clip_on=False, lw=0
+        )
+
+
+def _letters(panels: Any, suites: Sequence[str], shown: Sequence[Any], far: Sequence[Far]) -> None:
+    """Write the letters of what is far off to the right of each suite's points."""
+    for axes, kind in zip(panels, KINDS, strict=True):
+        for place, suite in enumerate(suites):
+            marks = " ".join(one.mark for one in far if (one.suite, one.kind) == (suite, kind))
+            axes.annotate(marks, (1, place), xycoords=("axes fraction", "data"), xytext=(3, 0),
+                          textcoords="offset points", va="center", fontsize=7, annotation_clip=False)  # fmt: skip

@@ -1,0 +1,194 @@
+"""Check of the search of the built site: words that people use find their page among the first results.
+
+    python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
+    python docs/_ext/search.py build/docs WORD     # the first results of a word
+
+The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles, entries of the index,
+Python objects, words of the text. Words that a page does not use get an index entry at the place that answers.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+FIRST = 3  # results among which the page is expected
+_TITLE, _PART_OF_TITLE, _TERM, _PART_OF_TERM = 15, 7, 5, 2
+_OBJECT, _PART_OF_OBJECT, _PRIORITY = 11, 6, {0: 15, 1: 5, 2: -5}
+_INDEX = 100  # of a whole entry
+#: Words that people look for, and the page that answers, by name below ``docs`` without its suffix.
+WORDS = {
+    "howto/struck-packings": ("impactor", "striker", "projectile", "oblique impact"),
+    "howto/target": (
+        "armor", "armour", "drop test", "wall force", "energy absorption", "crashworthiness", "sandwich",
+        "shock absorber", "protection", "impact attenuation", "helmet", "packaging",
+    ),
+    "howto/losses": ("damping", "coefficient of restitution", "restitution", "viscoelastic"),
+    "howto/real-packings": ("friction", "gravity", "polydisperse", "vacancies", "preload"),
+    "howto/own-places": ("random packing", "sand", "grains from a file"),
+    "howto/case-files": ("periodic", "boundary conditions", "initial velocity"),
+    "howto/stop-and-resume": ("restart", "resume", "checkpoint"),
+    "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export"),
+    "howto/films": ("movie", "animation", "video", "colour map", "picture for a paper"),
+    "howto/scans": ("parameter study", "sensitivity", "error bars", "sweep", "replicates", "spread", "scatter"),
+    "howto/design": ("optimisation", "optimization", "design"),
+    "howto/bands": ("band gap", "dispersion", "phonon", "eigenmodes"),
+    "howto/infer": ("force chains", "inverse problem"),
+    "howto/python": ("notebook", "pandas", "jupyter"),
+    "howto/more-questions": ("units", "SI units"),
+    "howto/cite": ("cite", "licence", "license", "BibTeX"),
+    "howto/own-lammps": ("MPI", "OpenMPI"),
+    "howto/fit-a-law": ("measured force", "force-displacement"),
+    "howto/balance": ("energy conservation",),
+    "tutorials/cluster": ("cluster", "Slurm", "HPC"),
+    "tutorials/chain": ("solitary wave", "Hopkinson", "SHPB", "newton's cradle"),
+    "tutorials/material-and-tolerances": ("poisson ratio", "young's modulus", "yield strength", "tolerance", "density"),
+    "tutorials/packing-and-continuum": ("finite elements", "FEM", "continuum"),
+    "tutorials/lammps-script": ("input script", "pair_style"),
+    "reference/materials": ("HCP", "BCC", "FCC", "stainless", "aluminium", "PTFE", "teflon"),
+    "explanation/contact-law": ("Hertz", "hysteresis", "plastic", "elastoplastic"),
+    "explanation/timestep": ("timestep", "time step"),
+    "explanation/limits": ("GPU", "cohesion", "bullet", "ballistic", "fracture", "adhesion", "Windows"),
+    "explanation/speed": ("benchmark", "performance"),
+    "explanation/results": ("validation", "comparison with experiments"),
+    "start": ("install", "pip", "tab completion"),
+}  # fmt: skip
+
+
+class Result(NamedTuple):
+    """A result of a search."""
+
+    page: str
+    title: str
+    anchor: str
+    score: float
+    description: str = ""
+
+
+Index = Mapping[str, Any]
+
+
+def read_index(site: Path) -> Index:
+    """Read the index of a built site."""
+    text = (site / "searchindex.js").read_text(encoding="utf-8")
+    found: Index = json.loads(text[text.index("(") + 1 : text.rindex(")")])
+    return found
+
+
+def search(index: Index, query: str, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]) -> list[Result]:
+    """Return the results of a query, best first.
+
+    Parameters
+    ----------
+    stem
+        Stem of a word, as the index has it.
+    stopwords
+        Words that are not looked for.
+    """
+    words = [word for word in re.split(r"[^\w]+", query) if word]
+    stems = dict.fromkeys(
+        stem(word.lower()) for word in words if word.lower() not in stopwords and not re.fullmatch(r"\d+", word)
+    )
+    asked = query.lower().strip()
+    main, others = _entries(index, asked)
+    objects = [one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)]
+    found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
+    ordered = [*_ordered(found), *_ordered(others)]  # entries that are not marked as the main ones come last
+    first: dict[object, Result] = {}
+    for one in ordered:
+        first.setdefault((one.page, one.title, one.anchor, one.description), one)
+    return list(first.values())
+
+
+def _ordered(found: list[Result]) -> list[Result]:
+    return sorted(found, key=lambda one: (-one.score, one.title.lower()))
+
+
+def _titles(index: Index, asked: str) -> Iterator[Result]:
+    names, titles = index["docnames"], index["titles"]
+    for title, places in index["alltitles"].items():
+        if asked in title.lower().strip() and len(asked) >= len(title) / 2:
+            for file, anchor in places:
+                own = titles[file] == title
+                shown = title if own else f"{titles[file]} > {title}"
+                score = int(_TITLE * len(asked) / len(title) + 0.5) + own
+                yield Result(names[file], shown, f"#{anchor}" if anchor is not None else "", score)
+
+
+def _entries(index: Index, asked: str) -> tuple[list[Result], list[Result]]:
+    """Return entries of the index: the main ones, and the others."""
+    found: tuple[list[Result], list[Result]] = ([], [])
+    for entry, places in index["indexentries"].items():
+        if asked in entry and len(asked) >= len(entry) / 2:
+            for file, anchor, main in places:
+                score = int(_INDEX * len(asked) / len(entry) + 0.5)
+                one = Result(index["docnames"][file], index["titles"][file], f"#{anchor}" if anchor else "", score)
+                found[0 if main else 1].append(one)
+    return found
+
+
+def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
+    others = {one.lower() for one in words} - {word}
+    for prefix, objects in index["objects"].items():
+        for file, kind, priority, anchor, name in objects:
+            whole = f"{prefix}.{name}" if prefix else name
+            lower, last = whole.lower(), whole.lower().split(".")[-1]
+            (_, role, label), title = index["objnames"][str(kind)], index["titles"][file]
+            text = f"{prefix} {name} {label} {title}".lower()
+            if word in lower and all(one in text for one in others):
+                score = _OBJECT if word in (lower, last) else _PART_OF_OBJECT if word in last else 0
+                score += _PRIORITY.get(priority, 0)
+                place = f"{role}-{whole}" if anchor == "-" else anchor or whole
+                yield Result(index["docnames"][file], whole, f"#{place}", score, f"{label}, in {title}")
+
+
+def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
+    """Pages that have all words, in their text or a title."""
+    scores: dict[int, dict[str, int]] = {}
+    for word in stems:
+        for table, whole, part in (("terms", _TERM, _PART_OF_TERM), ("titleterms", _TITLE, _PART_OF_TITLE)):
+            files = index[table]
+            alike = [term for term in files if word in term] if len(word) > 2 and word not in files else []
+            for term in [word] if word in files else alike:
+                for file in files[term] if isinstance(files[term], list) else [files[term]]:
+                    scores.setdefault(file, {})[word] = whole if term == word else part
+    long = sum(len(word) > 2 for word in stems)
+    for file, found in scores.items():
+        if len(found) in (len(stems), long):
+            yield Result(index["docnames"][file], index["titles"][file], "", max(found.values()))
+
+
+def missed(index: Index, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]) -> list[str]:
+    """Return a line for each word whose page is not among the first results."""
+    found = []
+    for page, words in WORDS.items():
+        for word in words:
+            first = [one.page for one in search(index, word, stem, stopwords)[:FIRST]]
+            if page not in first:
+                found.append(
+                    f"{word}: expected {page} among the first {FIRST} results, found {', '.join(first) or 'nothing'}"
+                )
+    return found
+
+
+def main(site: str, *query: str) -> int:
+    """Check all words, or show the results of one; return the exit status."""
+    from sphinx.search.en import SearchEnglish
+
+    language, index = SearchEnglish({}), read_index(Path(site))
+    if query:
+        for one in search(index, " ".join(query), language.stem, language.stopwords)[:10]:
+            print(f"{one.score:4g}  {one.page}{one.anchor}  {one.title} {one.description}")
+        return 0
+    faults = missed(index, language.stem, language.stopwords)
+    number = sum(map(len, WORDS.values()))
+    print("\n".join(faults) or f"{number} words find their pages")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,65 @@
+"""The check of the site's search, which `make docs` runs: the ranking of the browser on a small index, and its words."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.documents.pages import ROOT
+from tests.documents.test_site import extension
+
+SEARCH = extension("search")
+#: An index as Sphinx writes it, of four pages.
+INDEX = {
+    "docnames": ["armour", "chain", "dents", "python"],
+    "titles": ["What reaches a target", "A chain", "Dents", "Python interface"],
+    "alltitles": {
+        "What reaches a target": [[0, None]],
+        "A chain": [[1, None]],
+        "A chain of beads": [[2, "beads"]],
+        "Dents": [[2, None]],
+        "Python interface": [[3, None]],
+    },
+    "indexentries": {"drop test": [[0, "index-0", True]], "bead": [[2, "index-1", False]]},
+    "objects": {"gw": [[3, 0, 1, "", "chain"], [3, 1, 0, "-", "measures"]]},
+    "objnames": {"0": ["py", "function", "Python function"], "1": ["py", "module", "Python module"]},
+    "terms": {"plate": 0, "bead": [1, 2], "chain": [1, 3], "drop": 1, "test": [1, 3]},
+    "titleterms": {"target": 0, "chain": [1, 2], "dent": 2},
+}
+
+
+def found(query: str) -> list[str]:
+    results = SEARCH.search(INDEX, query, lambda word: word.removesuffix("s"), {"the"})
+    return [f"{one.page}{one.anchor} {one.score:g}" for one in results]
+
+
+@pytest.mark.parametrize(
+    ("query", "results"),
+    [
+        ("drop test", ["armour#index-0 100", "chain 5"]),  # an entry of the index before words of texts
+        ("the plates", ["armour 5"]),  # a stem, and a word that is not looked for
+        ("dents", ["dents 16"]),  # a title, once
+        ("chain", ["python#gw.chain 16", "chain 15", "dents 15", "python 5"]),  # an object, titles, a text
+        ("beads", ["chain 5", "dents 5"]),
+        ("bead", ["chain 5", "dents 5", "dents#index-1 100"]),  # an entry that is not the main one comes last
+        ("targ", ["armour 7"]),  # a part of a word of a title
+        ("measures", ["python#module-gw.measures 26"]),
+        ("plate bead", []),  # all words are asked for
+        ("nothing", []),
+    ],
+)
+def test_ranking(query, results):
+    assert found(query) == results
+
+
+def test_words_have_pages():
+    for page, words in SEARCH.WORDS.items():
+        assert (ROOT / "docs" / f"{page}.md").is_file(), page
+        assert words and len(set(words)) == len(words), page
+    every = [word for words in SEARCH.WORDS.values() for word in words]
+    assert len(every) == len(set(map(str.lower, every))) > 100
+
+
+def test_what_is_missed_is_named(monkeypatch):
+    monkeypatch.setattr(SEARCH, "WORDS", {"armour": ("drop test",), "dents": ("plate",)})
+    (line,) = SEARCH.missed(INDEX, str, frozenset())
+    assert line == "plate: expected dents among the first 3 results, found armour"
