@@ -12,7 +12,7 @@ import math
 import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
 _MAGIC = b"DUMPCUSTOM"
 _ENDIAN, _REVISION = 1, 2
 _LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
+_BLOCK = 1 << 20  # bytes that are read at once where lines are counted
 _AHEAD = 4096  # bytes that are read at once of a header
 
 
@@ -91,7 +92,7 @@ def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """One snapshot of a dump.
+    """One snapshot of a dump, or some of its rows.
 
     Attributes
     ----------
@@ -102,7 +103,7 @@ class Frame:
     columns
         Names of the columns.
     values
-        Rows: (n_rows, n_columns).
+        Rows: (n_rows, n_columns); or the place of rows that were not read yet, see `read`.
     more
         True if further rows of the snapshot follow in another frame.
     """
@@ -137,6 +138,11 @@ class Frame:
         """Return the frame with other rows."""
         return dataclasses.replace(self, values=values, more=more)
 
+    def read(self) -> Frame:
+        """Return the frame with its rows, which are read from the file if they were not; raise as `text_frames`."""
+        unread = isinstance(self.values, BinaryRows | TextRows)
+        return self.with_rows(self.values.read(self.columns), more=self.more) if unread else self
+
     def up_to(self, number: int) -> Frame:
         """Return the rows with ids up to ``number`` of a frame sorted by id."""
         return self.with_rows(self.values[: np.searchsorted(self["id"], number, side="right")], more=self.more)
@@ -152,7 +158,7 @@ class Frame:
 def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
     """Join the rows of each snapshot that come in several frames."""
     parts: list[NDArray[np.float64]] = []
-    for frame in frames:
+    for frame in (frame.read() for frame in frames):
         parts.append(frame.values)
         if not frame.more:
             yield frame.with_rows(parts[0] if len(parts) == 1 else np.concatenate(parts))
@@ -239,6 +245,53 @@ def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> 
             yield lines.frame(rows, like, 0, more=True)
 
 
+@dataclasses.dataclass(frozen=True)
+class TextRows:
+    """Lines of a text file that hold rows, the first of them at byte ``begin``, the last before ``end``; unread."""
+
+    path: Path
+    begin: int
+    end: int
+
+    def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
+        """Read the values: (n_rows, n_columns)."""
+        with open(self.path, "rb") as file:
+            file.seek(self.begin)
+            *rows, rest = file.read(self.end - self.begin).decode("ascii", errors="replace").split("\n")
+        if rest:
+            raise OutputFormatError(f"{CutShortError(self._place(len(rows)), 0)}; {CUT}")
+        return read_rows(rows, columns, lambda row: f"{self._place(row)} (snapshot 0)")
+
+    def _place(self, row: int) -> str:
+        """Return file and line of a row; the lines before are counted only now."""
+        with open(self.path, "rb") as file:
+            blocks = iter(lambda: file.read(min(_BLOCK, max(self.begin - file.tell(), 0))), b"")
+            before = sum(block.count(b"\n") for block in blocks)
+        return f"{self.path}: line {before + row + 1}"
+
+
+def after_header(path: Path) -> tuple[int, int]:
+    """Return the place of the first row of a text dump whose header is whole, and the number of rows it tells."""
+    with open(path, "rb") as file:
+        n_rows, line = 0, b""
+        while not line.startswith((b"ITEM: ATOMS", b"ITEM: ENTRIES")):
+            line = file.readline()
+            if line.startswith(b"ITEM: NUMBER OF"):
+                n_rows = int(file.readline())
+        return file.tell(), n_rows
+
+
+def text_rows(path: Path, begin: int, n_bytes: int) -> Iterator[TextRows]:
+    """Iterate over the rows of a text file from a byte on, in pieces of about so many bytes, unread."""
+    size = path.stat().st_size
+    with open(path, "rb") as file:
+        while begin < size:
+            file.seek(min(begin + n_bytes, size))
+            file.readline()
+            yield TextRows(path, begin, file.tell())
+            begin = file.tell()
+
+
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
     header: dict[str, list[str]] = {}
@@ -297,12 +350,11 @@ class _Bytes:
             raise self.damaged(f"found a text of {length} bytes in the header")
         return self.take(f"{length}s")[0].decode("ascii", errors="replace")
 
-    def values(self, n: int) -> NDArray[np.float64]:
-        """Read so many values of a block: (n,)."""
+    def values(self, n: int) -> tuple[int, int]:
+        """Pass over so many values of a block; return the place of the first, and their number."""
         self._check_room(8 * n)
-        found = np.fromfile(self.path, dtype=np.float64, count=n, offset=self.place)
         self.place += 8 * n
-        return found
+        return self.place - 8 * n, n
 
     def _check_room(self, n: int) -> None:
         if self.place + n > self.size:
@@ -343,57 +395,93 @@ class _Bytes:
         self._check_room(8 * n_rows * len(columns))
         return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks
 
-    def pieces(self, n_blocks: int, n_values: int) -> Iterator[NDArray[np.float64]]:
-        """Iterate over the blocks of a snapshot, each in pieces of at most so many values."""
+    def pieces(self, n_blocks: int, n_values: int) -> Iterator[tuple[int, int]]:
+        """Iterate over the blocks of a snapshot, each in pieces of at most so many values: place and number."""
         for _ in range(n_blocks):
             (left,) = self.take("i")
             if left < 0:
                 raise self.damaged(f"found a block of {left} values")
             while left:
-                piece = self.values(min(left, n_values))
-                left -= len(piece)
-                yield piece
+                place, n = self.values(min(left, n_values))
+                left -= n
+                yield place, n
+
+
+@dataclasses.dataclass(frozen=True)
+class BinaryRows:
+    """Rows of snapshot ``number`` of a binary dump, from row ``first`` on; unread.
+
+    Attributes
+    ----------
+    pieces
+        Place of the first and number of the values of each piece.
+    """
+
+    path: Path
+    number: int
+    first: int
+    width: int
+    pieces: tuple[tuple[int, int], ...]
+
+    def __len__(self) -> int:
+        return sum(n for _, n in self.pieces) // self.width
+
+    def __getitem__(self, rows: slice) -> BinaryRows:
+        """Return some of the rows."""
+        start, stop, _ = rows.indices(len(self))
+        begin, end, at = start * self.width, stop * self.width, 0
+        pieces = []
+        for place, n in self.pieces:
+            low, high = max(begin - at, 0), min(end - at, n)
+            if low < high:
+                pieces.append((place + 8 * low, high - low))
+            at += n
+        return dataclasses.replace(self, first=self.first + start, pieces=tuple(pieces))
+
+    def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
+        """Read and check the values: (n_rows, n_columns)."""
+        found = [np.fromfile(self.path, np.float64, n, offset=place) for place, n in self.pieces]
+        values = found[0] if len(found) == 1 else np.concatenate([np.empty(0), *found])
+        table = values.reshape(len(self), self.width)
+        _check_values(self, table, columns)
+        return table
 
 
 def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a binary dump, in the order of the file; parameters and errors as of `text_frames`.
+    """Iterate over the snapshots of a binary dump, in the order of the file, their rows unread.
 
-    Dumps of a machine with another order of bytes, or of a LAMMPS before 2021, are errors too.
+    Parameters and errors are those of `text_frames`. Dumps of a machine with another order of bytes, or of a LAMMPS
+    before 2021, are errors too.
     """
     data = _Bytes(path)
     while data.place < data.size:
         like, n_rows, n_blocks = data.header()
         width = max(1, len(like.columns))
-        pieces = data.pieces(n_blocks, width * (n_rows if at_once is None else at_once) or 1)
-        frame, first, rest = like, 0, np.empty(0)
-        while first < n_rows or frame is like:
-            wanted = n_rows - first if at_once is None else min(n_rows - first, at_once)
-            parts = [rest]
-            while (n := sum(map(len, parts))) < wanted * width:
-                if (piece := next(pieces, None)) is None:
-                    raise data.damaged(f"found {first + n // width} of {n_rows} rows")
-                parts.append(piece)
-            values = parts[1] if len(parts) == 2 and not len(rest) else np.concatenate(parts)
-            values, rest = values[: wanted * width], values[wanted * width :]
-            if first + wanted == n_rows and (len(rest) or next(pieces, None) is not None):
-                raise data.damaged(f"found more than {n_rows} rows")
-            table = values.reshape(wanted, len(like.columns))
-            _check_values(data, table, like.columns, first)
-            first += wanted
-            frame = like.with_rows(table, more=first < n_rows)
-            if not frame.more:
-                data.number += 1
-            yield frame
+        pieces = list(data.pieces(n_blocks, data.size))
+        rows = BinaryRows(path, data.number, 0, width, tuple(pieces))
+        found = sum(n for _, n in pieces)
+        if found < n_rows * width:
+            raise data.damaged(f"found {found // width} of {n_rows} rows")
+        if found > n_rows * width:
+            raise data.damaged(f"found more than {n_rows} rows")
+        data.number += 1
+        n = max(1, n_rows if at_once is None else at_once)
+        for first in range(0, max(1, n_rows), n):
+            yield like.with_rows(rows[first : first + n], more=first + n < n_rows)  # type: ignore[arg-type]
 
 
-def _check_values(data: _Bytes, table: NDArray[np.float64], columns: tuple[str, ...], first: int) -> None:
-    """Check the rows from ``first`` on: finite numbers, and whole ones for ids."""
+def _check_values(rows: BinaryRows, table: NDArray[np.float64], columns: Sequence[str]) -> None:
+    """Check values that were read: finite numbers, and whole ones for ids."""
+
+    def refuse(row: int, column: int, expected: str) -> NoReturn:
+        where = f"{rows.path}: byte {rows.pieces[-1][0] + 8 * rows.pieces[-1][1]} (snapshot {rows.number})"
+        fault = f"row {rows.first + row}: found {table[row, column]} for {columns[column]}, expected {expected}"
+        raise OutputFormatError(f"{where}: {fault}; {DAMAGED}")
+
     finite = np.isfinite(table)
     if not finite.all():
-        row, column = np.argwhere(~finite)[0]
-        found = f"found {table[row, column]} for {columns[column]}"
-        raise data.damaged(f"row {first + row}: {found}, expected a finite number")
+        row, column = np.argwhere(~finite)[0].tolist()
+        refuse(row, column, "a finite number")
     for n, name in enumerate(columns):
         if name in _WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
-            row = int(np.argmax(strange))
-            raise data.damaged(f"row {first + row}: found {table[row, n]} for {name}, expected a whole number")
+            refuse(int(np.argmax(strange)), n, "a whole number")
