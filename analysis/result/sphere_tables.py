@@ -37,7 +37,14 @@ from granwave.analysis.result.contacts import (
     sphere_values,
     touching_pairs,
 )
-from granwave.analysis.result.hdf5_file import Encoded, append_columns, encoded_columns, rows_of, write_group
+from granwave.analysis.result.hdf5_file import (
+    Encoded,
+    append_columns,
+    encoded_columns,
+    rows_of,
+    sorted_once,
+    write_group,
+)
 from granwave.analysis.result.start import Dents, DentsOfPart, Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
@@ -192,12 +199,12 @@ def _encode(first: int) -> tuple[int, dict[str, Encoded]]:
 
 def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, NDArray]]:
     """Make the tables of the contacts and spheres of a part."""
-    contacts, share = _contacts_of(case, start, part.number, part.dents.read())
+    contacts, share = _contacts_of(case, start, part.number, part.dents)
     if part.initial is not None:
         contacts[COLUMN] = _force_of_pairs(part.initial.read(), contacts)
     rows = slice(*start.range(part.number))
     ids, spheres = start.ids(rows.start, rows.stop), start.read(rows)
-    everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
+    everyone = ids if start.n_parts == 1 else sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
@@ -211,14 +218,14 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
     if start.n_parts > 1:
         listed = (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1])
-        contacts = {name: values[listed] for name, values in contacts.items()}
+        contacts = {name: contacts.pop(name)[listed] for name in list(contacts)}
     return contacts, columns
 
 
-def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Contacts, NDArray[np.float64]]:
+def _contacts_of(case: Case, start: Start, part: int, dents: DentsOfPart) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
     tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
-    merged = merge_dents(dents)
+    merged = merge_dents(dents.read())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
 

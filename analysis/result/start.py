@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, Rows, read_data, refuse_ids
 from granwave.analysis.lammps_output.frame import DAMAGED, Frame
-from granwave.analysis.result.hdf5_file import rows_of, rows_of_all
+from granwave.analysis.result.hdf5_file import rows_of, rows_of_all, sorted_once
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
@@ -154,7 +154,7 @@ class Start:
                 places = self.read(slice(*self.range(other))).vector("x", "y", "z")[:, free]
                 near = np.all((places >= low) & (places <= high), axis=1)
                 rows.append(self.range(other)[0] + np.flatnonzero(near))
-        return self.read(np.unique(np.concatenate(rows)))
+        return self.read(sorted_once(np.concatenate(rows)))
 
 
 class Dents:
@@ -209,10 +209,15 @@ class DentsOfPart(NamedTuple):
 
     def read(self) -> Frame:
         """Return them as a table."""
-        width, pieces = len(self.like.columns), list(self.kept)
+        if not self.places:
+            no_rows = self.like.values[:0]
+            return self.like.with_rows(self.kept[0] if len(self.kept) == 1 else np.concatenate([no_rows, *self.kept]))
+        values, at = np.empty((sum(n_rows for _, _, n_rows in self.places), len(self.like.columns))), 0
         for path, place, n_rows in self.places:
-            pieces.append(np.fromfile(path, np.float64, n_rows * width, offset=place).reshape(n_rows, width))
-        return self.like.with_rows(pieces[0] if len(pieces) == 1 else np.concatenate([np.empty((0, width)), *pieces]))
+            rows = values[at : at + n_rows]
+            rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
+            at += n_rows
+        return self.like.with_rows(values)
 
 
 def _by_part(

@@ -42,6 +42,7 @@ from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START,
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
+from granwave.workflows.run.ranks import shared
 from granwave.workflows.run.record import Record, versions
 
 if TYPE_CHECKING:
@@ -222,7 +223,10 @@ class _Run:
                 self._note()
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
         try:
-            summary = on_first(self.comm, lambda: analyse(self.directory, progress=self.show, figures=figures))
+            summary = shared(
+                self.comm,
+                lambda ranks: analyse(self.directory, progress=self.show, figures=figures, processes=ranks),
+            )
         except OSError as error:
             if isinstance(error, MissingOutputError):
                 raise

@@ -175,13 +175,22 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
-def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
+def launch(
+    n_ranks: int,
+    arguments: Sequence[str],
+    *,
+    stdout: int | None = None,
+    stderr: int | None = None,
+    remedy: str = "go on with --resume",
+) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
 
     Parameters
     ----------
     stdout, stderr
         File descriptors that the ranks write to; by default those of this process.
+    remedy
+        Advice for ranks that were killed.
 
     Returns
     -------
@@ -214,7 +223,7 @@ def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None,
             for reader in readers:
                 reader.join()
     if status not in (0, 1, 2, 130, 141):
-        print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
+        print(f"granwave: the ranks were killed (status {status}); {remedy}", file=sys.stderr)
         return 1
     return status
 
