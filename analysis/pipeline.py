@@ -122,12 +122,12 @@ def _analyse(
     check_case(directory)
     case = check_complete(directory)
     _check_deck(directory)
-    check_unchanged(directory)
+    check_unchanged(directory, processes)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
         write_result(directory, at_once=at_once, case=case, processes=processes)
         report("summary.json")
-        summary = summarise(directory, at_once=at_once, case=case)
+        summary = summarise(directory, at_once=at_once, case=case, processes=processes)
         note_files(directory, [RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute

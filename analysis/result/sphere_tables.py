@@ -162,8 +162,8 @@ def write_tables(
     n_contacts = 0
     for begin in range(0, start.n_parts, processes.number):  # so that no process holds more than one part
         parts = range(begin, min(begin + processes.number, start.n_parts))
-        places = []
-        for part, (n_rows, spheres) in zip(parts, processes.map(partial(_make, case, start), map(task, parts)), strict=True):
+        places, made = [], processes.map(partial(_make, case, start), map(task, parts))
+        for part, (n_rows, spheres) in zip(parts, made, strict=True):
             append_columns(file, "spheres", spheres, start.range(part)[1])
             places.append(n_contacts)
             n_contacts += n_rows

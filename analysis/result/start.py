@@ -163,7 +163,7 @@ class Dents:
     def __init__(self, start: Start) -> None:
         self._last = start.last_sphere
         self._kept: list[NDArray[np.float64]] = []  # rows of a single part
-        self._places: dict[int, list[tuple[Path, int, int]]] = {}  # file, byte and number of rows of each piece, by part
+        self._places: dict[int, list[tuple[Path, int, int]]] = {}  # by part: file, byte, number of rows
         self._at_bars: list[NDArray[np.float64]] = []
         self._like: Frame | None = None
 

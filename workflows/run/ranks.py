@@ -51,14 +51,17 @@ class _Ranks(Processes):
         self._given: deque[tuple[int, Any, Request | None]] = deque()  # rank, task of the first, what was sent
 
     def map(self, work: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        for number, task in enumerate(tasks):
-            rank = self._first + number % self.number
-            sent = self._comm.isend((work, task), rank) if rank else None  # it may be sending a result
-            self._given.append((rank, task, sent))
-            if len(self._given) >= 2 * self.number:  # the next task is there when a rank has done one
+        try:
+            for number, task in enumerate(tasks):
+                rank = self._first + number % self.number
+                sent = self._comm.isend((work, task), rank) if rank else None  # it may be sending a result
+                self._given.append((rank, task, sent))
+                if len(self._given) >= 2 * self.number:  # the next task is there when a rank has done one
+                    yield self._take(work)
+            while self._given:
                 yield self._take(work)
-        while self._given:
-            yield self._take(work)
+        finally:
+            self._await()
 
     def _take(self, work: Callable[[Any], Result]) -> Result:
         if self._stopped():
@@ -77,11 +80,16 @@ class _Ranks(Processes):
         sent.wait()
         return received
 
-    def end(self) -> None:
-        """Dismiss the others, after what they still have to do."""
-        for rank, _, sent in self._given:
+    def _await(self) -> None:
+        """Wait for what was handed out and is not wanted any more."""
+        while self._given:
+            rank, _, sent = self._given.popleft()
             if sent is not None:
                 self._receive(rank, sent)
+
+    def end(self) -> None:
+        """Dismiss the others."""
+        self._await()
         for rank in range(1, self._comm.size):
             self._comm.send(None, rank)
 

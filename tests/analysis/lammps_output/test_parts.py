@@ -28,12 +28,14 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows import run_case
 from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
 from tests.helpers.run_files import without_checksums
+from tests.helpers.several_processes import SeveralProcesses
 
 RUN = {"end_time": 6e-5, "frames": 3}
 IN_PARTS = {"parts": True, "dump_format": "binary"}
@@ -75,10 +77,12 @@ def values_in(directory: Path) -> dict[str, object]:
     return found
 
 
-def in_parts(directory: Path, at_once: int) -> tuple[dict[str, object], dict[str, object]]:
+def in_parts(
+    directory: Path, at_once: int, processes: Processes = ALONE
+) -> tuple[dict[str, object], dict[str, object]]:
     """Analyse a run with so many spheres at once: values of result.h5, and the summary."""
-    write_result(directory, at_once=at_once)
-    return values_in(directory), summarise(directory, at_once=at_once)
+    write_result(directory, at_once=at_once, processes=processes)
+    return values_in(directory), summarise(directory, at_once=at_once, processes=processes)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -90,6 +94,12 @@ def test_parts_give_the_same_bits_as_the_whole(tmp_path, name):
     assert values.keys() == whole[0].keys()
     assert [key for key in values if values[key] != whole[0][key]] == []
     assert summary == whole[1]
+    with SeveralProcesses(3) as three:
+        for at_once in (1 + whole[1]["n_spheres"] // 5, whole[1]["n_spheres"]):
+            values, summary = in_parts(tmp_path, at_once, three)
+            assert [key for key in whole[0] if values[key] != whole[0][key]] == []
+            assert summary == whole[1]
+    assert not list(tmp_path.glob(".result.h5.*"))
 
 
 # ---------------------------------------------------------------------- files of each rank
