@@ -32,8 +32,10 @@ from granwave.analysis.lammps_output.frame import (
     CutShortError,
     Frame,
     Lines,
+    TextRows,
     after_header,
     binary_frames,
+    data_rows,
     joined,
     read_rows,
     rows_without_header,
@@ -44,6 +46,7 @@ from granwave.analysis.lammps_output.frame import (
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
 
 # Columns that the readers require; others are optional, see `Frame.get`. Early versions did not write "elastic".
@@ -275,7 +278,7 @@ def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
         )
 
 
-def read_data(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
+def read_data(directory: Path, at_once: int | None = None, processes: Processes = ALONE) -> Iterator[Frame]:
     """Iterate over the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, as in the file.
 
     The nodes of bars come last; they have diameter 0 and their mass in kg as density. Without ``at_once`` it is one
@@ -304,17 +307,33 @@ def read_data(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
         if missing := [name for name in DATA_COLUMNS if name not in names]:
             raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}")
         lines.take(1)
-        while n_read < n_spheres:
-            n_rows = min(at_once or n_spheres, n_spheres - n_read)
-            rows = lines.take(n_rows)
-            n_read += len(rows)
-            if len(rows) < n_rows:
-                raise OutputFormatError(
-                    f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(names)}); {CUT}"
-                )
-            read = read_rows(rows, names, lambda row, last=n_rows - 1: lines.place(last - row))  # type: ignore[misc]
-            values = np.ascontiguousarray(Frame(0, box, names, read).vector(*DATA_COLUMNS))
-            yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
+        before, size = lines.n_read, at_once or n_spheres
+
+        def blocks() -> Iterator[NDArray[np.float64]]:
+            if n_spheres > size and (pieces := data_rows(path, _ROW_BYTES * size)):
+                yield from processes.map(partial(TextRows.read, columns=names), pieces)
+                return
+            for first in range(0, n_spheres, size):
+                n_rows = min(size, n_spheres - first)
+                if len(rows := lines.take(n_rows)) < n_rows:
+                    raise _cut_data(path, lines.n_read, first + len(rows), n_spheres, names)
+                yield read_rows(rows, names, lambda row, above=lines.n_read - n_rows: f"{path}: line {above + row + 1}")  # type: ignore[misc]
+
+        held = np.empty((0, len(names)))
+        for values in blocks():
+            held = np.concatenate([held, values])[: n_spheres - n_read] if len(held) else values[: n_spheres - n_read]
+            while len(held) >= min(size, n_spheres - n_read) > 0:
+                found = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
+                n_read, held = n_read + len(found), held[size:]
+                yield Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(found), more=n_read < n_spheres)
+        if n_read < n_spheres:
+            n_read += len(held)
+            raise _cut_data(path, before + n_read, n_read, n_spheres, names)
+
+
+def _cut_data(path: Path, line: int, n_read: int, n_spheres: int, names: tuple[str, ...]) -> OutputFormatError:
+    rows = f"{n_read} of {n_spheres} rows under Atoms ({' '.join(names)})"
+    return OutputFormatError(f"{path}: line {line}: found {rows}; {CUT}")
 
 
 def _rising(frames: Iterable[Frame]) -> Iterator[Frame]:

@@ -252,6 +252,7 @@ class TextRows:
     path: Path
     begin: int
     end: int
+    note: str = " (snapshot 0)"  # after the place in messages
 
     def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
         """Read the values: (n_rows, n_columns)."""
@@ -260,7 +261,7 @@ class TextRows:
             *rows, rest = file.read(self.end - self.begin).decode("ascii", errors="replace").split("\n")
         if rest:
             raise OutputFormatError(f"{CutShortError(self._place(len(rows)), 0)}; {CUT}")
-        return read_rows(rows, columns, lambda row: f"{self._place(row)} (snapshot 0)")
+        return read_rows(rows, columns, lambda row: f"{self._place(row)}{self.note}")
 
     def _place(self, row: int) -> str:
         """Return file and line of a row; the lines before are counted only now."""
@@ -281,15 +282,31 @@ def after_header(path: Path) -> tuple[int, int]:
         return file.tell(), n_rows
 
 
-def text_rows(path: Path, begin: int, n_bytes: int) -> Iterator[TextRows]:
-    """Iterate over the rows of a text file from a byte on, in pieces of about so many bytes, unread."""
-    size = path.stat().st_size
+def text_rows(path: Path, begin: int, n_bytes: int, end: int | None = None, **note: str) -> Iterator[TextRows]:
+    """Iterate over the rows of a text file between two bytes, in pieces of about so many bytes, unread."""
+    end = path.stat().st_size if end is None else end
     with open(path, "rb") as file:
-        while begin < size:
-            file.seek(min(begin + n_bytes, size))
+        while begin < end:
+            file.seek(min(begin + n_bytes, end) - 1)
             file.readline()
-            yield TextRows(path, begin, file.tell())
+            yield TextRows(path, begin, file.tell(), **note)
             begin = file.tell()
+
+
+def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
+    """Return the rows of the section Atoms of a data file in pieces of about so many bytes; empty if it was cut."""
+    with open(path, "rb") as file:
+        while not (line := file.readline()).startswith(b"Atoms"):
+            pass
+        end = begin = file.tell() + len(file.readline())
+        last = b"\n"
+        while block := file.read(_BLOCK):
+            if (blank := (last + block).find(b"\n\n")) >= 0:
+                end += blank
+                break
+            end, last = end + len(block), block[-1:]
+    whole = block or last == b"\n"
+    return list(text_rows(path, begin, n_bytes, end, note="")) if whole and not line.endswith(b"\r\n") else []
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:

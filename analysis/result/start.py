@@ -35,7 +35,9 @@ class Start:
     at_once
         Largest number of spheres in a part.
     scratch
-        Scratch file.
+        Name for a scratch file.
+    processes
+        Processes that read the file.
 
     Attributes
     ----------
@@ -52,7 +54,7 @@ class Start:
         The file is missing, damaged, or its rows are not in the order of their ids.
     """
 
-    def __init__(self, directory: Path, at_once: int, scratch: Path) -> None:
+    def __init__(self, directory: Path, at_once: int, scratch: Path, processes: Processes) -> None:
         self.path, self.at_once, self._scratch = directory / DATA_FILE, at_once, scratch
         self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
         self.n_particles = self.n_spheres = 0
@@ -60,7 +62,7 @@ class Start:
         self._values: NDArray[np.float64] | None = None  # None: in the scratch file
         with contextlib.ExitStack() as stack:
             file = None
-            for frame in read_data(directory, at_once):
+            for frame in read_data(directory, at_once, processes):
                 whole = not (self.n_particles or frame.more)
                 if whole:
                     self._values = frame.sorted_by("id").values

@@ -112,7 +112,7 @@ def _write(
     resolved = tomllib.loads(text).get("resolved", {})
     ledger = read_energy(directory)
     contacts_path(directory)  # the last file to be written: without it the run is not finished
-    start = Start(directory, at_once, scratch())
+    start = Start(directory, at_once, scratch(), processes)
     record = read_record(directory)
     file.attrs["name"] = case.name
     file.attrs["case"] = text

@@ -15,7 +15,15 @@ from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
 from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.ownership import (
+    claim,
+    clear,
+    clear_scratch,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+    results_in,
+)
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -150,6 +158,7 @@ def _analyse(options: argparse.Namespace, directory: Path, processes: Processes 
     from granwave.analysis.pipeline import analyse as analyse_directory
 
     refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
+    clear_scratch(directory, [RESULT_FILE])
     if restore_case(directory):
         print(f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr)
     with as_wrong_input():

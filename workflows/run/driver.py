@@ -31,11 +31,12 @@ from granwave.lammps_inputs.directories import (
     results_directory,
 )
 from granwave.lammps_inputs.errors import RunError
-from granwave.lammps_inputs.ownership import claim, clear, output_names
+from granwave.lammps_inputs.ownership import claim, clear, clear_scratch, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE
+from granwave.lammps_inputs.processes import Processes
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RESULT_FILE
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
@@ -222,11 +223,13 @@ class _Run:
             if there is None:  # it was damaged
                 self._note()
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+
+        def work(ranks: Processes) -> dict[str, Any]:
+            clear_scratch(self.directory, [RESULT_FILE])  # of an analysis that was killed
+            return analyse(self.directory, progress=self.show, figures=figures, processes=ranks)
+
         try:
-            summary = shared(
-                self.comm,
-                lambda ranks: analyse(self.directory, progress=self.show, figures=figures, processes=ranks),
-            )
+            summary = shared(self.comm, work)
         except OSError as error:
             if isinstance(error, MissingOutputError):
                 raise
