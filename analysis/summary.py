@@ -197,7 +197,7 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     else:
         work = partial(_of_block, result.path, size, result.case)
         parts = list(processes.map(work, range(0, n_rows, size)))
-    found = {
+    found: dict[str, Any] = {
         name: max(part[name] for part in parts) if name.startswith("peak") else sum(part[name] for part in parts)
         for name in parts[0]
     }
@@ -310,7 +310,7 @@ def _ratio(without: float | None, force: Array) -> float | None:
 
 def _mass(result: Result) -> float:
     """Mass of the packing, strikers left out, kg; the same to the last digit however it is parted."""
-    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing])
+    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing].tolist())
 
 
 def _height(result: Result) -> float:

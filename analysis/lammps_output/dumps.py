@@ -24,9 +24,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.lammps_output.binary import BINARY, binary_frames
 from granwave.analysis.lammps_output.frame import (
     AGAIN,
-    BINARY,
     CUT,
     DAMAGED,
     CutShortError,
@@ -34,7 +34,6 @@ from granwave.analysis.lammps_output.frame import (
     Lines,
     TextRows,
     after_header,
-    binary_frames,
     data_rows,
     joined,
     read_rows,
@@ -323,9 +322,9 @@ def read_data(directory: Path, at_once: int | None = None, processes: Processes 
         for values in blocks():
             held = np.concatenate([held, values])[: n_spheres - n_read] if len(held) else values[: n_spheres - n_read]
             while len(held) >= min(size, n_spheres - n_read) > 0:
-                found = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
-                n_read, held = n_read + len(found), held[size:]
-                yield Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(found), more=n_read < n_spheres)
+                table = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
+                n_read, held = n_read + len(table), held[size:]
+                yield Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(table), more=n_read < n_spheres)
         if n_read < n_spheres:
             n_read += len(held)
             raise _cut_data(path, before + n_read, n_read, n_spheres, names)

@@ -109,7 +109,8 @@ def write_trajectory(
         if (friction or name != "friction_energy") and (viscous or name != "viscous_energy")
     }
     elements = _elements(group, n_chunk, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
-    of_all, steps, names = group["position"], [], {name: columns for name, (columns, _) in scalars.items()}
+    steps: list[int] = []
+    of_all, names = group["position"], {name: columns for name, (columns, _) in scalars.items()}
     blocks = _blocks(start, frames, source, steps)
     for number, columns in processes.map(partial(_encoded_block, start, names, source, n_chunk), blocks):
         for name, element in elements.items():

@@ -226,7 +226,7 @@ def test_memory_of_each_rank() -> None:
     assert four.memory == four.space.first_rank + 3 * four.space.other_rank
     assert four.space.other_rank < one.space.other_rank / 2 and four.space.other_rank < four.space.first_rank
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
-    assert "first rank, which makes the analysis" in plan_table(case, four)
+    assert "first rank, which puts the results together" in plan_table(case, four)
     assert "first rank" not in plan_table(case, one)
 
 
