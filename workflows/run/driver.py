@@ -244,14 +244,14 @@ class _Run:
         return Outcome(self.directory, self.record.state, summary)
 
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
-        def write() -> Deck:
+        def write(ranks: Processes) -> Deck:
             if go_on:
                 return read_deck(self.directory)
             record.keep_checkpoint(self.directory, None)
             clear(self.directory, output_names(self.directory))
-            return write_deck(self.case, self.directory, timestep=timestep)
+            return write_deck(self.case, self.directory, timestep=timestep, processes=ranks)
 
-        deck = on_first(self.comm, write)
+        deck = shared(self.comm, write)
         if not go_on:
             self.record = dataclasses.replace(
                 self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0

@@ -360,6 +360,16 @@ def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
     assert peaks[1] < 1.1 * peaks[0]  # the first also holds what is cached at the first call
 
 
+@pytest.mark.parametrize("name", ["hcp, walls", "vacancies and scatter", "striker", "bar"])
+def test_deck_of_several_processes_is_the_same(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(deck, "_BATCH", 50)
+    assembly = assemble(case_of(**CASES[name]))
+    deck.write_data(assembly, tmp_path / "one")
+    with SeveralProcesses(3) as three:
+        deck.write_data(assembly, tmp_path / "three", three)
+    assert (tmp_path / "three").read_bytes() == (tmp_path / "one").read_bytes()
+
+
 def test_case_key(tmp_path):
     assert case_of().output.parts == "auto"
     with pytest.raises(InputError, match=r'output\.parts: .*true, false or "auto"'):
