@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 18100, "lammps_inputs": 8295, "workflows": 9380}
+STATEMENTS = {"analysis": 18110, "lammps_inputs": 8300, "workflows": 9380}
 FILES = 300  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
