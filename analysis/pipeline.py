@@ -21,6 +21,7 @@ from granwave.lammps_inputs.directories import check_case, check_deck, note_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import CASE_FILE, FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
 
 logger = logging.getLogger(__name__)
@@ -42,6 +43,7 @@ def analyse(
     *,
     figures: bool = True,
     at_once: int = AT_ONCE,
+    processes: Processes = ALONE,
 ) -> Summary:
     """Analyse a run; what an earlier analysis left is replaced.
 
@@ -57,6 +59,8 @@ def analyse(
         `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do not depend on it.
+    processes
+        Processes that share the work. Nor do the values depend on them.
 
     Returns
     -------
@@ -74,7 +78,7 @@ def analyse(
         write.
     """
     if callable(progress):
-        return _analyse(Path(directory), progress, figures, at_once)
+        return _analyse(Path(directory), progress, figures, at_once, processes)
     parts = 2 + (len(FIGURE_NAMES) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -83,7 +87,7 @@ def analyse(
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(Path(directory), report, figures, at_once)
+        return _analyse(Path(directory), report, figures, at_once, processes)
 
 
 def _check_deck(directory: Path) -> None:
@@ -110,18 +114,20 @@ def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
     return _IN_TIME
 
 
-def _analyse(directory: Path, report: Callable[[str], None], figures: bool, at_once: int) -> Summary:
+def _analyse(
+    directory: Path, report: Callable[[str], None], figures: bool, at_once: int, processes: Processes
+) -> Summary:
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     case = check_complete(directory)
     _check_deck(directory)
-    check_unchanged(directory)
+    check_unchanged(directory, processes)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(directory, at_once=at_once, case=case)
+        write_result(directory, at_once=at_once, case=case, processes=processes)
         report("summary.json")
-        summary = summarise(directory, at_once=at_once, case=case)
+        summary = summarise(directory, at_once=at_once, case=case, processes=processes)
         note_files(directory, [RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
@@ -39,7 +41,9 @@ _RESISTED = ("rolling", "twisting")  # where contacts resist these
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
-def summarise(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None) -> Summary:
+def summarise(
+    directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None, processes: Processes = ALONE
+) -> Summary:
     """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
 
     Parameters
@@ -48,6 +52,8 @@ def summarise(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | Non
         Largest number of spheres or contacts in memory. The values do not depend on it.
     case
         Case that was run, if it was read before.
+    processes
+        Processes that read the contacts.
 
     Returns
     -------
@@ -63,15 +69,16 @@ def summarise(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | Non
     """
     directory = Path(directory)
     with Result(directory, at_once, case) as result:
-        summary = summary_of(result)
+        summary = summary_of(result, processes)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
     claim(directory, [SUMMARY_FILE])
     replace_text(directory / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 
 
-def summary_of(result: Result) -> Summary:
+def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     """The summary of a result that is open."""
+    of_contacts = _of_contacts(result, processes)
     record, n_cylinders = result.record, result.assembly.n_cylinders
     end_time, wall_time = float(result["energy/time"][-1]), record.get("wall_time_s")
     n_steps = int(result["energy/timesteps" if "energy/timesteps" in result else "energy/step"][-1])
@@ -79,8 +86,8 @@ def summary_of(result: Result) -> Summary:
     return {
         "name": result.case.name,
         "n_spheres": result.n_spheres,
-        "n_contacts": _count(result, "contacts/touching"),
-        "n_loaded_contacts": _loaded(result),
+        "n_contacts": of_contacts["touching"],
+        "n_loaded_contacts": of_contacts["loaded"],
         "timestep_s": timestep,
         "timestep_smallest_s": _last(result, "energy/smallest_timestep", timestep),
         "timestep_largest_s": _last(result, "energy/largest_timestep", timestep),
@@ -90,7 +97,12 @@ def summary_of(result: Result) -> Summary:
         "energy_stored_J": _last(result, "prestage/stored"),
         "precompression_residual": _last(result, "prestage/residual"),
         **_transmission(result),
-        **_contacts(result),
+        "peak_force_N": of_contacts["peak_force"],
+        "peak_overlap_m": of_contacts["peak_overlap"],
+        "contacts_beyond_law": of_contacts["beyond_law"],
+        "contacts_beyond_half_law": of_contacts["beyond_half_law"],
+        "n_wall_contacts": len(result["wall_contacts/id"]),
+        "n_plastic_contacts": of_contacts["yielded"],
         **_plasticity(result),
         **zone_summary(result),
         **_normalised(result),
@@ -177,43 +189,53 @@ def _transmission(result: Result) -> Summary:
     }
 
 
-def _loaded(result: Result) -> int:
-    """Pairs of spheres that bore a force in this run, those left out that were pressed by rounding alone."""
-    found = 0
-    for limit, overlap, force in result.blocks(
-        "contacts/yield_overlap", "contacts/peak_overlap", "contacts/peak_force"
-    ):
-        least = LISTED_FROM * limit
-        pressed = overlap > np.where(np.isfinite(least), least, 0.0)
-        found += int(np.count_nonzero(pressed & (force > 0)))
+def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
+    """Return numbers of contacts, and the largest force and overlap; a large table is shared out."""
+    n_rows, size = len(result.file["contacts/i"]), result.at_once
+    if n_rows <= size:
+        parts = [_of_rows(result, slice(None))]
+    else:
+        work = partial(_of_block, result.path, size, result.case)
+        parts = list(processes.map(work, range(0, n_rows, size)))
+    found: dict[str, Any] = {
+        name: max(part[name] for part in parts) if name.startswith("peak") else sum(part[name] for part in parts)
+        for name in parts[0]
+    }
+    for name, share in (("beyond_law", LAW_LIMIT), ("beyond_half_law", HALF_LAW_LIMIT)):
+        if result.assembly.has_cylinders:
+            found[name] = int(np.count_nonzero(result.beyond_law(share)))
+        elif not result.has_law_limit:
+            found[name] = None
     return found
 
 
-def _count(result: Result, name: str) -> int:
-    """Rows of a column that are not zero."""
-    return sum(int(np.count_nonzero(values)) for (values,) in result.blocks(name))
+def _of_block(path: Path, size: int, case: Case, first: int) -> dict[str, float]:
+    with Result(path, size, case) as result:
+        return _of_rows(result, slice(first, first + size))
 
 
-def _largest(result: Result, name: str) -> float:
-    """Largest value of a column, at least 0."""
-    return max(float(np.max(values, initial=0.0)) for (values,) in result.blocks(name))
+def _of_rows(result: Result, rows: slice) -> dict[str, float]:
+    """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are not loaded."""
 
+    def column(name: str) -> Array:
+        whole = rows == slice(None)  # is kept for what comes after
+        return result[f"contacts/{name}"] if whole else result.rows_read(f"contacts/{name}", rows)
 
-def _contacts(result: Result) -> Summary:
-    def beyond(share: float) -> int | None:
-        if result.assembly.has_cylinders:
-            return int(np.count_nonzero(result.beyond_law(share)))
-        if not result.has_law_limit:
-            return None
-        columns = result.blocks("contacts/peak_overlap", "contacts/effective_radius")
-        return sum(int(np.count_nonzero(overlap > share * radius)) for overlap, radius in columns)
-
-    return {
-        "peak_force_N": _largest(result, "contacts/peak_force"),
-        "peak_overlap_m": _largest(result, "contacts/peak_overlap"),
-        "contacts_beyond_law": beyond(LAW_LIMIT),
-        "contacts_beyond_half_law": beyond(HALF_LAW_LIMIT),
-        "n_wall_contacts": len(result["wall_contacts/id"]),
+    overlap, force, radius, least = (
+        *(column(name) for name in ("peak_overlap", "peak_force", "effective_radius")),
+        LISTED_FROM * column("yield_overlap"),
+    )
+    pressed = overlap > np.where(np.isfinite(least), least, 0.0)
+    counted = {
+        "touching": column("touching"),
+        "yielded": column("yielded"),
+        "loaded": pressed & (force > 0),
+        "beyond_law": overlap > LAW_LIMIT * radius,
+        "beyond_half_law": overlap > HALF_LAW_LIMIT * radius,
+    }
+    largest = {"peak_force": force, "peak_overlap": overlap}
+    return {name: int(np.count_nonzero(values)) for name, values in counted.items()} | {
+        name: float(np.max(values, initial=0.0)) for name, values in largest.items()
     }
 
 
@@ -225,7 +247,6 @@ def _plasticity(result: Result) -> Summary:
     positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
     offset, yields = positions - result.origin, result.yields
     return {
-        "n_plastic_contacts": _count(result, "contacts/yielded"),
         "n_plastic_spheres": len(radii),
         "plastic_zone_volume_m3": float(np.sum(4 / 3 * np.pi * radii**3)) if yields else None,
         "plastic_zone_depth_m": float(np.max(offset[:, 2], initial=0.0)) if yields else None,
@@ -289,7 +310,7 @@ def _ratio(without: float | None, force: Array) -> float | None:
 
 def _mass(result: Result) -> float:
     """Mass of the packing, strikers left out, kg; the same to the last digit however it is parted."""
-    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing])
+    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing].tolist())
 
 
 def _height(result: Result) -> float:

@@ -23,6 +23,7 @@ from typing import Any
 from granwave.lammps_inputs import ownership, run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import checksum, head, read_json, read_tables, replace_text
+from granwave.lammps_inputs.processes import ALONE, Processes
 
 logger = logging.getLogger(__name__)
 _FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
@@ -113,23 +114,29 @@ def note_files(directory: Path, names: Iterable[str]) -> None:
     marker.write(directory)
 
 
-def changed_file(directory: Path, names: Iterable[str] | None = None) -> str:
+def changed_file(directory: Path, names: Iterable[str] | None = None, processes: Processes = ALONE) -> str:
     """Describe the first file that is not what the run wrote; empty if none. Missing files are ignored.
 
     Parameters
     ----------
     names
         Names of the files to look at; None: all that were noted.
+    processes
+        Processes that read them.
     """
     marker = ownership.read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
-    files = marker.files if marker is not None else {}
-    for name in files if names is None else names:
-        path, size = directory / name, files.get(name)
-        if marker is None or size is None or not path.is_file():
-            continue
-        if path.stat().st_size != size:
-            return f"{path}: is not what the run wrote: it has {path.stat().st_size} bytes, had {size}"
-        if name in marker.sums and checksum(path) != marker.sums[name]:
+    if marker is None:
+        return ""
+    files = marker.files
+    there = [name for name in (files if names is None else names) if files.get(name) is not None]
+    there = [name for name in there if (directory / name).is_file()]
+    for name in there:
+        if (size := (directory / name).stat().st_size) != files[name]:
+            return f"{directory / name}: is not what the run wrote: it has {size} bytes, had {files[name]}"
+    summed = [name for name in there if name in marker.sums]
+    for name, found in zip(summed, processes.map(checksum, [directory / name for name in summed]), strict=True):
+        if found != marker.sums[name]:
+            path = directory / name
             return f"{path}: is not what the run wrote: its checksum differs; it was damaged, or is of another run"
     return ""
 

@@ -54,6 +54,22 @@ def discard(scratch: Path) -> None:
 
 
 @contextlib.contextmanager
+def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
+    """Give a function that returns names of hidden scratch files beside ``path``; they are removed at the end."""
+    made: list[Path] = []
+
+    def name() -> Path:
+        made.append(path.with_name(f".{path.name}.{os.getpid()}{len(made):08}"))
+        return made[-1]
+
+    try:
+        yield name
+    finally:
+        for scratch in made:
+            discard(scratch)
+
+
+@contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
     """Make system errors that name no file, such as that of a full disk, name this one.
 

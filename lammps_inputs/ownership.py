@@ -227,7 +227,7 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
             path.unlink()
     for folder in sorted(names_in, key=lambda folder: -len(folder.parts)):
         if not _obstacle(directory, f"{folder}/") and (directory / folder).is_dir():
-            _clear_scratch(directory / folder, names_in[folder])
+            clear_scratch(directory / folder, names_in[folder])
             if folder.name:
                 with contextlib.suppress(OSError):
                     (directory / folder).rmdir()
@@ -239,7 +239,7 @@ def clear(directory: Path, names: Collection[str] | None = None) -> None:
         (directory / run_directory.MARKER).unlink(missing_ok=True)
 
 
-def _clear_scratch(folder: Path, names: Collection[str]) -> None:
+def clear_scratch(folder: Path, names: Collection[str]) -> None:
     """Remove scratch files of some names that killed processes left."""
     for path in list(folder.iterdir()):
         left = _SCRATCH.fullmatch(path.name)

@@ -15,31 +15,37 @@ from __future__ import annotations
 import itertools
 import logging
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.lammps_output.binary import BINARY, binary_frames
 from granwave.analysis.lammps_output.frame import (
     AGAIN,
-    BINARY,
     CUT,
     DAMAGED,
     CutShortError,
     Frame,
     Lines,
-    binary_frames,
+    TextRows,
+    after_header,
+    data_rows,
     joined,
     read_rows,
     rows_without_header,
     text_frames,
+    text_rows,
     whole_number,
 )
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.ownership import output_names
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
 
 # Columns that the readers require; others are optional, see `Frame.get`. Early versions did not write "elastic".
@@ -49,10 +55,14 @@ WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
 _PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # of the rank, in the name of a file
 
+_ROW_BYTES = 128  # of a contact in a dump, about
+
 log = logging.getLogger(__name__)
 
 
-def read_frames(directory: Path, at_once: int | None = None, *, partial: bool = True) -> Iterator[Frame]:
+def read_frames(
+    directory: Path, at_once: int | None = None, *, partial: bool = True, unread: bool = False
+) -> Iterator[Frame]:
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
 
     Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs follow in files of
@@ -63,12 +73,15 @@ def read_frames(directory: Path, at_once: int | None = None, *, partial: bool = 
     ----------
     partial
         True to skip a truncated last snapshot, of a killed run for instance, with a warning; else it is an error.
+    unread
+        True to leave reading and sorting to the caller, `Frame.read` and `Frame.sorted_by`, where the dump is binary.
     """
     dumps = _dumps_of_frames(directory)
     contacts = directory / DUMPS / of_each_rank(files.CONTACTS_FILE)  # written by the same ranks as the last snapshot
     paths = [_rank_files(path, like=contacts if path is dumps[-1] else None) for path in dumps]
     pieces = itertools.chain.from_iterable(_pieces(one, SPHERE_COLUMNS, at_once, partial=partial) for one in paths)
-    return (frame.sorted_by("id") for frame in _rising(joined(pieces) if at_once is None else pieces))
+    rising = _rising(joined(pieces) if at_once is None else pieces)
+    return rising if unread else (frame.read().sorted_by("id") for frame in rising)
 
 
 def frames_path(directory: Path) -> Path:
@@ -99,6 +112,47 @@ def read_contacts(directory: Path, at_once: int | None = None) -> Iterator[Frame
     """
     paths = _rank_files(contacts_path(directory), like=_dumps_of_frames(directory)[-1])
     return _contacts(contacts_path(directory), paths, CONTACT_COLUMNS, files.COUNT_FILE, at_once)
+
+
+class Rows(NamedTuple):
+    """Rows of a dump of contacts, in pieces that any process can read.
+
+    Attributes
+    ----------
+    pieces
+        Frames, unread.
+    expected
+        Number of rows.
+    again
+        Function that reads them all in one process, and raises the error of a damaged file.
+    """
+
+    path: Path
+    pieces: Iterable[Frame]
+    expected: int
+    again: Callable[[], Iterator[Frame]]
+
+
+def contact_rows(directory: Path, at_once: int) -> Rows:
+    """Return the contacts at the end of the run, `read_contacts`, in pieces of about so many rows."""
+    path = contacts_path(directory)
+    paths = _rank_files(path, like=_dumps_of_frames(directory)[-1])
+    return _rows(path, paths, at_once, files.COUNT_FILE, partial(read_contacts, directory, at_once))
+
+
+def initial_force_rows(directory: Path, path: Path, at_once: int) -> Rows:
+    """Return the contact forces after the static stage, `read_initial_forces`, in pieces of about so many rows."""
+    again = partial(read_initial_forces, directory, at_once)
+    return _rows(path, _rank_files(path), at_once, files.INITIAL_COUNT_FILE, again)
+
+
+def _rows(path: Path, paths: list[Path], at_once: int, count: str, again: Callable[[], Iterator[Frame]]) -> Rows:
+    first = next(again())  # its header and its columns are checked
+    begin, expected = after_header(paths[0])
+    if RANK in path.name:
+        expected = _count(path.with_name(count))
+    pieces = (rows for one in paths for rows in text_rows(one, begin if one is paths[0] else 0, _ROW_BYTES * at_once))
+    return Rows(path, (first.with_rows(rows) for rows in pieces), expected, again)  # type: ignore[arg-type]
 
 
 def contacts_path(directory: Path) -> Path:
@@ -157,16 +211,20 @@ def _contacts_of_ranks(
                 yield rows
         except CutShortError as error:
             raise OutputFormatError(f"{error}; {CUT}") from None
-    noted = path.with_name(count)
-    if not noted.exists():
-        raise MissingOutputError(f"{noted} is missing; {AGAIN}")
-    expected = whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
+    expected = _count(path.with_name(count))
     if n_rows != expected:
         raise OutputFormatError(
-            f"{path} (all ranks): found {n_rows} contacts, {noted.name} says {expected}: a file was cut or "
+            f"{path} (all ranks): found {n_rows} contacts, {count} says {expected}: a file was cut or "
             f"belongs to another run; {AGAIN}"
         )
     yield frame.with_rows(frame.values[:0])
+
+
+def _count(noted: Path) -> int:
+    """Read the number of contacts in the files of all ranks."""
+    if not noted.exists():
+        raise MissingOutputError(f"{noted} is missing; {AGAIN}")
+    return whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
 
 
 def read_wall_contacts(directory: Path) -> dict[str, Frame]:
@@ -219,7 +277,7 @@ def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
         )
 
 
-def read_data(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
+def read_data(directory: Path, at_once: int | None = None, processes: Processes = ALONE) -> Iterator[Frame]:
     """Iterate over the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, as in the file.
 
     The nodes of bars come last; they have diameter 0 and their mass in kg as density. Without ``at_once`` it is one
@@ -248,17 +306,33 @@ def read_data(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
         if missing := [name for name in DATA_COLUMNS if name not in names]:
             raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}")
         lines.take(1)
-        while n_read < n_spheres:
-            n_rows = min(at_once or n_spheres, n_spheres - n_read)
-            rows = lines.take(n_rows)
-            n_read += len(rows)
-            if len(rows) < n_rows:
-                raise OutputFormatError(
-                    f"{lines.place()}: found {n_read} of {n_spheres} rows under Atoms ({' '.join(names)}); {CUT}"
-                )
-            read = read_rows(rows, names, lambda row, last=n_rows - 1: lines.place(last - row))  # type: ignore[misc]
-            values = np.ascontiguousarray(Frame(0, box, names, read).vector(*DATA_COLUMNS))
-            yield Frame(0, box, DATA_COLUMNS, values, more=n_read < n_spheres)
+        before, size = lines.n_read, at_once or n_spheres
+
+        def blocks() -> Iterator[NDArray[np.float64]]:
+            if n_spheres > size and (pieces := data_rows(path, _ROW_BYTES * size)):
+                yield from processes.map(partial(TextRows.read, columns=names), pieces)
+                return
+            for first in range(0, n_spheres, size):
+                n_rows = min(size, n_spheres - first)
+                if len(rows := lines.take(n_rows)) < n_rows:
+                    raise _cut_data(path, lines.n_read, first + len(rows), n_spheres, names)
+                yield read_rows(rows, names, lambda row, above=lines.n_read - n_rows: f"{path}: line {above + row + 1}")  # type: ignore[misc]
+
+        held = np.empty((0, len(names)))
+        for values in blocks():
+            held = np.concatenate([held, values])[: n_spheres - n_read] if len(held) else values[: n_spheres - n_read]
+            while len(held) >= min(size, n_spheres - n_read) > 0:
+                table = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
+                n_read, held = n_read + len(table), held[size:]
+                yield Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(table), more=n_read < n_spheres)
+        if n_read < n_spheres:
+            n_read += len(held)
+            raise _cut_data(path, before + n_read, n_read, n_spheres, names)
+
+
+def _cut_data(path: Path, line: int, n_read: int, n_spheres: int, names: tuple[str, ...]) -> OutputFormatError:
+    rows = f"{n_read} of {n_spheres} rows under Atoms ({' '.join(names)})"
+    return OutputFormatError(f"{path}: line {line}: found {rows}; {CUT}")
 
 
 def _rising(frames: Iterable[Frame]) -> Iterator[Frame]:

@@ -1,18 +1,16 @@
-"""Snapshots of a dump of LAMMPS (step, box, and a table of values), text or binary, and rows of numbers in text files.
+"""Snapshots of a dump of LAMMPS (step, box, and a table of values), text dumps, and rows of numbers in text files.
 
-Errors of rows name file, line and column. A snapshot of a binary dump (``dump custom`` to a file that ends in .bin, in
-its second form) is a header of integers and the box, the names of the columns, and a block of float64 from each rank.
+Errors of rows name file, line and column.
 """
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import itertools
 import math
-import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +21,9 @@ from granwave.analysis.errors import OutputFormatError
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file was cut, {AGAIN}"
-_WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
+WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
 _COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
-BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
-_MAGIC = b"DUMPCUSTOM"
-_ENDIAN, _REVISION = 1, 2
-_LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
-_AHEAD = 4096  # bytes that are read at once of a header
+_BLOCK = 1 << 20  # bytes that are read at once where lines are counted
 
 
 def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
@@ -53,7 +47,7 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
     values = read_numbers(" ".join(rows))
     if values is not None and values.size == shape[0] * shape[1]:
         table = values.reshape(shape)
-        whole = [n for n, name in enumerate(columns) if name in _WHOLE]
+        whole = [n for n, name in enumerate(columns) if name in WHOLE]
         if np.array_equal(table[:, whole], np.rint(table[:, whole])):
             return table
     for n, row in enumerate(rows):
@@ -84,14 +78,14 @@ def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
             return f"found {word!r} for {name}, expected a number"
         if not math.isfinite(value):
             return f"found {word} for {name}, expected a finite number"
-        if name in _WHOLE and value != round(value):
+        if name in WHOLE and value != round(value):
             return f"found {word} for {name}, expected a whole number"
     return ""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Frame:
-    """One snapshot of a dump.
+    """One snapshot of a dump, or some of its rows.
 
     Attributes
     ----------
@@ -102,7 +96,7 @@ class Frame:
     columns
         Names of the columns.
     values
-        Rows: (n_rows, n_columns).
+        Rows: (n_rows, n_columns); or the place of rows that were not read yet, see `read`.
     more
         True if further rows of the snapshot follow in another frame.
     """
@@ -137,6 +131,13 @@ class Frame:
         """Return the frame with other rows."""
         return dataclasses.replace(self, values=values, more=more)
 
+    def read(self) -> Frame:
+        """Return the frame with its rows, which are read from the file if they were not; raise as `text_frames`."""
+        rows: object = self.values
+        if isinstance(rows, Unread):
+            return self.with_rows(rows.read(self.columns), more=self.more)
+        return self
+
     def up_to(self, number: int) -> Frame:
         """Return the rows with ids up to ``number`` of a frame sorted by id."""
         return self.with_rows(self.values[: np.searchsorted(self["id"], number, side="right")], more=self.more)
@@ -149,10 +150,18 @@ class Frame:
         return self
 
 
+class Unread(abc.ABC):
+    """Rows in a file that were not read yet; any process can."""
+
+    @abc.abstractmethod
+    def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
+        """Read and check the values: (n_rows, n_columns)."""
+
+
 def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
     """Join the rows of each snapshot that come in several frames."""
     parts: list[NDArray[np.float64]] = []
-    for frame in frames:
+    for frame in (frame.read() for frame in frames):
         parts.append(frame.values)
         if not frame.more:
             yield frame.with_rows(parts[0] if len(parts) == 1 else np.concatenate(parts))
@@ -239,6 +248,70 @@ def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> 
             yield lines.frame(rows, like, 0, more=True)
 
 
+@dataclasses.dataclass(frozen=True)
+class TextRows(Unread):
+    """Lines of a text file that hold rows, the first of them at byte ``begin``, the last before ``end``; unread."""
+
+    path: Path
+    begin: int
+    end: int
+    note: str = " (snapshot 0)"  # after the place in messages
+
+    def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
+        """Read and check the values: (n_rows, n_columns)."""
+        with open(self.path, "rb") as file:
+            file.seek(self.begin)
+            *rows, rest = file.read(self.end - self.begin).decode("ascii", errors="replace").split("\n")
+        if rest:
+            raise OutputFormatError(f"{CutShortError(self._place(len(rows)), 0)}; {CUT}")
+        return read_rows(rows, columns, lambda row: f"{self._place(row)}{self.note}")
+
+    def _place(self, row: int) -> str:
+        """Return file and line of a row; the lines before are counted only now."""
+        with open(self.path, "rb") as file:
+            blocks = iter(lambda: file.read(min(_BLOCK, max(self.begin - file.tell(), 0))), b"")
+            before = sum(block.count(b"\n") for block in blocks)
+        return f"{self.path}: line {before + row + 1}"
+
+
+def after_header(path: Path) -> tuple[int, int]:
+    """Return the place of the first row of a text dump whose header is whole, and the number of rows it tells."""
+    with open(path, "rb") as file:
+        n_rows, line = 0, b""
+        while not line.startswith((b"ITEM: ATOMS", b"ITEM: ENTRIES")):
+            line = file.readline()
+            if line.startswith(b"ITEM: NUMBER OF"):
+                n_rows = int(file.readline())
+        return file.tell(), n_rows
+
+
+def text_rows(path: Path, begin: int, n_bytes: int, end: int | None = None, **note: str) -> Iterator[TextRows]:
+    """Iterate over the rows of a text file between two bytes, in pieces of about so many bytes, unread."""
+    end = path.stat().st_size if end is None else end
+    with open(path, "rb") as file:
+        while begin < end:
+            file.seek(min(begin + n_bytes, end) - 1)
+            file.readline()
+            yield TextRows(path, begin, file.tell(), **note)
+            begin = file.tell()
+
+
+def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
+    """Return the rows of the section Atoms of a data file in pieces of about so many bytes; empty if it was cut."""
+    with open(path, "rb") as file:
+        while not (line := file.readline()).startswith(b"Atoms"):
+            pass
+        end = begin = file.tell() + len(file.readline())
+        last = b"\n"
+        while block := file.read(_BLOCK):
+            if (blank := (last + block).find(b"\n\n")) >= 0:
+                end += blank
+                break
+            end, last = end + len(block), block[-1:]
+    whole = block or last == b"\n"
+    return list(text_rows(path, begin, n_bytes, end, note="")) if whole and not line.endswith(b"\r\n") else []
+
+
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
     header: dict[str, list[str]] = {}
@@ -266,134 +339,3 @@ def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
         raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
     return header
-
-
-class _Bytes:
-    """Bytes of a binary dump, from ``place`` on in snapshot ``number``.
-
-    The file is open only while some are read, so that the dumps of thousands of ranks can be read side by side.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self.path, self.size, self.place, self.number = path, path.stat().st_size, 0, 0
-        self._ahead, self._from = b"", 0
-
-    def take(self, form: str) -> tuple[Any, ...]:
-        """Read values of a header, as `struct` names them."""
-        n = struct.calcsize(f"={form}")
-        self._check_room(n)
-        start = self.place - self._from
-        if not 0 <= start <= len(self._ahead) - n:
-            with open(self.path, "rb") as file:
-                file.seek(self.place)
-                self._ahead, self._from, start = file.read(max(n, _AHEAD)), self.place, 0
-        self.place += n
-        return struct.unpack_from(f"={form}", self._ahead, start)
-
-    def text(self) -> str:
-        """Read a text and its length before it."""
-        (length,) = self.take("i")
-        if not 0 <= length <= _LONGEST_TEXT:
-            raise self.damaged(f"found a text of {length} bytes in the header")
-        return self.take(f"{length}s")[0].decode("ascii", errors="replace")
-
-    def values(self, n: int) -> NDArray[np.float64]:
-        """Read so many values of a block: (n,)."""
-        self._check_room(8 * n)
-        found = np.fromfile(self.path, dtype=np.float64, count=n, offset=self.place)
-        self.place += 8 * n
-        return found
-
-    def _check_room(self, n: int) -> None:
-        if self.place + n > self.size:
-            raise CutShortError(self._where(), self.number)
-
-    def damaged(self, fault: str) -> OutputFormatError:
-        """Return the error of a damaged file."""
-        return OutputFormatError(f"{self._where()}: {fault}; {DAMAGED}")
-
-    def _where(self) -> str:
-        return f"{self.path}: byte {self.place} (snapshot {self.number})"
-
-    def header(self) -> tuple[Frame, int, int]:
-        """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
-        (length,) = self.take("q")
-        if length != -len(_MAGIC) or self.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
-            raise self.damaged("expected the header of a binary dump of LAMMPS")
-        endian, revision = self.take("ii")
-        if (endian, revision) != (_ENDIAN, _REVISION):
-            raise OutputFormatError(
-                f"{self._where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
-                f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
-            )
-        step, n_rows, triclinic, *_ = self.take("qq7i")
-        box = np.array(self.take("6d")).reshape(3, 2)
-        if triclinic:
-            self.take("3d")
-        (n_columns,) = self.take("i")
-        self.text()  # units
-        if self.take("b")[0]:
-            self.take("d")  # time
-        columns = tuple(self.text().split())
-        (n_blocks,) = self.take("i")
-        if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
-            raise self.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
-        if not np.all(np.isfinite(box)):
-            raise self.damaged("the box is not finite")
-        self._check_room(8 * n_rows * len(columns))
-        return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks
-
-    def pieces(self, n_blocks: int, n_values: int) -> Iterator[NDArray[np.float64]]:
-        """Iterate over the blocks of a snapshot, each in pieces of at most so many values."""
-        for _ in range(n_blocks):
-            (left,) = self.take("i")
-            if left < 0:
-                raise self.damaged(f"found a block of {left} values")
-            while left:
-                piece = self.values(min(left, n_values))
-                left -= len(piece)
-                yield piece
-
-
-def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a binary dump, in the order of the file; parameters and errors as of `text_frames`.
-
-    Dumps of a machine with another order of bytes, or of a LAMMPS before 2021, are errors too.
-    """
-    data = _Bytes(path)
-    while data.place < data.size:
-        like, n_rows, n_blocks = data.header()
-        width = max(1, len(like.columns))
-        pieces = data.pieces(n_blocks, width * (n_rows if at_once is None else at_once) or 1)
-        frame, first, rest = like, 0, np.empty(0)
-        while first < n_rows or frame is like:
-            wanted = n_rows - first if at_once is None else min(n_rows - first, at_once)
-            parts = [rest]
-            while (n := sum(map(len, parts))) < wanted * width:
-                if (piece := next(pieces, None)) is None:
-                    raise data.damaged(f"found {first + n // width} of {n_rows} rows")
-                parts.append(piece)
-            values = parts[1] if len(parts) == 2 and not len(rest) else np.concatenate(parts)
-            values, rest = values[: wanted * width], values[wanted * width :]
-            if first + wanted == n_rows and (len(rest) or next(pieces, None) is not None):
-                raise data.damaged(f"found more than {n_rows} rows")
-            table = values.reshape(wanted, len(like.columns))
-            _check_values(data, table, like.columns, first)
-            first += wanted
-            frame = like.with_rows(table, more=first < n_rows)
-            if not frame.more:
-                data.number += 1
-            yield frame
-
-
-def _check_values(data: _Bytes, table: NDArray[np.float64], columns: tuple[str, ...], first: int) -> None:
-    """Check the rows from ``first`` on: finite numbers, and whole ones for ids."""
-    finite = np.isfinite(table)
-    if not finite.all():
-        row, column = np.argwhere(~finite)[0]
-        found = f"found {table[row, column]} for {columns[column]}"
-        raise data.damaged(f"row {first + row}: {found}, expected a finite number")
-    for n, name in enumerate(columns):
-        if name in _WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
-            row = int(np.argmax(strange))
-            raise data.damaged(f"row {first + row}: found {table[row, n]} for {name}, expected a whole number")

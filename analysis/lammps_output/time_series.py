@@ -25,6 +25,7 @@ from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.processes import ALONE, Processes
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -148,9 +149,9 @@ def check_complete(directory: Path) -> Case:
     return case
 
 
-def check_unchanged(directory: Path) -> None:
+def check_unchanged(directory: Path, processes: Processes = ALONE) -> None:
     """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
-    if fault := changed_file(directory, output_names(directory)):
+    if fault := changed_file(directory, output_names(directory), processes):
         raise OutputFormatError(
             f"{fault}: put back what the run wrote, or run the case again: "
             f"granwave run {directory / files.CASE_FILE} -o {directory} --resume"

@@ -25,7 +25,7 @@ fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -304,25 +304,33 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """
     members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
-    largest, of_all = np.zeros(len(members)), 0.0
-    arrival = np.full(len(members), np.inf)
-
-    def contacts() -> Iterator[tuple[Array, Array, list[NDArray[np.bool_]]]]:
-        """Iterate over forces, times and membership of contacts, in blocks."""
-        for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
-            ends = np.stack([i, j])
-            own = ends <= last
-            at_rows = np.where(own, result.rows(ends), 0)
-            yield force, time, [np.asarray((own & of_set[at_rows]).any(axis=0)) for of_set in members]
-
-    for force, _, touching in contacts():
+    of_all, fronts = 0.0, [(np.empty(0), np.empty(0)) for _ in members]
+    for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
+        ends = np.stack([i, j])
+        own = ends <= last
+        at_rows = np.where(own, result.rows(ends), 0)
         of_all = max(of_all, float(force.max(initial=0.0)))
-        largest = np.maximum(largest, [float(force[here].max(initial=0.0)) for here in touching])
-    for force, time, touching in contacts():
-        for n, here in enumerate(touching):
-            bears = here & (force >= _BEARS * largest[n])
-            arrival[n] = min(arrival[n], float(np.nanmin(time[bears], initial=np.inf)))
-    return np.where(largest > _NO_WAVE * of_all, arrival, np.inf).tolist()
+        for n, of_set in enumerate(members):
+            here = (own & of_set[at_rows]).any(axis=0) & (force > 0)
+            fronts[n] = _front(
+                *(np.concatenate(both) for both in zip(fronts[n], (force[here], time[here]), strict=True))
+            )
+    arrivals = []
+    for force, time in fronts:
+        largest = float(force.max(initial=0.0))
+        first = float(np.nanmin(time[force >= _BEARS * largest], initial=np.inf))
+        arrivals.append(first if largest > _NO_WAVE * of_all else np.inf)
+    return arrivals
+
+
+def _front(force: Array, time: Array) -> tuple[Array, Array]:
+    """Return the contacts that bear more than all whose peak came sooner; the others cannot be the first to do so."""
+    enough = force >= _BEARS * force.max(initial=0.0)
+    force, time = force[enough], time[enough]
+    order = np.argsort(time, kind="stable")
+    force, time = force[order], time[order]
+    higher = np.diff(np.maximum.accumulate(force), prepend=0.0) > 0
+    return force[higher], time[higher]
 
 
 class Mark(IntEnum):

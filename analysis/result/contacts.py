@@ -10,13 +10,15 @@ Constants of the contact laws of pairs are yield overlap, effective radius and s
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.lammps_output.frame import Frame
-from granwave.analysis.result.hdf5_file import rows_of
+from granwave.analysis.result.hdf5_file import rows_of, sorted_once
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -28,7 +30,6 @@ LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
-_ZERO_IF_MISSING = ("tangential_force", "elastic_tangential", "friction", "initial", "viscous")
 _FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
 _LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
 
@@ -47,33 +48,42 @@ def merge_dents(dents: Frame) -> Contacts:
     """
     first, second = dents.pairs.T
     order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
-    values = {name: dents.get(name)[order] for name in (*dents.columns, *_ZERO_IF_MISSING)}
     first, second = first[order], second[order]
     new = np.ones(len(first), dtype=bool)
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
-    starts = np.flatnonzero(new)
-    peak, initial, friction, viscous = (values[name] for name in ("peak_overlap", "initial", "friction", "viscous"))
-    now = {name: np.where(values["live"] > 0.5, column, 0.0) for name, column in values.items()}
-    never = {name: np.where(values[name] < 0, np.inf, values[name]) for name in _TIMES}
-    joined = {
-        "overlap": (np.add, now["overlap"]),
-        "force": (np.add, now["force"]),
-        "tangential_force": (np.add, now["tangential_force"]),
-        "peak_overlap": (np.maximum, peak),
-        "initial_overlap": (np.maximum, initial),
-        "grown_overlap": (np.maximum, np.where(peak > initial, peak, 0.0)),
-        "peak_force": (np.maximum, values["peak_force"]),
-        "elastic_energy": (np.add, now["elastic"] + now["elastic_tangential"]),
-        "dissipated_energy": (np.add, values["dissipated"] + friction + viscous),
-        "friction_energy": (np.add, friction),
-        **({"viscous_energy": (np.add, viscous)} if "viscous" in dents.columns else {}),
-        "time_first": (np.minimum, never["time_first"]),
-        "time_yield": (np.minimum, never["time_yield"]),
+    starts, live = np.flatnonzero(new), dents["live"][order] > 0.5
+
+    def total(*names: str) -> NDArray[np.float64]:
+        return sum((dents.get(name)[order] for name in names[1:]), start=dents.get(names[0])[order])
+
+    def now(*names: str) -> NDArray[np.float64]:
+        return sum((np.where(live, total(name), 0.0) for name in names[1:]), start=np.where(live, total(names[0]), 0.0))
+
+    def never(name: str) -> NDArray[np.float64]:
+        return np.where(total(name) < 0, np.inf, total(name))
+
+    def grown() -> NDArray[np.float64]:
+        return np.where(total("peak_overlap") > total("initial"), total("peak_overlap"), 0.0)
+
+    joined: dict[str, tuple[np.ufunc, Callable[[], NDArray[np.float64]]]] = {  # made one by one: there are many rows
+        "overlap": (np.add, partial(now, "overlap")),
+        "force": (np.add, partial(now, "force")),
+        "tangential_force": (np.add, partial(now, "tangential_force")),
+        "peak_overlap": (np.maximum, partial(total, "peak_overlap")),
+        "initial_overlap": (np.maximum, partial(total, "initial")),
+        "grown_overlap": (np.maximum, grown),
+        "peak_force": (np.maximum, partial(total, "peak_force")),
+        "elastic_energy": (np.add, partial(now, "elastic", "elastic_tangential")),
+        "dissipated_energy": (np.add, partial(total, "dissipated", "friction", "viscous")),
+        "friction_energy": (np.add, partial(total, "friction")),
+        **({"viscous_energy": (np.add, partial(total, "viscous"))} if "viscous" in dents.columns else {}),
+        "time_first": (np.minimum, partial(never, "time_first")),
+        "time_yield": (np.minimum, partial(never, "time_yield")),
     }
     merged: Contacts = {"i": first[starts], "j": second[starts]}
     for name, (ufunc, column) in joined.items():
-        merged[name] = ufunc.reduceat(column, starts) if len(starts) else np.empty(0)
-    merged["time_peak"] = never["time_peak"][starts]
+        merged[name] = ufunc.reduceat(column(), starts) if len(starts) else np.empty(0)
+    merged["time_peak"] = never("time_peak")[starts]
     for name in _TIMES:
         merged[name] = _or_never(merged[name])
     return merged | {"n_dents": np.diff(np.append(starts, len(first)))}
@@ -106,9 +116,9 @@ def list_contacts(
     """
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
-    at_start = _sorted_once(touching[:, 0] * stride + touching[:, 1])
+    at_start = sorted_once(touching[:, 0] * stride + touching[:, 1])
     threshold = np.where(np.isfinite(yield_overlap), LISTED_FROM * np.asarray(yield_overlap), 0.0)
-    keys = _sorted_once(np.concatenate([at_start, dented[merged["peak_overlap"] > threshold]]))
+    keys = sorted_once(np.concatenate([at_start, dented[merged["peak_overlap"] > threshold]]))
     target = np.searchsorted(keys, dented)
     known = target < len(keys)
     known[known] = keys[target[known]] == dented[known]
@@ -119,12 +129,6 @@ def list_contacts(
             result[name][target[known]] = column[known]
     result["touching"][np.searchsorted(keys, at_start)] = True
     return result
-
-
-def _sorted_once(keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted runs."""
-    keys = np.sort(keys.astype(np.int64), kind="stable")
-    return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys
 
 
 def touching_pairs(

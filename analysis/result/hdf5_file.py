@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import contextlib
 import io
+import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
@@ -78,7 +79,7 @@ class _Unfailing(io.FileIO):
             return self.tell() if size is None else size
 
 
-COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+COMPRESSION: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768
 AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
@@ -99,30 +100,60 @@ _UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.spli
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
 
-class PartwiseGroup:
-    """Group whose columns are written in so many parts; a single one is written as `write_group` does."""
+Pieces = list[tuple[int, bytes | NDArray]]  # of a column: first row, and a whole chunk or values
 
-    def __init__(self, file: h5py.File, name: str, n_parts: int) -> None:
-        self._file, self._name, self._n_parts = file, name, n_parts
-        self._n_rows = 0
 
-    def append(self, columns: Mapping[str, NDArray], rows: NDArray[np.bool_] | slice = slice(None)) -> None:
-        """Write the columns of the next part, or some of their rows."""
-        if self._n_parts == 1:
-            write_group(self._file, self._name, columns)
-            return
-        group, stop = self._file.require_group(self._name), self._n_rows
-        for column in columns:
-            values = columns[column][rows]
-            if column not in group:
-                tail = values.shape[1:]
-                options: dict[str, Any] = {"maxshape": (None, *tail), "chunks": (ROWS_IN_CHUNK, *tail), **COMPRESSION}
-                group.create_dataset(column, (0, *tail), values.dtype, **options)
-                group[column].attrs["unit"] = unit_of(self._name, column)
-            stop = self._n_rows + len(values)
-            group[column].resize(stop, axis=0)
-            group[column][self._n_rows :] = values
-        self._n_rows = stop
+class Encoded(NamedTuple):
+    """Rows of a column as the file holds them, made by any process."""
+
+    dtype: np.dtype
+    tail: tuple[int, ...]  # shape of a row
+    pieces: Pieces
+
+
+def encoded(values: NDArray, first: int, n_chunk: int = ROWS_IN_CHUNK) -> Encoded:
+    """Encode values for the rows from ``first`` on of a column with so many rows in a chunk.
+
+    Whole chunks are compressed as `COMPRESSION` says; rows beside them are left to HDF5.
+    """
+    pieces: Pieces = []
+    at, stop = 0, len(values)
+    while at < stop:
+        n = min(n_chunk - (first + at) % n_chunk, stop - at)
+        rows = values[at : at + n]
+        if n == n_chunk:
+            planes = np.ascontiguousarray(rows).view(np.uint8).reshape(-1, values.dtype.itemsize).T  # bytes shuffled
+            pieces.append((first + at, zlib.compress(planes.tobytes(), COMPRESSION["compression_opts"])))
+        else:
+            pieces.append((first + at, rows))
+        at += n
+    return Encoded(values.dtype, values.shape[1:], pieces)
+
+
+def encoded_columns(columns: Mapping[str, NDArray], first: int) -> dict[str, Encoded]:
+    """Encode the rows of a table from ``first`` on."""
+    return {name: encoded(values, first) for name, values in columns.items()}
+
+
+def store(dataset: h5py.Dataset, pieces: Pieces, *before: int) -> None:
+    """Write encoded rows; ``before`` are the indices before that of rows."""
+    for first, content in pieces:
+        if isinstance(content, bytes):
+            place = (*before, first)
+            dataset.id.write_direct_chunk((*place, *[0] * (dataset.ndim - len(place))), content)
+        else:
+            dataset[(*before, slice(first, first + len(content)))] = content
+
+
+def append_columns(file: h5py.File, name: str, columns: Mapping[str, Encoded], n_rows: int) -> None:
+    """Write the next rows of a group that is made in parts; ``n_rows`` is their number with all before them."""
+    group = file.require_group(name)
+    for column, (dtype, tail, pieces) in columns.items():
+        if column not in group:
+            options: dict[str, Any] = {"maxshape": (None, *tail), "chunks": (ROWS_IN_CHUNK, *tail), **COMPRESSION}
+            group.create_dataset(column, (0, *tail), dtype, **options).attrs["unit"] = unit_of(name, column)
+        group[column].resize(n_rows, axis=0)
+        store(group[column], pieces)
 
 
 def write_group(file: h5py.File, name: str, columns: Mapping[str, NDArray]) -> None:
@@ -170,3 +201,9 @@ def rows_of_all(n_spheres: int, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
 def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spheres: int) -> None:
     if not np.all(found):
         raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing")
+
+
+def sorted_once(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted runs."""
+    keys = np.sort(keys.astype(np.int64), kind="stable")
+    return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys

@@ -7,8 +7,8 @@ values do not depend on how the spheres were parted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from io import FileIO
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,7 +19,11 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import (
     WALL_COLUMNS,
+    contact_rows,
+    contacts_path,
+    initial_force_rows,
     initial_forces_path,
+    read_contacts,
     read_initial_forces,
     read_initial_wall_forces,
 )
@@ -33,13 +37,21 @@ from granwave.analysis.result.contacts import (
     sphere_values,
     touching_pairs,
 )
-from granwave.analysis.result.hdf5_file import PartwiseGroup, rows_of, write_group
-from granwave.analysis.result.start import Dents, Start
+from granwave.analysis.result.hdf5_file import (
+    Encoded,
+    append_columns,
+    encoded_columns,
+    rows_of,
+    sorted_once,
+    write_group,
+)
+from granwave.analysis.result.start import Dents, DentsOfPart, Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import INITIAL_WALL_FORCES_FILE
 
 COLUMN = "initial_force"
@@ -57,15 +69,32 @@ class AfterStaticStage(NamedTuple):
     folder: Path
 
 
-def after_static_stage(directory: Path, start: Start, scratch: FileIO, at_once: int | None) -> AfterStaticStage | None:
-    """Read the forces after the static stage, ``at_once`` rows; None if there was none, or an early version ran it."""
+def dents_at_end(directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes) -> Dents:
+    """Read the contacts at the end of the run."""
+    path, dents = contacts_path(directory), Dents(start)
+    if start.n_parts > 1:
+        dents.add_rows(start, contact_rows(directory, start.at_once), scratch, processes)
+        return dents
+    for frame in read_contacts(directory):
+        start.check_ids(path, frame)
+        dents.add(frame)
+    return dents
+
+
+def after_static_stage(
+    directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes
+) -> AfterStaticStage | None:
+    """Read the forces after the static stage; None if there was none, or an early version ran it."""
     path = initial_forces_path(directory)
     if path is None:
         return None
-    pairs, planes = Dents(start, scratch), read_initial_wall_forces(directory)
-    for frame in read_initial_forces(directory, at_once):
-        start.check_ids(path, frame)
-        pairs.add(frame)
+    pairs, planes = Dents(start), read_initial_wall_forces(directory)
+    if start.n_parts > 1:
+        pairs.add_rows(start, initial_force_rows(directory, path, start.at_once), scratch, processes)
+    else:
+        for frame in read_initial_forces(directory):
+            start.check_ids(path, frame)
+            pairs.add(frame)
     for name, frame in planes.items():
         start.check_ids(path.with_name(INITIAL_WALL_FORCES_FILE.format(name)), frame)
     return AfterStaticStage(pairs, planes, path.parent)
@@ -102,6 +131,7 @@ def write_tables(
     dents: Dents,
     planes: Mapping[str, Frame],
     initial: AfterStaticStage | None,
+    processes: Processes = ALONE,
 ) -> None:
     """Write the groups ``contacts``, ``wall_contacts`` and ``spheres``.
 
@@ -111,39 +141,91 @@ def write_tables(
         Contacts with each plane, by its name.
     initial
         Forces after the static stage; None: there was none.
+    processes
+        Processes that make the parts.
     """
     wall_contacts = _wall_contacts(case, planes, dents.at_bars(), initial)
     write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
-    contact_rows, sphere_rows = (PartwiseGroup(file, name, start.n_parts) for name in ("contacts", "spheres"))
-    for part, (rows, spheres) in enumerate(start.parts()):
-        contacts, share = _contacts_of(case, start, part, dents.of_part(part))
-        if initial is not None:
-            contacts[COLUMN] = _force_of_pairs(initial.pairs.of_part(part), contacts)
-        ids = start.ids(rows.start, rows.stop)
-        contact_rows.append(contacts, (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1]))
-        everyone = ids if start.n_parts == 1 else np.union1d(ids, np.concatenate([contacts["i"], contacts["j"]]))
-        own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
-        columns: dict[str, NDArray] = {
-            "id": ids,
-            "position": spheres.vector("x", "y", "z"),
-            "radius": spheres["diameter"] / 2,
-            "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
-            **{name: values[own] for name, values in sphere_values(everyone, contacts, share).items()},
-        }
-        here = (at_walls >= rows.start) & (at_walls < rows.stop)
-        for name, lost in losses.items():
-            of_spheres = np.bincount(at_walls[here] - rows.start, lost[here], minlength=len(ids))
-            columns[name] = of_spheres + columns.get(name, 0.0)
-        columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
-        sphere_rows.append(columns)
+
+    def task(part: int) -> _Part:
+        first, stop = start.range(part)
+        here = (at_walls >= first) & (at_walls < stop)
+        at_wall = at_walls[here] - first, {name: lost[here] for name, lost in losses.items()}
+        return _Part(part, dents.of_part(part), initial and initial.pairs.of_part(part), *at_wall)
+
+    if start.n_parts == 1:
+        for name, columns in zip(("contacts", "spheres"), _tables(case, start, task(0)), strict=True):
+            write_group(file, name, columns)
+        return
+    n_contacts = 0
+    for begin in range(0, start.n_parts, processes.number):  # so that no process holds more than one part
+        parts = range(begin, min(begin + processes.number, start.n_parts))
+        places, made = [], processes.map(partial(_make, case, start), map(task, parts))
+        for part, (n_rows, spheres) in zip(parts, made, strict=True):
+            append_columns(file, "spheres", spheres, start.range(part)[1])
+            places.append(n_contacts)
+            n_contacts += n_rows
+        for n_rows, contacts in processes.map(_encode, places):
+            append_columns(file, "contacts", contacts, n_rows)
 
 
-def _contacts_of(case: Case, start: Start, part: int, dents: Frame) -> tuple[Contacts, NDArray[np.float64]]:
+class _Part(NamedTuple):
+    """What a process needs to make the tables of a part."""
+
+    number: int
+    dents: DentsOfPart
+    initial: DentsOfPart | None
+    at_walls: NDArray[np.int64]  # rows of the spheres of wall contacts, in the part
+    losses: dict[str, NDArray[np.float64]]  # dissipation in these spheres, J
+
+
+_made: list[Contacts] = []  # contacts of the part that this process has made, whose place in the file is not known yet
+
+
+def _make(case: Case, start: Start, part: _Part) -> tuple[int, dict[str, Encoded]]:
+    """Make the tables of a part; return the number of its contacts, which `_encode` then encodes, and its spheres."""
+    contacts, spheres = _tables(case, start, part)
+    _made[:] = [contacts]
+    return len(contacts["i"]), encoded_columns(spheres, start.range(part.number)[0])
+
+
+def _encode(first: int) -> tuple[int, dict[str, Encoded]]:
+    """Encode the contacts of the part that was made, from row ``first`` on; return also the row after their last."""
+    contacts = _made.pop()
+    return first + len(contacts["i"]), encoded_columns(contacts, first)
+
+
+def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, NDArray]]:
+    """Make the tables of the contacts and spheres of a part."""
+    contacts, share = _contacts_of(case, start, part.number, part.dents)
+    if part.initial is not None:
+        contacts[COLUMN] = _force_of_pairs(part.initial.read(), contacts)
+    rows = slice(*start.range(part.number))
+    ids, spheres = start.ids(rows.start, rows.stop), start.read(rows)
+    everyone = ids if start.n_parts == 1 else sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
+    own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
+    columns: dict[str, NDArray] = {
+        "id": ids,
+        "position": spheres.vector("x", "y", "z"),
+        "radius": spheres["diameter"] / 2,
+        "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
+        **{name: values[own] for name, values in sphere_values(everyone, contacts, share).items()},
+    }
+    for name, lost in part.losses.items():
+        columns[name] = np.bincount(part.at_walls, lost, minlength=len(ids)) + columns.get(name, 0.0)
+    columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
+    if start.n_parts > 1:
+        listed = (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1])
+        contacts = {name: contacts.pop(name)[listed] for name in list(contacts)}
+    return contacts, columns
+
+
+def _contacts_of(case: Case, start: Start, part: int, dents: DentsOfPart) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
     tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
-    merged = merge_dents(dents)
+    merged = merge_dents(dents.read())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
 

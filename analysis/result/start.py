@@ -6,17 +6,20 @@ part is kept in memory, that of several in scratch files.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from io import FileIO
+import contextlib
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, read_data, refuse_ids
+from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, Rows, read_data, refuse_ids
 from granwave.analysis.lammps_output.frame import DAMAGED, Frame
-from granwave.analysis.result.hdf5_file import rows_of, rows_of_all
+from granwave.analysis.result.hdf5_file import rows_of, rows_of_all, sorted_once
+from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
 _MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for rounding
@@ -32,7 +35,9 @@ class Start:
     at_once
         Largest number of spheres in a part.
     scratch
-        Scratch file.
+        Name for a scratch file.
+    processes
+        Processes that read the file.
 
     Attributes
     ----------
@@ -49,19 +54,22 @@ class Start:
         The file is missing, damaged, or its rows are not in the order of their ids.
     """
 
-    def __init__(self, directory: Path, at_once: int, scratch: FileIO) -> None:
-        self.path, self.at_once = directory / DATA_FILE, at_once
+    def __init__(self, directory: Path, at_once: int, scratch: Path, processes: Processes) -> None:
+        self.path, self.at_once, self._scratch = directory / DATA_FILE, at_once, scratch
         self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
         self.n_particles = self.n_spheres = 0
         self._bounds: list[tuple[NDArray[np.float64], NDArray[np.float64], float]] = []  # of parts; largest radius
-        for frame in read_data(directory, at_once):
-            whole = not (self.n_particles or frame.more)
-            self._values = frame.sorted_by("id").values if whole else frame.values
-            if not whole:
-                self._values.tofile(scratch)
-            self._note(frame)
-        if not whole:  # paged in as it is needed
-            self._values = np.memmap(scratch, np.float64, "r", shape=(self.n_particles, len(DATA_COLUMNS)))  # type: ignore[call-overload]
+        self._values: NDArray[np.float64] | None = None  # None: in the scratch file
+        with contextlib.ExitStack() as stack:
+            file = None
+            for frame in read_data(directory, at_once, processes):
+                whole = not (self.n_particles or frame.more)
+                if whole:
+                    self._values = frame.sorted_by("id").values
+                else:
+                    file = file or stack.enter_context(open(scratch, "wb"))
+                    frame.values.tofile(file)
+                self._note(frame)
         self.low = np.min([low for low, _, _ in self._bounds], axis=0)
 
     def _note(self, frame: Frame) -> None:
@@ -101,7 +109,10 @@ class Start:
 
     def read(self, rows: slice | NDArray[np.int64] = slice(None)) -> Frame:
         """Return particles by their rows."""
-        return Frame(0, self.box, DATA_COLUMNS, np.asarray(self._values[rows]))
+        values = self._values
+        if values is None:  # paged in as it is needed
+            values = np.memmap(self._scratch, np.float64, "r", shape=(self.n_particles, len(DATA_COLUMNS)))
+        return Frame(0, self.box, DATA_COLUMNS, np.asarray(values[rows]))
 
     def ids(self, first: int, stop: int) -> NDArray[np.int64]:
         """Return the ids of a range of rows."""
@@ -145,54 +156,86 @@ class Start:
                 places = self.read(slice(*self.range(other))).vector("x", "y", "z")[:, free]
                 near = np.all((places >= low) & (places <= high), axis=1)
                 rows.append(self.range(other)[0] + np.flatnonzero(near))
-        return self.read(np.unique(np.concatenate(rows)))
+        return self.read(sorted_once(np.concatenate(rows)))
 
 
 class Dents:
-    """Contacts at one instant of a run, by the parts of the spheres; those with faces of bars by themselves.
+    """Contacts at one instant of a run, by the parts of the spheres; those with faces of bars by themselves."""
 
-    Parameters
-    ----------
-    start
-        Particles of the run.
-    scratch
-        Scratch file, used if there are several parts.
-    """
-
-    def __init__(self, start: Start, scratch: FileIO) -> None:
-        self._start, self._file = start, scratch
-        self._kept: list[NDArray[np.float64]] = []
-        self._places: dict[int, list[tuple[int, int]]] = {}  # byte and number of rows of each piece, by part
+    def __init__(self, start: Start) -> None:
+        self._last = start.last_sphere
+        self._kept: list[NDArray[np.float64]] = []  # rows of a single part
+        self._places: dict[int, list[tuple[Path, int, int]]] = {}  # by part: file, byte, number of rows
         self._at_bars: list[NDArray[np.float64]] = []
         self._like: Frame | None = None
 
     def add(self, frame: Frame) -> None:
-        """Add contacts of particles that there are."""
+        """Add contacts of particles that there are, of spheres that make a single part."""
+        between = frame.vector("i", "j").max(axis=1, initial=0) <= self._last
         self._like = frame
-        pairs = frame.vector("i", "j").astype(np.int64)
-        between = pairs.max(axis=1, initial=0) <= self._start.last_sphere
         self._at_bars.append(frame.values[~between])
-        values = frame.values if between.all() else frame.values[between]
-        if self._start.n_parts == 1:
-            self._kept.append(values)
-            return
-        first, second = (self._start.rows(ids) // self._start.at_once for ids in pairs[between].T)
-        for part in np.union1d(first, second).tolist():
-            rows = values[(first == part) | (second == part)]
-            self._places.setdefault(part, []).append((self._file.seek(0, 2), len(rows)))
-            rows.tofile(self._file)
+        self._kept.append(frame.values[between])
 
-    def of_part(self, part: int) -> Frame:
+    def add_rows(self, start: Start, rows: Rows, scratch: Callable[[], Path], processes: Processes) -> None:
+        """Sort the rows of a dump into scratch files by the part of their spheres."""
+        n_rows = 0
+        tasks = ((frame, scratch()) for frame in rows.pieces)
+        for self._like, n_read, places in processes.map(partial(_by_part, start, rows.path), tasks):
+            n_rows += n_read
+            self._at_bars.append(self._like.values)
+            for part, place in places:
+                self._places.setdefault(part, []).append(place)
+        if n_rows != rows.expected or self._like is None:
+            for self._like in rows.again():
+                pass
+        assert self._like is not None  # else there is no row
+        self._like = self._like.with_rows(self._like.values[:0])
+
+    def of_part(self, part: int) -> DentsOfPart:
         """Return the contacts of the spheres of a part with other spheres, in the order in which they were added."""
         assert self._like is not None
-        width = len(self._like.columns)
-        pieces = self._kept
-        for place, n_rows in self._places.get(part, ()):
-            self._file.seek(place)
-            pieces = [*pieces, np.fromfile(self._file, np.float64, n_rows * width).reshape(n_rows, width)]
-        return self._like.with_rows(pieces[0] if len(pieces) == 1 else np.concatenate([np.empty((0, width)), *pieces]))
+        return DentsOfPart(self._like, self._kept, self._places.get(part, []))
 
     def at_bars(self) -> Frame:
         """Return the contacts of spheres with the faces of bars."""
         assert self._like is not None
         return self._like.with_rows(np.concatenate(self._at_bars))
+
+
+class DentsOfPart(NamedTuple):
+    """Contacts of the spheres of a part; a process that reads them needs no others."""
+
+    like: Frame
+    kept: list[NDArray[np.float64]]
+    places: list[tuple[Path, int, int]]
+
+    def read(self) -> Frame:
+        """Return them as a table."""
+        if not self.places:
+            no_rows = self.like.values[:0]
+            return self.like.with_rows(self.kept[0] if len(self.kept) == 1 else np.concatenate([no_rows, *self.kept]))
+        values, at = np.empty((sum(n_rows for _, _, n_rows in self.places), len(self.like.columns))), 0
+        for path, place, n_rows in self.places:
+            rows = values[at : at + n_rows]
+            rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
+            at += n_rows
+        return self.like.with_rows(values)
+
+
+def _by_part(
+    start: Start, source: Path, task: tuple[Frame, Path]
+) -> tuple[Frame, int, list[tuple[int, tuple[Path, int, int]]]]:
+    """Write contacts to a scratch file by part; return those with bars, the number of all, and where each part is."""
+    frame, path = task[0].read(), task[1]
+    start.check_ids(source, frame)
+    pairs = frame.vector("i", "j").astype(np.int64)
+    between = pairs.max(axis=1, initial=0) <= start.last_sphere
+    values = frame.values if between.all() else frame.values[between]
+    first, second = (start.rows(ids) // start.at_once for ids in pairs[between].T)
+    places = []
+    with open(path, "wb") as file:
+        for part in np.union1d(first, second).tolist():
+            rows = values[(first == part) | (second == part)]
+            places.append((part, (path, file.tell(), len(rows))))
+            rows.tofile(file)
+    return frame.with_rows(frame.values[~between]), len(frame), places

@@ -12,17 +12,19 @@ digits independently of the distance from the origin.
 from __future__ import annotations
 
 import getpass
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
-from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK
+from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
 from granwave.analysis.result.start import Start
+from granwave.lammps_inputs.processes import ALONE, Processes
 
 GROUP = "particles/spheres"
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
@@ -59,6 +61,7 @@ def write_trajectory(
     *,
     friction: bool = False,
     viscous: bool = False,
+    processes: Processes = ALONE,
 ) -> int:
     """Write ``/particles/spheres``, one snapshot at a time, or a part of one.
 
@@ -78,6 +81,8 @@ def write_trajectory(
         True to write ``friction_energy``.
     viscous
         True to write ``viscous_energy``.
+    processes
+        Processes that read and compress.
 
     Returns
     -------
@@ -92,47 +97,98 @@ def write_trajectory(
     group = file.create_group(GROUP)
     _write_box(group, start, periodic)
     n_spheres = start.n_spheres
+    n_chunk = min(n_spheres, ROWS_IN_CHUNK)
     for name, (dtype, unit) in _FIXED.items():
-        group.create_dataset(name, n_spheres, dtype, **COMPRESSION).attrs["unit"] = unit
-    for rows, spheres in start.parts():
-        group["id"][rows] = spheres["id"]
-        group["species"][rows] = spheres["type"]
-        group["radius"][rows] = spheres["diameter"] / 2
-        group["mass"][rows] = spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3
+        group.create_dataset(name, n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION).attrs["unit"] = unit
+    for columns in processes.map(partial(_fixed, start, n_chunk), range(start.n_parts)):
+        for name, column in columns.items():
+            store(group[name], column.pieces)
     scalars = {
         name: of
         for name, of in _SCALARS.items()
         if (friction or name != "friction_energy") and (viscous or name != "viscous_energy")
     }
-    elements = _elements(group, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
-    number, first, step = 0, 0, 0
-    for piece in frames:
-        frame, step = piece.up_to(start.last_sphere), piece.step
-        stop = first + len(frame)
-        strange = stop > n_spheres or not np.array_equal(frame["id"], start.ids(first, stop))
-        if strange or (stop < n_spheres and not piece.more):
-            raise OutputFormatError(
-                f"{source}: snapshot {number} (step {step}) holds {stop} spheres that are not "
-                f"the {n_spheres} of data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
-            )
-        displacement, unknown = frame.vector("ux", "uy", "uz"), np.full(len(frame), np.nan)
-        values = {"position": start.read(slice(first, stop)).vector("x", "y", "z") + displacement}
-        values |= {"displacement": displacement, "velocity": frame.vector("vx", "vy", "vz")}
-        for name, (columns, _) in scalars.items():
-            there = [frame[column] for column in columns if column in frame.columns]
-            values[name] = np.sum(there, axis=0) if there else unknown
+    elements = _elements(group, n_chunk, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
+    steps: list[int] = []
+    of_all, names = group["position"], {name: columns for name, (columns, _) in scalars.items()}
+    blocks = _blocks(start, frames, source, steps)
+    for number, columns in processes.map(partial(_encoded_block, start, names, source, n_chunk), blocks):
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
-            element[number, first:stop] = values[name]
-        first = stop
-        if piece.more:
-            continue
-        for name, value in (("step", step), ("time", step * timestep)):
-            dataset = group["position"][name]
-            dataset.resize(number + 1, axis=0)
-            dataset[number] = value
-        number, first = number + 1, 0
-    return step
+            store(element, columns[name].pieces, number)
+    for name, values in (("step", steps), ("time", np.array(steps) * timestep)):
+        of_all[name].resize(len(steps), axis=0)
+        of_all[name][:] = values
+    return steps[-1]
+
+
+def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:
+    """Encode what does not change with time, of the spheres of a part."""
+    first, stop = start.range(part)
+    spheres = start.read(slice(first, stop))
+    values = {
+        "id": spheres["id"],
+        "species": spheres["type"],
+        "radius": spheres["diameter"] / 2,
+        "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
+    }
+    return {name: encoded(values[name].astype(dtype), first, n_chunk) for name, (dtype, _) in _FIXED.items()}
+
+
+class _Block(NamedTuple):
+    """Some rows of a snapshot, from row ``first`` on, perhaps unread."""
+
+    number: int
+    first: int
+    frames: list[Frame]
+
+
+def _blocks(start: Start, frames: Iterable[Frame], source: Path, steps: list[int]) -> Iterator[_Block]:
+    """Iterate over the snapshots in blocks of ``start.at_once`` spheres; note the step of each snapshot."""
+    first = stop = 0
+    held: list[Frame] = []
+    for piece in frames:
+        frame = piece if start.n_spheres == start.n_particles else piece.read().up_to(start.last_sphere)
+        stop, number, at = stop + len(frame), len(steps), 0
+        if stop > start.n_spheres or (stop < start.n_spheres and not piece.more):
+            raise _strange(source, number, piece.step, stop, start)
+        while at < len(frame) or not piece.more:
+            n = min(len(frame) - at, start.at_once - sum(map(len, held)))
+            held.append(frame.with_rows(frame.values[at : at + n]))
+            at += n
+            whole = at == len(frame) and not piece.more
+            if whole or sum(map(len, held)) == start.at_once:
+                yield _Block(number, first, held)
+                first, held = first + sum(map(len, held)), []
+            if whole:
+                steps.append(piece.step)
+                first = stop = 0
+                break
+
+
+def _encoded_block(
+    start: Start, scalars: dict[str, tuple[str, ...]], source: Path, n_chunk: int, block: _Block
+) -> tuple[int, dict[str, Encoded]]:
+    """Read a block and encode its values."""
+    like = block.frames[0]
+    frame = like.with_rows(np.concatenate([one.read().values for one in block.frames])).sorted_by("id")
+    first, stop = block.first, block.first + len(frame)
+    if not np.array_equal(frame["id"], start.ids(first, stop)):
+        raise _strange(source, block.number, like.step, stop, start)
+    displacement, unknown = frame.vector("ux", "uy", "uz"), np.full(len(frame), np.nan)
+    values = {"position": start.read(slice(first, stop)).vector("x", "y", "z") + displacement}
+    values |= {"displacement": displacement, "velocity": frame.vector("vx", "vy", "vz")}
+    for name, columns in scalars.items():
+        there = [frame[column] for column in columns if column in frame.columns]
+        values[name] = np.sum(there, axis=0) if there else unknown
+    return block.number, {name: encoded(column, first, n_chunk) for name, column in values.items()}
+
+
+def _strange(source: Path, number: int, step: int, n_spheres: int, start: Start) -> OutputFormatError:
+    return OutputFormatError(
+        f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the {start.n_spheres} of "
+        f"data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
+    )
 
 
 def _write_box(group: h5py.Group, start: Start, periodic: tuple[bool, bool, bool]) -> None:
@@ -144,13 +200,12 @@ def _write_box(group: h5py.Group, start: Start, periodic: tuple[bool, bool, bool
         box.create_dataset(name, data=data).attrs["unit"] = "m"
 
 
-def _elements(group: h5py.Group, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
+def _elements(group: h5py.Group, n_chunk: int, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
     """Create the growing data sets; all elements share the ``step`` and the ``time`` of the first."""
-    rows = min(n_spheres, ROWS_IN_CHUNK)
     elements = {}
     for name, unit in (_VECTORS | scalars).items():
         shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
-        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, rows, *shape[1:]), **COMPRESSION}
+        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, n_chunk, *shape[1:]), **COMPRESSION}
         element = group.create_group(name)
         elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
         elements[name].attrs["unit"] = unit

@@ -18,11 +18,9 @@ Ids are those of the lattice; vacancies have no row, see `granwave.analysis.resu
 
 from __future__ import annotations
 
-import contextlib
 import json
-import tempfile
 import tomllib
-from io import FileIO
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -33,7 +31,6 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.dumps import (
     contacts_path,
     frames_path,
-    read_contacts,
     read_frames,
     read_wall_contacts,
 )
@@ -41,22 +38,26 @@ from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
-from granwave.analysis.result.sphere_tables import after_static_stage, periodic, write_tables
-from granwave.analysis.result.start import Dents, Start
+from granwave.analysis.result.sphere_tables import after_static_stage, dents_at_end, periodic, write_tables
+from granwave.analysis.result.start import Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.directories import check_case
+from granwave.lammps_inputs.files import scratch_files
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.processes import ALONE, Processes
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
 
 
-def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None) -> Path:
+def write_result(
+    directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None, processes: Processes = ALONE
+) -> Path:
     """Write the output of a run to ``result.h5``; an older file is replaced when the new one is complete.
 
     Packings of more spheres than ``at_once`` are read in parts, and what parts leave for each other lies in scratch
@@ -70,6 +71,8 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | 
         Largest number of spheres in a part. The values do not depend on it.
     case
         Case that was run, if it was read before.
+    processes
+        Processes that share the work. The values do not depend on them.
 
     Returns
     -------
@@ -89,22 +92,27 @@ def write_result(directory: str | Path, *, at_once: int = AT_ONCE, case: Case | 
     path = directory / files.RESULT_FILE
     check_case(directory)
     claim(directory, [files.RESULT_FILE])
-    with contextlib.ExitStack() as stack:
-        file = stack.enter_context(new_hdf5(path, libver="v110"))
-        scratch = [stack.enter_context(tempfile.TemporaryFile(dir=directory, buffering=0)) for _ in range(3)]
-        _write(file, directory, at_once, scratch, case)
+    with scratch_files(path) as scratch, new_hdf5(path, libver="v110") as file:
+        _write(file, directory, at_once, scratch, case, processes)
     return path
 
 
-def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO], case: Case | None) -> None:
+def _write(
+    file: h5py.File,
+    directory: Path,
+    at_once: int,
+    scratch: Callable[[], Path],
+    case: Case | None,
+    processes: Processes,
+) -> None:
     path = directory / files.CASE_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
     text, case = path.read_text(encoding="utf-8"), case or load_case(path)
     resolved = tomllib.loads(text).get("resolved", {})
     ledger = read_energy(directory)
-    dumped = contacts_path(directory)  # the last file to be written: without it the run is not finished
-    start = Start(directory, at_once, scratch[0])
+    contacts_path(directory)  # the last file to be written: without it the run is not finished
+    start = Start(directory, at_once, scratch(), processes)
     record = read_record(directory)
     file.attrs["name"] = case.name
     file.attrs["case"] = text
@@ -118,9 +126,11 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
         timestep = ledger["time"][-1] / max(ledger["step"][-1], 1)
     timestep = float(timestep)
     path = frames_path(directory)
-    frames = read_frames(directory, at_once, partial=False)
-    recorded = {"friction": case.has_friction, "viscous": case.has_loss}
-    end = write_trajectory(file, start, frames, timestep, periodic(case), path, **recorded)
+    frames = read_frames(directory, at_once, partial=False, unread=start.n_particles == start.n_spheres)
+    end = write_trajectory(
+        file, start, frames, timestep, periodic(case), path,
+        friction=case.has_friction, viscous=case.has_loss, processes=processes,
+    )  # fmt: skip
     n_steps = int(ledger["step"][-1])
     if end < n_steps:  # the end of a run is always a snapshot
         raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
@@ -133,13 +143,9 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():
         start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
-    rows = at_once if start.n_parts > 1 else None
-    dents = Dents(start, scratch[1])
-    for frame in read_contacts(directory, rows):
-        start.check_ids(dumped, frame)
-        dents.add(frame)
-    initial = after_static_stage(directory, start, scratch[2], rows) if case.precompression else None
-    write_tables(file, case, start, dents, planes, initial)
+    dents = dents_at_end(directory, start, scratch, processes)
+    initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
+    write_tables(file, case, start, dents, planes, initial, processes)
     write_group(file, "energy", ledger)
     if prestage := read_table(directory, files.STATIC_STAGE_FILE):
         write_group(file, "prestage", prestage)

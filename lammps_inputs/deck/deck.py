@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,7 @@ from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.processes import ALONE, Processes
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
@@ -39,14 +41,15 @@ _PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
 _BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 
 
-def write_data(assembly: Assembly, path: Path) -> None:
+def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> None:
     """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
-    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column.
+    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column. Rows of
+    equal spheres come from all processes; of unlike ones each would have to hold them all.
     """
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(_header(assembly))
-        file.writelines(_sphere_rows(assembly))
+        file.writelines(_sphere_rows(assembly, processes if assembly.plain else ALONE))
         for bar in assembly.bars:
             file.write("".join(_node_rows(assembly, bar)))
         if moving := own_velocities(assembly):
@@ -58,16 +61,22 @@ def write_data(assembly: Assembly, path: Path) -> None:
             file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
 
 
-def _sphere_rows(assembly: Assembly) -> Iterator[str]:
+def _sphere_rows(assembly: Assembly, processes: Processes) -> Iterator[str]:
     """Iterate over the rows of the grains in batches, then of the strikers."""
-    n, present = assembly.lattice.n_spheres, assembly.sites.present
-    for first in range(1, n + 1, _BATCH):
-        last = min(first + _BATCH - 1, n)
-        here = np.flatnonzero(present[first - 1 : last])
-        yield _rows(assembly, here + first, assembly.lattice_positions(first, last)[here])
+    n = assembly.lattice.n_spheres
+    yield from processes.map(
+        partial(_batch, assembly if processes is ALONE else assembly.case), range(1, n + 1, _BATCH)
+    )
     if assembly.strikers:
         centres = np.array([centre for _, centre in assembly.strikers])
         yield _rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres)
+
+
+def _batch(case: Case | Assembly, first: int) -> str:
+    assembly = assemble(case)
+    last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
+    here = np.flatnonzero(assembly.sites.present[first - 1 : last])
+    return _rows(assembly, here + first, assembly.lattice_positions(first, last)[here])
 
 
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
@@ -165,7 +174,9 @@ class Deck:
         return self.directory / run_directory.DUMPS
 
 
-def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float | None = None) -> Deck:
+def write_deck(
+    case: Case | Assembly, directory: str | Path, *, timestep: float | None = None, processes: Processes = ALONE
+) -> Deck:
     """Write the deck of a case: case.toml, data.granwave, in.granwave, the tables that it reads, and an empty dumps/.
 
     All files are replaced atomically, the script last. Files that granwave wrote there before are replaced; other
@@ -175,6 +186,8 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
     ----------
     timestep
         Timestep in place of ``run.timestep``, s.
+    processes
+        Processes that share the work. The files do not depend on them.
 
     Raises
     ------
@@ -203,6 +216,7 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
             assembly,
             directory,
             {run_directory.SCRIPT_FILE: input_script(assembly, deck.schedule), run_directory.CASE_FILE: text, **tables},
+            processes,
         )
         note_deck(directory, [run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
@@ -214,7 +228,7 @@ def write_deck(case: Case | Assembly, directory: str | Path, *, timestep: float 
     return deck
 
 
-def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
+def _write(assembly: Assembly, directory: Path, texts: dict[str, str], processes: Processes) -> None:
     """Write the data file and texts, given by file name; the first one is moved into place last."""
     with contextlib.ExitStack() as stack:  # contexts are left in reverse order
         names = dict.fromkeys((next(iter(texts)), run_directory.DATA_FILE, *texts))
@@ -222,7 +236,7 @@ def _write(assembly: Assembly, directory: Path, texts: dict[str, str]) -> None:
         for name, path in scratch.items():
             with naming(directory / name):
                 if name == run_directory.DATA_FILE:
-                    write_data(assembly, path)
+                    write_data(assembly, path, processes)
                 else:
                     path.write_text(texts[name], encoding="utf-8")
 

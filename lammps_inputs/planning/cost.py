@@ -74,9 +74,9 @@ class Space:
     Attributes
     ----------
     first_rank
-        Memory of the first rank, which also writes the deck and makes the analysis.
+        Memory of the first rank, which also writes the deck and puts the results together.
     other_rank
-        Memory of each other rank.
+        Memory of each other rank; in the analysis it makes parts of the results.
     disk
         Disk space.
     disk_reserve
@@ -102,6 +102,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     nx, ny, _ = assembly.lattice.shape
     at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
     analysis = at_once * (_ANALYSED_SPHERE + pairs / n * _ANALYSED_PAIR)
+    shared = analysis if n > ANALYSED_AT_ONCE else n * _ANALYSED_SPHERE  # of a small packing snapshots alone
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
@@ -112,7 +113,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
     return Space(
         first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
-        other_rank=_PROGRAM + steps / n_ranks,
+        other_rank=_PROGRAM + max(steps / n_ranks, shared),
         disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
         disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
     )

@@ -121,7 +121,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows
     memory = f"about {plan.memory / _GIB:.2f} GiB"
     if plan.n_ranks > 1:
         first, other = plan.space.first_rank / _GIB, plan.space.other_rank / _GIB
-        memory += f": first rank, which makes the analysis, {first:.2f}, each other {other:.2f}"
+        memory += f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
     timestep, steps, at_most = f"{schedule.timestep:.4g} s", f"{schedule.n_steps}", ""
     if schedule.adaptive:
         timestep = f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "

@@ -211,7 +211,7 @@ COMMANDS = (
         _CASE, _SET, _directory("where the deck goes; required", required=True), _FORCE,
     )),
     Command("analyse", _RUNNING, "once more from the dumps: result.h5, figures, summary.json", "running.analyse", (
-        _RUN, _NO_FIGURES, _json("the summary"),
+        _RUN, _RANKS, _NO_FIGURES, _json("the summary"),
     )),
     Command("report", _LOOK, "a page that compares any number of runs and scans", "results.report", (
         _option("directories", nargs="+", type=input_name, metavar="DIR", help="directories of runs and scans"),

@@ -6,7 +6,8 @@ import argparse
 import logging
 import sys
 from collections.abc import Mapping, Sequence
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
@@ -14,9 +15,18 @@ from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
 from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.ownership import (
+    claim,
+    clear,
+    clear_scratch,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+    results_in,
+)
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.cli.results import as_wrong_input, existing
@@ -24,6 +34,9 @@ from granwave.workflows.cli.terminal import print_json, warn
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held, run_files
 from granwave.workflows.solvers import CONTINUUM, solver_of
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm
 
 
 def run(options: argparse.Namespace) -> int:
@@ -128,17 +141,35 @@ def write(options: argparse.Namespace) -> int:
 
 def analyse(options: argparse.Namespace) -> int:
     """Execute ``granwave analyse``."""
+    directory = existing(options.directory)
+    if options.ranks > 1 and not mpi.launched():
+        mpi.check_cores(options.ranks)
+        return mpi.launch(options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was")
+    comm = mpi.world() if mpi.launched() else None
+    with held(directory.absolute(), comm, way=""):
+        summary = _analyse(options, directory) if comm is None else _analyse_on_ranks(options, directory, comm)
+    if mpi.is_first():
+        print_json(summary) if options.json else print(summary_table(summary))
+        _warn_of_zone(summary)
+    return 0
+
+
+def _analyse(options: argparse.Namespace, directory: Path, processes: Processes = ALONE) -> Mapping[str, Any]:
     from granwave.analysis.pipeline import analyse as analyse_directory
 
-    with held(existing(options.directory).absolute(), way=""):
-        refuse_foreign(options.directory, [RESULT_FILE, SUMMARY_FILE])
-        if restore_case(options.directory):
-            print(f"granwave: {options.directory / CASE_FILE}: written again as it was run", file=sys.stderr)
-        with as_wrong_input():
-            summary = analyse_directory(options.directory, progress=True, figures=options.figures)
-    print_json(summary) if options.json else print(summary_table(summary))
-    _warn_of_zone(summary)
-    return 0
+    refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
+    clear_scratch(directory, [RESULT_FILE])
+    if restore_case(directory):
+        print(f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+    with as_wrong_input():
+        return analyse_directory(directory, progress=True, figures=options.figures, processes=processes)
+
+
+def _analyse_on_ranks(options: argparse.Namespace, directory: Path, comm: Intracomm) -> Mapping[str, Any]:
+    from granwave.workflows.run.ranks import shared
+
+    with mpi.StopRequest(comm) as stop:
+        return shared(comm, lambda ranks: _analyse(options, directory, ranks), stop.noticed)
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:

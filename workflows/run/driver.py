@@ -31,17 +31,19 @@ from granwave.lammps_inputs.directories import (
     results_directory,
 )
 from granwave.lammps_inputs.errors import RunError
-from granwave.lammps_inputs.ownership import claim, clear, output_names
+from granwave.lammps_inputs.ownership import claim, clear, clear_scratch, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE
+from granwave.lammps_inputs.processes import Processes
+from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RESULT_FILE
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
+from granwave.workflows.run.ranks import shared
 from granwave.workflows.run.record import Record, versions
 
 if TYPE_CHECKING:
@@ -221,8 +223,13 @@ class _Run:
             if there is None:  # it was damaged
                 self._note()
             self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+
+        def work(ranks: Processes) -> dict[str, Any]:
+            clear_scratch(self.directory, [RESULT_FILE])  # of an analysis that was killed
+            return analyse(self.directory, progress=self.show, figures=figures, processes=ranks)
+
         try:
-            summary = on_first(self.comm, lambda: analyse(self.directory, progress=self.show, figures=figures))
+            summary = shared(self.comm, work)
         except OSError as error:
             if isinstance(error, MissingOutputError):
                 raise
@@ -237,14 +244,14 @@ class _Run:
         return Outcome(self.directory, self.record.state, summary)
 
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
-        def write() -> Deck:
+        def write(ranks: Processes) -> Deck:
             if go_on:
                 return read_deck(self.directory)
             record.keep_checkpoint(self.directory, None)
             clear(self.directory, output_names(self.directory))
-            return write_deck(self.case, self.directory, timestep=timestep)
+            return write_deck(self.case, self.directory, timestep=timestep, processes=ranks)
 
-        deck = on_first(self.comm, write)
+        deck = shared(self.comm, write)
         if not go_on:
             self.record = dataclasses.replace(
                 self.record, versions=versions(), checkpoint=None, n_steps=0, end_time_s=0.0, wall_time_s=0.0

@@ -118,11 +118,11 @@ def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
 
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
     """Do ``work`` on the first rank; return its result, or raise its error, on all ranks."""
-    outcome: tuple[T | None, Exception | None] = (None, None)
+    outcome: tuple[T | None, BaseException | None] = (None, None)
     if comm.rank == 0:
         try:
             outcome = (work(), None)
-        except Exception as error:
+        except (Exception, KeyboardInterrupt) as error:
             outcome = (None, error)
     if comm.size > 1:
         _wait_for_first(comm)
@@ -139,11 +139,16 @@ def _wait_for_first(comm: Intracomm) -> None:
         for rank in range(1, comm.size):
             comm.send(None, rank, _FIRST_IS_READY)
         return
+    wait_for(comm, 0, _FIRST_IS_READY)
+    comm.recv(source=0, tag=_FIRST_IS_READY)
+
+
+def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
+    """Wait for a message, after a short time without use of the processor."""
     begin = time.monotonic()
-    while not comm.Iprobe(0, _FIRST_IS_READY):
+    while not comm.Iprobe(rank, tag):
         if time.monotonic() > begin + _IMPATIENT:
             time.sleep(_PAUSE)
-    comm.recv(source=0, tag=_FIRST_IS_READY)
 
 
 def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
@@ -170,13 +175,22 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
-def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
+def launch(
+    n_ranks: int,
+    arguments: Sequence[str],
+    *,
+    stdout: int | None = None,
+    stderr: int | None = None,
+    remedy: str = "go on with --resume",
+) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
 
     Parameters
     ----------
     stdout, stderr
         File descriptors that the ranks write to; by default those of this process.
+    remedy
+        Advice for ranks that were killed.
 
     Returns
     -------
@@ -209,7 +223,7 @@ def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None,
             for reader in readers:
                 reader.join()
     if status not in (0, 1, 2, 130, 141):
-        print(f"granwave: the ranks were killed (status {status}); go on with --resume", file=sys.stderr)
+        print(f"granwave: the ranks were killed (status {status}); {remedy}", file=sys.stderr)
         return 1
     return status
 
@@ -259,6 +273,10 @@ class StopRequest(Interrupts):
     def _in_file(self) -> bool:
         return bool(self._file and os.path.exists(self._file))
 
+    def noticed(self) -> bool:
+        """Return True if a stop was requested on this rank."""
+        return self.count > 0 or self._in_file()
+
     @contextlib.contextmanager
     def answered_at_once(self, answer: Callable[[], object]) -> Iterator[None]:
         """Call ``answer`` in a thread from a request on, also while LAMMPS executes a command."""
@@ -291,5 +309,5 @@ class StopRequest(Interrupts):
 
     def wanted(self) -> bool:
         """Return True if a stop was requested on any rank; collective."""
-        mine = self.count > 0 or self._in_file()
+        mine = self.noticed()
         return mine if self._comm.size == 1 else bool(self._comm.allreduce(int(mine)))

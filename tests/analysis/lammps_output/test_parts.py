@@ -28,12 +28,14 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows import run_case
 from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
 from tests.helpers.run_files import without_checksums
+from tests.helpers.several_processes import SeveralProcesses
 
 RUN = {"end_time": 6e-5, "frames": 3}
 IN_PARTS = {"parts": True, "dump_format": "binary"}
@@ -75,10 +77,12 @@ def values_in(directory: Path) -> dict[str, object]:
     return found
 
 
-def in_parts(directory: Path, at_once: int) -> tuple[dict[str, object], dict[str, object]]:
+def in_parts(
+    directory: Path, at_once: int, processes: Processes = ALONE
+) -> tuple[dict[str, object], dict[str, object]]:
     """Analyse a run with so many spheres at once: values of result.h5, and the summary."""
-    write_result(directory, at_once=at_once)
-    return values_in(directory), summarise(directory, at_once=at_once)
+    write_result(directory, at_once=at_once, processes=processes)
+    return values_in(directory), summarise(directory, at_once=at_once, processes=processes)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -90,6 +94,12 @@ def test_parts_give_the_same_bits_as_the_whole(tmp_path, name):
     assert values.keys() == whole[0].keys()
     assert [key for key in values if values[key] != whole[0][key]] == []
     assert summary == whole[1]
+    with SeveralProcesses(3) as three:
+        for at_once in (1 + whole[1]["n_spheres"] // 5, whole[1]["n_spheres"]):
+            values, summary = in_parts(tmp_path, at_once, three)
+            assert [key for key in whole[0] if values[key] != whole[0][key]] == []
+            assert summary == whole[1]
+    assert not list(tmp_path.glob(".result.h5.*"))
 
 
 # ---------------------------------------------------------------------- files of each rank
@@ -219,6 +229,86 @@ def test_resumed_run(tmp_path, monkeypatch, form):
     assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list((tmp_path / "cut" / "dumps").glob("spheres-*"))
 
 
+# ---------------------------------------------------------------------- analysis on several ranks
+
+
+ON_RANKS = """
+    import os, sys
+    from granwave.analysis import pipeline
+    from granwave.analysis.result import sphere_tables
+    from granwave.workflows.cli.main import main
+    from granwave.workflows.run import mpi
+    pipeline.analyse.__kwdefaults__["at_once"] = 20
+    if sys.argv[2:] == ["killed"] and not mpi.is_first():
+        sphere_tables._tables = lambda *_: os.kill(os.getpid(), 9)
+    mpi.leave(main(["analyse", sys.argv[1], "--no-figures"]))
+"""
+
+
+def on_ranks(run: Path, number: int, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """Analyse a run on so many ranks, 20 spheres in a part."""
+    script = run.parent / "on_ranks.py"
+    script.write_text(textwrap.dedent(ON_RANKS))
+    command = [str(BIN / "mpiexec"), "-n", str(number), sys.executable, "-m", "mpi4py", str(script), str(run), *words]
+    return subprocess.run(command, env=PLAIN | variables, capture_output=True, text=True, timeout=240, check=False)
+
+
+@pytest.mark.parametrize("number", [2, 3, 10])
+def test_ranks_give_the_same_bits(run, number):
+    """Of ten the first only takes what the others make."""
+    before = values_in(run), (run / "summary.json").read_text()
+    done = on_ranks(run, number)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("balance error") == done.stderr.count("granwave: warning") == 1
+    assert (values_in(run), (run / "summary.json").read_text()) == before
+    assert not list(run.glob(".result.h5.*"))
+
+
+@pytest.mark.parametrize("name", ["contacts.1.dump", "spheres.1.bin", "contacts.txt"])
+def test_damage_is_told_once_as_by_one_process(run, name):
+    before, path = (run / "result.h5").read_bytes(), run / "dumps" / name
+    content = path.read_bytes()
+    if name == "contacts.1.dump":
+        path.write_bytes(content[:-40] + b"nan" + content[-37:])
+    elif name == "spheres.1.bin":
+        path.write_bytes(content[:-16] + np.float64(np.nan).tobytes() + content[-8:])
+    else:
+        path.write_text("7\n")
+    with pytest.raises(OutputFormatError) as alone:
+        analyse(run, figures=False, at_once=20)
+    done = on_ranks(run, 2)
+    assert done.returncode == 2
+    assert done.stderr == f"granwave: {alone.value}\n"
+    assert (run / "result.h5").read_bytes() == before and not list(run.glob(".result.h5.*"))
+
+
+def test_ranks_that_are_asked_to_stop(run, tmp_path):
+    before = (run / "result.h5").read_bytes()
+    (tmp_path / "stop").touch()
+    done = on_ranks(run, 2, GRANWAVE_STOP_FILE=str(tmp_path / "stop"))
+    assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")
+    assert (run / "result.h5").read_bytes() == before and not list(run.glob(".result.h5.*"))
+
+
+def test_rank_that_is_killed_ends_the_others(run):
+    before = (run / "result.h5").read_bytes()
+    assert on_ranks(run, 2, "killed").returncode not in (0, 2)
+    assert (run / "result.h5").read_bytes() == before
+    assert list(run.glob(".result.h5.*"))
+    done = on_ranks(run, 2)
+    assert done.returncode == 0, done.stderr
+    assert not list(run.glob(".result.h5.*"))
+
+
+def test_ranks_of_the_command(run, granwave):
+    before = values_in(run)
+    done = granwave("analyse", run, "--no-figures", "--np", 2)
+    assert done.returncode == 0, done.stderr
+    assert values_in(run) == before
+    missing = granwave("analyse", run / "nowhere", "--np", 2)
+    assert missing.returncode == 2 and missing.stderr.count("no such directory") == 1
+
+
 def test_files_of_others_are_not_overwritten(tmp_path):
     (tmp_path / "dumps").mkdir()
     (tmp_path / "dumps" / "spheres.12.bin").write_text("mine")
@@ -268,6 +358,16 @@ def test_deck_of_any_size_is_written_in_bounded_memory(tmp_path, monkeypatch):
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.1 * peaks[0]  # the first also holds what is cached at the first call
+
+
+@pytest.mark.parametrize("name", ["hcp, walls", "vacancies and scatter", "striker", "bar"])
+def test_deck_of_several_processes_is_the_same(tmp_path, monkeypatch, name):
+    monkeypatch.setattr(deck, "_BATCH", 50)
+    assembly = assemble(case_of(**CASES[name]))
+    deck.write_data(assembly, tmp_path / "one")
+    with SeveralProcesses(3) as three:
+        deck.write_data(assembly, tmp_path / "three", three)
+    assert (tmp_path / "three").read_bytes() == (tmp_path / "one").read_bytes()
 
 
 def test_case_key(tmp_path):

@@ -1,0 +1,110 @@
+"""Work that the first rank shares out: it hands tasks to all ranks in turn, and takes their results in order.
+
+A rank holds one result until the first takes it, so that memory does not grow with the number of ranks.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.processes import Processes, Result, Task
+from granwave.workflows.run.mpi import on_first, wait_for
+
+if TYPE_CHECKING:
+    from mpi4py.MPI import Intracomm, Request
+
+_MOST_WORKING = 8  # ranks up to which the first one works too; of more it only takes what the others send
+
+
+def shared(comm: Intracomm, work: Callable[[Processes], Result], stopped: Callable[[], bool] = lambda: False) -> Result:
+    """Do ``work`` on the first rank with the help of the others; return its result, or raise its error, on all.
+
+    Parameters
+    ----------
+    stopped
+        Function that tells if a stop was requested; then KeyboardInterrupt is raised before the next task.
+    """
+    if comm.rank:
+        _serve(comm)
+        return on_first(comm, lambda: None)  # type: ignore[return-value,arg-type]
+
+    def led() -> Result:
+        ranks = _Ranks(comm, stopped)
+        try:
+            return work(ranks)
+        finally:
+            ranks.end()
+
+    return on_first(comm, led)
+
+
+class _Ranks(Processes):
+    """Ranks that serve the first one."""
+
+    def __init__(self, comm: Intracomm, stopped: Callable[[], bool]) -> None:
+        self._comm, self._stopped = comm, stopped
+        self._first = int(comm.size > _MOST_WORKING)
+        self.number = comm.size - self._first
+        self._given: deque[tuple[int, Any, Request | None]] = deque()  # rank, task of the first, what was sent
+
+    def map(self, work: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
+        try:
+            for number, task in enumerate(tasks):
+                rank = self._first + number % self.number
+                sent = self._comm.isend((work, task), rank) if rank else None  # it may be sending a result
+                self._given.append((rank, task, sent))
+                if len(self._given) >= 2 * self.number:  # the next task is there when a rank has done one
+                    yield self._take(work)
+            while self._given:
+                yield self._take(work)
+        finally:
+            self._await()
+
+    def _take(self, work: Callable[[Any], Result]) -> Result:
+        if self._stopped():
+            raise KeyboardInterrupt
+        rank, task, sent = self._given.popleft()
+        if sent is None:
+            return work(task)
+        result, error = self._receive(rank, sent)
+        if error is not None:
+            raise error
+        return result
+
+    def _receive(self, rank: int, sent: Request) -> Any:
+        wait_for(self._comm, rank)
+        received = self._comm.recv(source=rank, tag=0)
+        sent.wait()
+        return received
+
+    def _await(self) -> None:
+        """Wait for what was handed out and is not wanted any more."""
+        while self._given:
+            rank, _, sent = self._given.popleft()
+            if sent is not None:
+                self._receive(rank, sent)
+
+    def end(self) -> None:
+        """Dismiss the others."""
+        self._await()
+        for rank in range(1, self._comm.size):
+            self._comm.send(None, rank)
+
+
+def _serve(comm: Intracomm) -> None:
+    """Do what the first rank hands out, until it has no more."""
+    with Interrupts():  # the first rank answers them
+        while True:
+            wait_for(comm, 0)
+            if (found := comm.recv(source=0, tag=0)) is None:
+                return
+            work, task = found
+            result, fault = None, None
+            try:
+                result = work(task)
+            except Exception as error:
+                fault = error
+            comm.send((result, fault), 0)
