@@ -143,6 +143,7 @@ class FixWallGranHysteretic : public Fix {
   double *extra(int i, int side) { return at_walls(i) + n_history() - (4 - side) * n_extra(); }
   double *initial_extra(int i, int side) { return extra(i, 2 + side); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
+  double approach(int i, int side) const;
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void push_support();
@@ -150,7 +151,7 @@ class FixWallGranHysteretic : public Fix {
   void tally();
   int n_extra() const
   {
-    return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0) +
+    return law.n_extra() + (loss ? granwave::ViscousHistory::SIZE : 0) +
            (resistance ? granwave::ResistanceHistory::SIZE : 0);
   }
   granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
@@ -159,7 +160,7 @@ class FixWallGranHysteretic : public Fix {
   }
   granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
   {
-    return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
+    return granwave::viscous_history(extra(i, side) + law.n_extra());
   }
   void report_viscous(int i);
   int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 4 * n_extra(); }

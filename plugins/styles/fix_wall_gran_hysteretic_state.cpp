@@ -150,8 +150,8 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   place_of(i, side.place);
   side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
-  std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
-  std::fill_n(initial_extra(i, which), law.entry().n_extra, 0.0);
+  std::fill_n(extra(i, which), law.n_extra(), 0.0);
+  std::fill_n(initial_extra(i, which), law.n_extra(), 0.0);
   report_dents(i);
 }
 

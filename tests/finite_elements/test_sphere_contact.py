@@ -53,14 +53,14 @@ def values_of(case):
 
 def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC):
     """State and nodal forces after ``displacement(positions)``, in equal parts, from no stress."""
-    constants = np.array([[*material.lame, material.yield_strength, 0.0]])
+    constants = np.array([[*material.lame, material.yield_strength, 0.0, 0.0, 0.0, 1.0]])
     kind, state = np.zeros(len(elements), dtype=np.int64), np.zeros((len(elements), N_STATE))
     x, force = nodes.copy(), np.zeros_like(nodes)
     stiffness = np.full(len(elements), 1e9)
     move = displacement(nodes) / steps
     for _ in range(steps):
         x += move
-        kernels.stress(x, move, elements, kind, constants, stiffness, state, force)
+        kernels.stress(x, move, elements, kind, constants, stiffness, state, force, 0.0)
     return x, state, force
 
 
@@ -93,7 +93,7 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     mesh = Mesh(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     away = np.array([1e7, 0.0])
     nodes = mesh.nodes + 0.1 * rng.uniform(-1, 1, mesh.nodes.shape) + away
-    constants = np.array([[*ELASTIC.lame, math.inf, 0.0]])
+    constants = np.array([[*ELASTIC.lame, math.inf, 0.0, 0.0, 0.0, 1.0]])
     kind, state = np.zeros(9, dtype=np.int64), np.zeros((9, N_STATE))
     force, stiffness = np.zeros_like(nodes), np.full(9, 1e9)
     state[:, [RR, ZZ, TT, RZ]] = [3e8, -1e8, 2e8, 1.5e8]
@@ -102,7 +102,7 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     for step in range(steps):
         angles = math.pi / 2 * np.array([step, step + 1]) / steps
         places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
-        kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force)
+        kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force, 0.0)
     np.testing.assert_allclose(von_mises(state), before, rtol=1e-3)
     np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
     np.testing.assert_allclose(state[:, ZZ], 3e8, rtol=2e-3)
