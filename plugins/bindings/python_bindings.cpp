@@ -375,6 +375,8 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly("shear_modulus", of<&Contact::law, &ContactLaw::shear_modulus>(),
                              "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
       .def_property_readonly("yield_strength", of<&Contact::law, &ContactLaw::yield_strength>(), "of the softer body, Pa")
+      .def_property_readonly(
+          "rate_sensitivity", [](const Contact &b) { return b.law.rate().sensitivity; }, "C of the softer body")
       .def_property_readonly("yield_overlap", of<&Contact::scaled, &ScaledLaw::yield_overlap>(), "alpha_y, m")
       .def_property_readonly(
           "elastic_limit", of<&Contact::scaled, &ScaledLaw::elastic_limit>(),

@@ -56,8 +56,9 @@ class ContactLaw {
     normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_, m1, m2});
     const auto softness = [](const Material &m) { return std::tie(m.yield_strength, m.rate_sensitivity, m.reference_rate); };
     const Material &softer = softness(m2) < softness(m1) ? m2 : m1;
-    rate_ = {softer.rate_sensitivity, softer.reference_rate, overlap_per_radius_, share1_ == 0.5 ? 0.5 : 1.0};
-    if (rate_ && entry.takes(RATE)) normal_ = with_rate(normal_, rate_);
+    if (entry.takes(RATE))
+      rate_ = {softer.rate_sensitivity, softer.reference_rate, overlap_per_radius_, share1_ == 0.5 ? 0.5 : 1.0};
+    if (rate_) normal_ = with_rate(normal_, rate_);
     if (entry.is_power()) elastic_.emplace(PowerContact{entry.no_force ? 0.0 : options.constant, options.exponent});
   }
 
