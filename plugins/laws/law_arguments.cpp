@@ -201,7 +201,6 @@ LawArguments parse_law(const std::vector<std::string> &words)
         of->reference_rate = positive(words[k + 3], "reference rate");
         k += 2;
       }
-      k++;
     } else if (key == "constant" && args.law->takes(POWER)) {
       args.options.constant = positive(value, key);
       has_constant = true;
