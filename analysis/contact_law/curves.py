@@ -106,9 +106,7 @@ def check_forces(law: ContactLaw) -> None:
         )
 
 
-def law_drawing(
-    law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0
-) -> Drawing:
+def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0) -> Drawing:
     """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and right."""
     table = law_table(law, max_overlap, velocity)
     branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]

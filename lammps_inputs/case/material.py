@@ -47,7 +47,7 @@ class Material:
         default=None,
     )
     rate_sensitivity: float | None = schema.number(
-        "growth of the yield strength with the strain rate: C of Johnson and Cook's factor 1 + C ln(rate/reference rate)",
+        "growth of the yield strength with the strain rate: C of the factor 1 + C ln(rate/reference rate)",
         at_least=0,
         at_most=0.2,
         default=None,

@@ -257,7 +257,9 @@ def check_rates(assembly: Assembly, errors: ErrorList) -> None:
         if contact.yields and not known and any(one is not None and one.rate_sensitivity for one in (first, second)):
             law = f"{contact.law}, {contact.variant}" if contact.takes("variant") else contact.law
             names = ", ".join(name for name, entry in LAWS.items() if "rate_sensitivity" in entry.options)
-            errors.add("material.rate_sensitivity", f"found with law {law}, expected one of {names} (continuous), or none")
+            errors.add(
+                "material.rate_sensitivity", f"found with law {law}, expected one of {names} (continuous), or none"
+            )
             return
 
 

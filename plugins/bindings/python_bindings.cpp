@@ -153,7 +153,8 @@ class Contact {
       throw py::value_error("constants belong to law elastoplastic, variant continuous");
     for (const double one : {rate_sensitivity.first, rate_sensitivity.second})
       if (!(one >= 0.0)) throw py::value_error("rate_sensitivity must not be negative");
-    if (!(reference_rate.first > 0.0 && reference_rate.second > 0.0)) throw py::value_error("reference_rate must be positive");
+    if (!(reference_rate.first > 0.0 && reference_rate.second > 0.0))
+      throw py::value_error("reference_rate must be positive");
     const Material first{modulus.first,   poisson.first,          yield.first,
                          hardening.first, rate_sensitivity.first, reference_rate.first},
         second{modulus.second,   poisson.second,          yield.second,
@@ -363,8 +364,8 @@ PYBIND11_MODULE(_contact_laws, module)
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
            py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
-           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0),
-           py::arg("rate_sensitivity") = Two(0.0, 0.0), py::arg("reference_rate") = Two(1.0, 1.0))
+           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0), py::arg("rate_sensitivity") = Two(0.0, 0.0),
+           py::arg("reference_rate") = Two(1.0, 1.0))
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
@@ -407,7 +408,8 @@ PYBIND11_MODULE(_contact_laws, module)
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
       .def("follow", &Contact::follow, py::arg("overlap"), py::arg("time"),
-           "Path of a new contact through overlaps at rising times, s: arrays force (N), elastic_energy, dissipated_energy (J) "
+           "Path of a new contact through overlaps at rising times, s: arrays force (N), elastic_energy, dissipated_energy "
+           "(J) "
            "and rate_factor, that of the yield strength.")
       .def("rate_factor", py::vectorize(&Contact::rate_factor), py::arg("overlap"), py::arg("velocity"),
            "Factor of the yield strength on loading at this velocity of approach, m/s.")

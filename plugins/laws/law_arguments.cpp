@@ -122,13 +122,14 @@ double LawConstants::*law_constant(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage =
-      "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
-      " E nu sigma_y "
-      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
-      "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-      "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
-      "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
+  const std::string usage = "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " +
+                            law_names("|", true) +
+                            " E nu sigma_y "
+                            "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
+                            "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
+                            "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
+                            "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants "
+                            "[pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   args.words = words;

@@ -109,9 +109,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0 || resistance)
-      contact.circle_sq =
-          raised ? scaled.loading_circle(overlap, extra(i, which))
-                 : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
+      contact.circle_sq = raised ? scaled.loading_circle(overlap, extra(i, which))
+                                 : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);

@@ -71,7 +71,7 @@ def test_flow_stress_is_that_of_johnson_and_cook(rate):
     metal = Elastoplastic(200e9, 0.3, 7830.0, 400e6, 0.01, 0.02, 1.0)
     mesh = Mesh(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     stretch, steps = 0.02, 400
-    x, state, _ = strain(mesh.nodes.copy(), mesh.elements, lambda x: x * np.array([-0.5, 1.0]) * stretch, steps=steps,
+    _, state, _ = strain(mesh.nodes.copy(), mesh.elements, lambda x: x * np.array([-0.5, 1.0]) * stretch, steps=steps,
                          material=metal, pace=rate * steps / stretch)  # fmt: skip
     plastic = state[:, STRAIN]
     expected = (metal.yield_strength + metal.hardening_modulus * plastic) * (1 + 0.02 * max(0.0, math.log(rate)))
@@ -117,7 +117,9 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     for step in range(steps):
         angles = math.pi / 2 * np.array([step, step + 1]) / steps
         places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
-        kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force, 0.0)
+        kernels.stress(
+            places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force, 0.0
+        )
     np.testing.assert_allclose(von_mises(state), before, rtol=1e-3)
     np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
     np.testing.assert_allclose(state[:, ZZ], 3e8, rtol=2e-3)

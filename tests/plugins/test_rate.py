@@ -14,7 +14,12 @@ from tests.helpers.rubbing import MU, TOTAL, packing, rubbing, same, state
 from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
 from tests.helpers.two_spheres import restitution as restitution_of
 
-BODY = {"youngs_modulus": 200e9, "poisson_ratio": 0.29, "yield_strength": 792e6, "rate_sensitivity": 0.014}  # 4340 steel
+BODY = {
+    "youngs_modulus": 200e9,
+    "poisson_ratio": 0.29,
+    "yield_strength": 792e6,
+    "rate_sensitivity": 0.014,
+}  # 4340 steel
 LAWS = ["elastoplastic", "elastoplastic-fe", "thornton"]
 STEEL, RATE = "elastoplastic 200e9 0.29 792e6", "rate 0.014 1"
 HEADS_ON = [(0, 0, 5.0), (0, 0, -5.0)]
@@ -30,12 +35,17 @@ def work_of(overlap, force):
     return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(overlap))])
 
 
-@pytest.mark.parametrize(("partner", "share"), [(None, 0.5), ({"youngs_modulus": math.inf, "yield_strength": math.inf}, 1.0)])
+@pytest.mark.parametrize(
+    ("partner", "share"), [(None, 0.5), ({"youngs_modulus": math.inf, "yield_strength": math.inf}, 1.0)]
+)
 def test_factor_of_johnson_and_cook_at_the_strain_rate_of_tabor(partner, share):
     law = contact(second=partner and BODY | partner, radius=(R, math.inf) if partner else (R, R), reference_rate=3.0)
     overlap, velocity = np.geomspace(1, 200, 9) * law.yield_overlap, 10.0
     step = 1e-6 * overlap  # strain 0.2 a/R* with a^2 = 2 R* alpha, of each body its share
-    strain = [0.2 * share * np.sqrt(2 * at * law.effective_radius) / law.effective_radius for at in (overlap - step, overlap + step)]
+    strain = [
+        0.2 * share * np.sqrt(2 * at * law.effective_radius) / law.effective_radius
+        for at in (overlap - step, overlap + step)
+    ]
     rate = (strain[1] - strain[0]) / (2 * step) * velocity
     np.testing.assert_allclose(law.rate_factor(overlap, velocity), 1 + 0.014 * np.log(rate / 3.0), rtol=1e-8)
     assert law.rate_factor(overlap[0], 1e-9) == law.rate_factor(overlap[0], -1.0) == 1.0
@@ -136,7 +146,9 @@ def test_a_wall_is_a_flat_face(lammps):
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {words}"
     face = [f"pair_coeff 1 1 {STEEL} {RATE}", f"pair_coeff 2 2 {STEEL} {RATE}", f"pair_coeff 1 2 {words}"]
     sphere, top = {"velocities": [(0, 0, 3.0)], "box": BOX}, "comm_modify vel yes\n"
-    one = lammps(script_of([(0, 0, 0)], extra=f"{top}{wall}\nthermo_style custom step f_floor f_floor[*]", style=STEEL, **sphere))
+    one = lammps(
+        script_of([(0, 0, 0)], extra=f"{top}{wall}\nthermo_style custom step f_floor f_floor[*]", style=STEEL, **sphere)
+    )
     two = lammps(script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], types=[1, 2], coefficients=face,
                            extra=f"{top}group face type 2\nfix hold face setforce 0 0 0", **sphere))  # fmt: skip
     for speed in (1.0, 20.0, 30.0):
