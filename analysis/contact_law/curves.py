@@ -28,18 +28,21 @@ _MAX_OVERLAP = 200.0
 _UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
 _LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, ":"), (PURPLE, "-."))
+_STEPS = 2000  # of a collision whose yield strength follows the rate
 _SLOWEST = 0.3  # overlap of the slowest impact over that at first yield
 
 Table = dict[str, NDArray]
 
 
-def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
+def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: float = 0.0) -> Table:
     """Compute the branches of the force-overlap curve.
 
     Parameters
     ----------
     max_overlap
         Largest overlap, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
+    velocity
+        Velocity of approach and of separation, m/s, of which the yield strength of some materials depends; 0: slow.
 
     Returns
     -------
@@ -64,12 +67,15 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
     first = np.linspace(0.0, largest, _POINTS)
     if law.yield_overlap < largest:
         first = np.union1d(first, [law.yield_overlap])
-    branches = [("loading", first, law.loading_force(first))]
+    branches = [("loading", first, _path(law, first, velocity) if velocity else law.loading_force(first))]
     for n, share in enumerate(_TURNS, start=1):
         peak = share * largest
         residual = float(law.residual_overlap(np.array([peak]))[0])
         overlap = np.concatenate([[0.0], residual + (peak - residual) * grid])
         force = law.force(overlap, np.full_like(overlap, peak))
+        if velocity:
+            overlap = peak * grid
+            force = _path(law, np.concatenate([first[first < peak], overlap[::-1]]), velocity)[-_POINTS:][::-1]
         branches += [(f"unloading_{n}", overlap[::-1], force[::-1]), (f"reloading_{n}", overlap, force)]
     overlap = np.concatenate([branch[1] for branch in branches])
     force = np.concatenate([branch[2] for branch in branches])
@@ -84,6 +90,11 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
     }
 
 
+def _path(law: ContactLaw, overlap: NDArray[np.float64], velocity: float) -> NDArray[np.float64]:
+    """Return the forces on a way through different overlaps at one speed, N."""
+    return law.follow(overlap, np.cumsum(np.abs(np.diff(overlap, prepend=0.0))) / velocity)["force"]
+
+
 def check_forces(law: ContactLaw) -> None:
     """Raise InputError if the force at a typical overlap is zero or infinite in double precision."""
     overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
@@ -95,9 +106,9 @@ def check_forces(law: ContactLaw) -> None:
         )
 
 
-def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Drawing:
+def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0) -> Drawing:
     """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and right."""
-    table = law_table(law, max_overlap)
+    table = law_table(law, max_overlap, velocity)
     branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]
     figure: Figure = new_figure(2.7)
     axes = figure.subplots()
@@ -107,6 +118,9 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
         axes.plot(overlap[rows], force[rows], color=colour, label=label)
     rows = branch == "loading"
     axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
+    if velocity:
+        slow = np.asarray(overlap[rows] / _MICRO)
+        axes.plot(overlap[rows], law.loading_force(slow), color=GREY, linestyle="-.", label="loading, slow")
     limits = {"xlim": (0, float(overlap.max())), "ylim": (0, 1.05 * float(force.max()))}
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
@@ -123,7 +137,9 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     return Drawing(figure, table)
 
 
-def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERLAP, title: str = "") -> Path:
+def write_law(
+    law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0
+) -> Path:
     """Write a table (.csv), or a figure with its table (.png or .pdf; both are written).
 
     Raises
@@ -137,7 +153,7 @@ def write_law(law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERL
     if path.suffix not in (".csv", ".png", ".pdf"):
         raise ValueError(f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv")
     path.parent.mkdir(parents=True, exist_ok=True)
-    save_as(path, law_table(law, max_overlap), lambda: law_drawing(law, max_overlap, title))
+    save_as(path, law_table(law, max_overlap, velocity), lambda: law_drawing(law, max_overlap, title, velocity))
     return path
 
 
@@ -160,7 +176,10 @@ def restitution(
         largest = min(largest, 0.2 * law.effective_radius)
     peak = np.geomspace(_SLOWEST * law.yield_overlap, largest, _POINTS)
     work = law.loading_work(peak)
-    return np.sqrt(2 * work / mass), np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
+    velocity = np.sqrt(2 * work / mass)
+    if law.rate_sensitivity:
+        return velocity, np.array([law.collide(mass, float(one), steps=_STEPS)["restitution"] for one in velocity])
+    return velocity, np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
 
 
 def write_restitution(

@@ -46,7 +46,21 @@ class Material:
         at_most=0.2,
         default=None,
     )
+    rate_sensitivity: float | None = schema.number(
+        "growth of the yield strength with the strain rate: C of the factor 1 + C ln(rate/reference rate)",
+        at_least=0,
+        at_most=0.2,
+        default=None,
+    )
+    reference_rate: float | None = schema.number(
+        "strain rate up to which the yield strength is that given; 1/s, usually 1", above=0, default=None
+    )
     source: str | None = schema.text("where the values come from", default=None)
+
+    @property
+    def rate(self) -> tuple[float, float]:
+        """Rate sensitivity, and reference rate, 1/s."""
+        return self.rate_sensitivity or 0.0, self.reference_rate or 1.0
 
 
 @cache

@@ -88,6 +88,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         loads.check_driving(assembly, errors)
     packing.check_dents(assembly, errors)
     packing.check_losses(assembly, errors)
+    packing.check_rates(assembly, errors)
     _check_below(assembly, errors)
     _check_held_strikers(assembly, errors)
     return assembly

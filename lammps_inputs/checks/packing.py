@@ -9,7 +9,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import MARSHALL, RIGID, Contact
+from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
@@ -249,6 +249,21 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
             found = show({name: value for name, value in loss.items() if value is not None})
             wrong.setdefault([*own, "contact.loss"][0], f"found {found}, expected of {names} a restitution of {error}")
     errors.check(*((True, key, message) for key, message in wrong.items()))
+
+
+def check_rates(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that laws of yielding contacts know materials whose yield strength depends on the strain rate."""
+    case = assembly.case
+    for first, second, _ in _material_pairs(assembly):
+        contact = case.contact_between(first, second)
+        known = contact.takes("rate_sensitivity") and contact.variant == "continuous"
+        if contact.yields and not known and any(one is not None and one.rate_sensitivity for one in (first, second)):
+            law = f"{contact.law}, {contact.variant}" if contact.takes("variant") else contact.law
+            names = ", ".join(name for name, entry in LAWS.items() if "rate_sensitivity" in entry.options)
+            errors.add(
+                "material.rate_sensitivity", f"found with law {law}, expected one of {names} (continuous), or none"
+            )
+            return
 
 
 def _material_pairs(assembly: Assembly) -> Iterable[tuple[Material, Material | None, tuple[Shape, Shape] | None]]:

@@ -83,6 +83,7 @@ def law_between(
               for one in materials]  # fmt: skip
     moduli, ratios, strengths = zip(*bodies, strict=True)
     first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
+    sensitivity, reference = zip(*(one.rate if one else (0.0, 1.0) for one in materials), strict=True)
     constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
     if contact.exponent is not None:
         constants["exponent"] = contact.exponent
@@ -102,6 +103,8 @@ def law_between(
         constants=contact.constants,
         checked=checked,
         hardening=(first, second),
+        rate_sensitivity=sensitivity,
+        reference_rate=reference,
         **constants,
     )
 

@@ -157,6 +157,9 @@ def law_coefficients(
     hardening = [one.hardening or 0.0 for one in (first, second) if one is not None]
     if contact.takes("hardening") and any(hardening):
         words += ["hardening", *map(num, hardening)]
+    rates = [one.rate for one in (first, second) if one is not None]
+    if contact.takes("rate_sensitivity") and any(sensitivity for sensitivity, _ in rates):
+        words += ["rate", *(num(value) for rate in rates for value in rate)]
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]

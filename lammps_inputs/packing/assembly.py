@@ -110,6 +110,11 @@ class Assembly:
         return self.sites.like and not (self.strikers or self.bars)
 
     @property
+    def has_rate(self) -> bool:
+        """True if the yield strength of a material depends on the strain rate."""
+        return any(one.material.rate_sensitivity for one in self.species)
+
+    @property
     def n_contacts(self) -> int:
         """Number of pairs of spheres that touch at the start."""
         return self.sites.n_contacts + len(self.striker_contacts)

@@ -44,8 +44,9 @@ py::dict by_name(const LawConstants &constants)
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
-  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER, HARDENING};
-  constexpr const char *NAMES[] = {"variant", "yield_factor", "beta", "constants", "constant", "exponent", "hardening"};
+  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER, HARDENING, RATE};
+  constexpr const char *NAMES[] = {"variant",  "yield_factor", "beta",      "constants",
+                                   "constant", "exponent",     "hardening", "rate_sensitivity"};
   for (std::size_t k = 0; k < std::size(OPTIONS); k++)
     if (entry.options & OPTIONS[k]) names.append(NAMES[k]);
   return py::tuple(names);
@@ -70,7 +71,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
   constexpr double MOST_OVERLAP = 4.0;    // over the effective radius
   constexpr double LONGEST = 50.0;    // end of a collision in which the bodies do not part, over its duration without loss
   // the time scale: overlap at which first loading has taken up the kinetic energy, over the speed
-  const std::vector<double> zero(std::max(law.law().entry().n_extra, 1), 0.0);
+  const std::vector<double> zero(std::max(law.law().n_extra(), 1), 0.0);
   const double energy = 0.5 * mass * speed * speed;
   double low = 0.0, high = 1e-9 * law.effective_radius();
   const double most = std::min(law.largest_overlap(), MOST_OVERLAP * law.effective_radius());
@@ -103,7 +104,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
     t += dt;
     if (x <= 0.0) break;
-    law.update(x, peak, extra.data());
+    law.update(x, peak, v, extra.data());
     peak = std::max(peak, x);
     const double f = force(x, v);
     peak_force = std::max(peak_force, f);
@@ -117,7 +118,8 @@ class Contact {
  public:
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
-          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening)
+          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening,
+          Two rate_sensitivity, Two reference_rate)
   {
     const LawEntry &entry = known_law(name);
     if (variant != "continuous" && variant != "published")
@@ -150,8 +152,14 @@ class Contact {
       if (!(one >= 0.0 && one < 1.0)) throw py::value_error("hardening must lie in [0, 1)");
     if (!own.empty() && !fe && (!entry.takes(CONSTANTS) || options.variant != Variant::continuous))
       throw py::value_error("constants belong to law elastoplastic, variant continuous");
-    const Material first{modulus.first, poisson.first, yield.first, hardening.first},
-        second{modulus.second, poisson.second, yield.second, hardening.second};
+    for (const double one : {rate_sensitivity.first, rate_sensitivity.second})
+      if (!(one >= 0.0)) throw py::value_error("rate_sensitivity must not be negative");
+    if (!(reference_rate.first > 0.0 && reference_rate.second > 0.0))
+      throw py::value_error("reference_rate must be positive");
+    const Material first{modulus.first,   poisson.first,          yield.first,
+                         hardening.first, rate_sensitivity.first, reference_rate.first},
+        second{modulus.second,   poisson.second,          yield.second,
+               hardening.second, rate_sensitivity.second, reference_rate.second};
     law = ContactLaw(entry, first, second, options);
     if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
@@ -162,7 +170,7 @@ class Contact {
       scaled = ScaledLaw(law, effective, *elastic);
     } else if (entry.yields() && !std::isfinite(scaled.yield_overlap()))
       throw py::value_error("law '" + name + "' needs a yield strength");
-    extra.assign(entry.n_extra, 0.0);
+    extra.assign(law.n_extra(), 0.0);
   }
   Contact(const Contact &) = delete;    // `scaled` points to `law`
 
@@ -196,6 +204,32 @@ class Contact {
     using namespace py::literals;
     return py::dict("restitution"_a = found.restitution, "duration"_a = found.duration, "peak_force"_a = found.peak_force,
                     "peak_overlap"_a = found.peak_overlap);
+  }
+  /* Path of a new contact, from the overlaps at these times. */
+  py::dict follow(const std::vector<double> &overlap, const std::vector<double> &time) const
+  {
+    if (overlap.size() != time.size()) throw py::value_error("overlap and time must be of one length");
+    std::vector<double> block(extra), force, elastic, dissipated, factor;
+    double peak = 0.0;
+    for (std::size_t k = 0; k < overlap.size(); k++) {
+      const double x = overlap[k], dt = k > 0 ? time[k] - time[k - 1] : 0.0;
+      if (k > 0 && !(dt > 0.0)) throw py::value_error("times must rise");
+      if (x > 0.0) scaled.update(x, peak, k > 0 ? (x - overlap[k - 1]) / dt : 0.0, block.data());
+      peak = std::max(peak, x);
+      const LawHistory h{peak, block.data()};
+      force.push_back(scaled.force(x, h));
+      elastic.push_back(scaled.elastic_energy(x, h));
+      dissipated.push_back(scaled.dissipated_energy(h));
+      factor.push_back(law.rate() && block[0] > 0.0 ? block[0] : 1.0);
+    }
+    using namespace py::literals;
+    const auto array = [](const std::vector<double> &values) { return py::array_t<double>(values.size(), values.data()); };
+    return py::dict("force"_a = array(force), "elastic_energy"_a = array(elastic), "dissipated_energy"_a = array(dissipated),
+                    "rate_factor"_a = array(factor));
+  }
+  double rate_factor(double overlap, double velocity) const
+  {
+    return law.rate() ? law.rate().factor(scaled.normalised(overlap), velocity / scaled.effective_radius()) : 1.0;
   }
   double contact_radius(double overlap, double peak) const
   {
@@ -374,12 +408,13 @@ PYBIND11_MODULE(_contact_laws, module)
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<LineContact> &, Two>(),
+                    const std::optional<LineContact> &, Two, Two, Two>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
            py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
-           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0))
+           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0), py::arg("rate_sensitivity") = Two(0.0, 0.0),
+           py::arg("reference_rate") = Two(1.0, 1.0))
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
@@ -390,6 +425,8 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly("shear_modulus", of<&Contact::law, &ContactLaw::shear_modulus>(),
                              "G*, 1/G* = (2 - nu1)/G1 + (2 - nu2)/G2, Pa")
       .def_property_readonly("yield_strength", of<&Contact::law, &ContactLaw::yield_strength>(), "of the softer body, Pa")
+      .def_property_readonly(
+          "rate_sensitivity", [](const Contact &b) { return b.law.rate().sensitivity; }, "C of the softer body")
       .def_property_readonly("yield_overlap", of<&Contact::scaled, &ScaledLaw::yield_overlap>(), "alpha_y, m")
       .def_property_readonly(
           "elastic_limit", of<&Contact::scaled, &ScaledLaw::elastic_limit>(),
@@ -419,6 +456,12 @@ PYBIND11_MODULE(_contact_laws, module)
            py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
+      .def("follow", &Contact::follow, py::arg("overlap"), py::arg("time"),
+           "Path of a new contact through overlaps at rising times, s: arrays force (N), elastic_energy, dissipated_energy "
+           "(J) "
+           "and rate_factor, that of the yield strength.")
+      .def("rate_factor", py::vectorize(&Contact::rate_factor), py::arg("overlap"), py::arg("velocity"),
+           "Factor of the yield strength on loading at this velocity of approach, m/s.")
       .def("contact_radius", py::vectorize(&Contact::peak_contact_radius), py::arg("peak_overlap"),
            "Radius of the contact circle at a peak, m.")
       .def("contact_radius", py::vectorize(&Contact::contact_radius), py::arg("overlap"), py::arg("peak_overlap"),

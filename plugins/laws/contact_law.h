@@ -12,6 +12,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <variant>
 
 namespace granwave {
@@ -21,6 +22,20 @@ struct LawHistory {
   double peak;            // largest overlap
   const double *extra;    // further history variables of the law, n_extra doubles
 };
+
+constexpr int RATE_EXTRA = RateDependent<Elastoplastic>::N_EXTRA;
+
+/* A law whose yield strength follows the rate, from the same without. */
+inline AnyLaw with_rate(const AnyLaw &any, const RateModel &model)
+{
+  return std::visit(
+      [&](const auto &law) -> AnyLaw {
+        using Law = std::decay_t<decltype(law)>;
+        if constexpr (std::is_constructible_v<AnyLaw, RateDependent<Law>>) return RateDependent<Law>(law, model);
+        else return law;
+      },
+      any);
+}
 
 /* Law of a pair of materials, in units of the overlap and force at first yield (normal_law.h). */
 class ContactLaw {
@@ -39,6 +54,11 @@ class ContactLaw {
     overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
     force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * power(overlap_per_radius_, 1.5) : INFINITE;
     normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_, m1, m2});
+    const auto softness = [](const Material &m) { return std::tie(m.yield_strength, m.rate_sensitivity, m.reference_rate); };
+    const Material &softer = softness(m2) < softness(m1) ? m2 : m1;
+    if (entry.takes(RATE))
+      rate_ = {softer.rate_sensitivity, softer.reference_rate, overlap_per_radius_, share1_ == 0.5 ? 0.5 : 1.0};
+    if (rate_) normal_ = with_rate(normal_, rate_);
     if (entry.is_power()) elastic_.emplace(PowerContact{entry.no_force ? 0.0 : options.constant, options.exponent});
   }
 
@@ -53,6 +73,11 @@ class ContactLaw {
   double modulus() const { return modulus_; }
   double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
+  const RateModel &rate() const { return rate_; }
+  int n_extra() const
+  {
+    return entry_->n_extra + (rate_ ? RATE_EXTRA : 0);
+  }                                                    // doubles of history beyond the largest overlap
   double share_of_first() const { return share1_; }    // share of the dissipated energy: all of it for the softer sphere
   double overlap_per_radius() const { return overlap_per_radius_; }
   double force_per_area() const { return force_per_area_; }
@@ -83,9 +108,9 @@ class ContactLaw {
   {
     return with([&](const auto &law) { return law.area(a, site); });
   }
-  bool update(double a, double peak, double *extra) const
+  bool update(double a, double peak, double rate, const Site &site, double *extra) const
   {
-    return with([&](const auto &law) { return law.update(a, peak, extra); });
+    return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
   }
 
   /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
@@ -96,6 +121,7 @@ class ContactLaw {
   LawConstants constants_;
   double modulus_, shear_modulus_, yield_, share1_;
   double overlap_per_radius_, force_per_area_;
+  RateModel rate_;
   AnyLaw normal_;
   std::optional<ElasticContact> elastic_;
 };
@@ -159,11 +185,11 @@ class ScaledLaw {
     return law_->entry().fitted ? 0.2 * effective_radius_ : INFINITE;
   }
 
-  /* Update the history block of the law, for a contact with positive overlap, before its peak is increased. Returns true if
-     the block has changed. */
-  bool update(double overlap, double peak, double *extra) const
+  /* Update the history block of the law, for a contact with positive overlap and this velocity of approach, before its peak is
+     increased. Returns true if the block has changed. */
+  bool update(double overlap, double peak, double velocity, double *extra) const
   {
-    return law_->update(normalised(overlap), normalised(peak), extra);
+    return law_->update(normalised(overlap), normalised(peak), velocity / effective_radius_, site(extra), extra);
   }
 
   /* ---- contacts that have yielded */
@@ -184,8 +210,14 @@ class ScaledLaw {
     return force_ * overlap_ * law_->dissipated_energy(t, site(extra));
   }
   double stiffness(const Turning &t) const { return force_ / overlap_ * t.slope(); }
-  double area(double a) const { return law_->area(a, site(nullptr)); }    // of the contact circle, normalized
-  double loading_circle(double overlap) const { return effective_radius_ * overlap_ * area(normalised(overlap)); }
+  double area(double a, const double *extra) const
+  {
+    return law_->area(a, site(extra));
+  }    // of the contact circle, normalized
+  double loading_circle(double overlap, const double *extra) const
+  {
+    return effective_radius_ * overlap_ * area(normalised(overlap), extra);
+  }
   double unloading_circle(double overlap, const Turning &t, double area_at_peak) const
   {
     return effective_radius_ * overlap_ * t.area(normalised(overlap), area_at_peak);
@@ -257,7 +289,8 @@ class ScaledLaw {
     if (overlap <= 0.0) return 0.0;
     if (elastic_) return circle_squared(elastic_->stiffness(overlap));
     if (!yielded(std::max(overlap, h.peak))) return effective_radius_ * overlap;
-    return overlap >= h.peak ? loading_circle(overlap) : unloading_circle(overlap, turning(h), area(normalised(h.peak)));
+    return overlap >= h.peak ? loading_circle(overlap, h.extra)
+                             : unloading_circle(overlap, turning(h), area(normalised(h.peak), h.extra));
   }
 
   /* The same of an elastic law other than Hertz's, from its stiffness. */

@@ -77,6 +77,14 @@ class ElastoplasticFe : public NormalLaw {
     return std::min(yield_factor(m1.poisson_ratio) * m1.yield_strength, yield_factor(m2.poisson_ratio) * m2.yield_strength);
   }
 
+  /* The law of a material whose yield strength and hardening are larger by this factor, in units of its own first yield. */
+  ElastoplasticFe stronger(double factor) const
+  {
+    ElastoplasticFe found(*this);
+    found.overlap_per_radius_ *= factor * factor;
+    return found;
+  }
+
   double loading(double a, const Site &site) const { return a <= 1.0 ? hertz_force(a) : beyond(a, shape(site)); }
 
   double loading_slope(double a, const Site &site) const

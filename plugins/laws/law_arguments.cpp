@@ -88,12 +88,12 @@ const std::vector<LawEntry> &law_table()
   // have the number of the line
   static const std::vector<LawEntry> TABLE = {
       {"hertz", INFINITE, false, 0, 0, make_hertz},
-      {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS, 0, make_elastoplastic},
+      {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS | RATE, 0, make_elastoplastic},
       {"bilinear", 0.0, false, BETA, 0, make_bilinear},
-      {"thornton", 1.0, false, YIELD_FACTOR, 0, make_thornton},
+      {"thornton", 1.0, false, YIELD_FACTOR | RATE, 0, make_thornton},
       {"power", INFINITE, false, POWER, 0, make_hertz},
       {"none", INFINITE, false, 0, 0, make_hertz, true},
-      {"elastoplastic-fe", 1.0, true, HARDENING, 0, make_elastoplastic_fe, false, true},
+      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, make_elastoplastic_fe, false, true},
   };
   return TABLE;
 }
@@ -130,13 +130,14 @@ TangentialModel tangential_model(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage =
-      "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
-      " E nu sigma_y "
-      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
-      "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-      "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
-      "[beta b] [hardening h [h2]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
+  const std::string usage = "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " +
+                            law_names("|", true) +
+                            " E nu sigma_y "
+                            "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
+                            "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
+                            "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
+                            "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants "
+                            "[pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   args.words = words;
@@ -197,6 +198,16 @@ LawArguments parse_law(const std::vector<std::string> &words)
         if (k + 2 == words.size()) refuse("hardening needs a value for each of the two materials; " + usage);
         args.second->hardening = tangent(words[++k + 1]);
       }
+    } else if (key == "rate" && args.law->takes(RATE)) {
+      k--;
+      for (Material *of : {&args.first, args.second ? &*args.second : nullptr}) {
+        if (!of) continue;
+        if (k + 3 >= words.size()) refuse("rate needs C and a reference rate for each of the materials; " + usage);
+        of->rate_sensitivity = number(words[k + 2], "rate sensitivity");
+        if (of->rate_sensitivity < 0.0) refuse("rate sensitivity must not be negative, found '" + words[k + 2] + "'");
+        of->reference_rate = positive(words[k + 3], "reference rate");
+        k += 2;
+      }
     } else if (key == "constant" && args.law->takes(POWER)) {
       args.options.constant = positive(value, key);
       has_constant = true;
@@ -215,6 +226,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
     refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
   if (args.law->takes(POWER) && !(has_constant && has_exponent))
     refuse("law power needs constant K and exponent p; " + usage);
+  if (args.has_rate() && args.options.variant == Variant::published)
+    refuse("rate needs a law that is passive: variant continuous");
   if (given && args.options.variant == Variant::published)
     refuse("variant published has constants of its own: take one or the other");
   if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())

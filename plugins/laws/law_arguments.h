@@ -5,6 +5,7 @@
      power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
      keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
+     rate C r0 [C2 r02] (rate_dependent.h, two numbers for each material),
      tangential mindlin_rescale|mindlin|partial_slip, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
      loss time A, loss dashpot alpha, and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
@@ -41,6 +42,9 @@ struct LawArguments {
     return law == other.law && options == other.options && friction == other.friction && tangential == other.tangential &&
            resistance == other.resistance && loss == other.loss;
   }
+
+  bool has_rate() const { return first.rate_sensitivity > 0.0 || (second && second->rate_sensitivity > 0.0); }
+  int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }    // most that a pair of these materials has
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };

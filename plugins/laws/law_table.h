@@ -7,6 +7,7 @@
 
 #include "elastoplastic.h"
 #include "elastoplastic_fe.h"
+#include "rate_dependent.h"
 #include "simple_laws.h"
 
 #include <string>
@@ -30,7 +31,8 @@ struct LawOptions {
   }
 };
 
-using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton, ElastoplasticFe>;
+using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton, ElastoplasticFe, RateDependent<Elastoplastic>,
+                            RateDependent<Thornton>, RateDependent<ElastoplasticFe>>;
 
 /* Scales of a pair of materials, on which a law may depend. */
 struct LawScales {
@@ -40,7 +42,7 @@ struct LawScales {
   Material first, second;
 };
 
-enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16, HARDENING = 32 };
+enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16, HARDENING = 32, RATE = 64 };
 
 struct LawEntry {
   const char *name;

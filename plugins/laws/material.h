@@ -15,6 +15,7 @@ constexpr double INFINITE = std::numeric_limits<double>::infinity();
 struct Material {
   double youngs_modulus, poisson_ratio, yield_strength;
   double hardening = 0.0;    // tangent modulus after yield over Young's modulus; law elastoplastic-fe alone
+  double rate_sensitivity = 0.0, reference_rate = 1.0;    // C and r0 of rate_dependent.h
 };
 
 inline double effective_modulus(const Material &a, const Material &b)

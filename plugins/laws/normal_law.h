@@ -82,9 +82,13 @@ struct NormalLaw {
   /* Radius of the contact circle on loading, squared, in units of R* alpha_y. */
   double area(double a, const Site &) const { return a; }
 
-  /* Update the block of a contact with overlap a > 0, in every timestep, before its peak is increased. Returns true if the
-     block has changed. A second call with the same overlap must not change the block, since runs may be continued. */
-  bool update(double /* a */, double /* peak */, double * /* extra */) const { return false; }
+  /* Update the block of a contact with overlap a > 0 and this rate of the overlap over R* (1/s), in every timestep, before its
+     peak is increased. Returns true if the block has changed. A second call with the same overlap must not change the block,
+     since runs may be continued. */
+  bool update(double /* a */, double /* peak */, double /* rate */, const Site &, double * /* extra */) const
+  {
+    return false;
+  }
 
   /* One-line description of why the constants do not give a passive law; empty if they do. */
   std::string fault() const { return ""; }

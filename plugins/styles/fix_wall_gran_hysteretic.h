@@ -142,8 +142,9 @@ class FixWallGranHysteretic : public Fix {
     return reinterpret_cast<granwave::TangentialSpring *>(at_walls(i) + 2 * N_SIDE);
   }
   double *extra(int i, int side) { return initial_extra(i, 0) - (2 - side) * n_extra(); }
-  double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.entry().n_extra; }
+  double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
+  double approach(int i, int side) const;
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void push_support();
@@ -151,7 +152,7 @@ class FixWallGranHysteretic : public Fix {
   void tally();
   int n_extra() const
   {
-    return law.entry().n_extra + (loss ? granwave::ViscousHistory::SIZE : 0) +
+    return law.n_extra() + (loss ? granwave::ViscousHistory::SIZE : 0) +
            (slips_partially ? granwave::SlipHistory::SIZE : 0) + (resistance ? granwave::ResistanceHistory::SIZE : 0);
   }
   granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
@@ -165,10 +166,10 @@ class FixWallGranHysteretic : public Fix {
   }
   granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
   {
-    return granwave::viscous_history(extra(i, side) + law.entry().n_extra);
+    return granwave::viscous_history(extra(i, side) + law.n_extra());
   }
   void report_viscous(int i);
-  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (n_extra() + law.entry().n_extra); }
+  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (n_extra() + law.n_extra()); }
   int n_state() const { return N_REPORTED + n_history(); }
 
   int axis = 2;

@@ -39,6 +39,17 @@ double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
          scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
 
+/* Velocity of approach of sphere i to one wall; none in a minimization. */
+
+double FixWallGranHysteretic::approach(int i, int which) const
+{
+  if (update->whichflag != 1) return 0.0;
+  double normal[3], sum = 0.0;
+  inward(i, which, normal);
+  for (int d = 0; d < 3; d++) sum -= normal[d] * atom->v[i][d];
+  return support && which == moving ? sum - support->velocity() : sum;
+}
+
 /* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. If the contact
    is along a line, its force is in line_force at the index `line`. */
 
@@ -67,17 +78,17 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     side.touching = 1.0;
     if (side.dent > 0.0) {
       const double circle_sq =
-          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent) : effective * side.dent;
+          std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent, extra(i, which)) : effective * side.dent;
       double place[2];
       place_of(i, place);
       if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
-        std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
+        std::fill_n(extra(i, which), law.n_extra(), 0.0);
       }
     }
   }
-  if (law.entry().n_extra > 0) scaled.update(overlap, side.dent, extra(i, which));
+  if (law.n_extra() > 0) scaled.update(overlap, side.dent, approach(i, which), extra(i, which));
   const bool raised = overlap > side.dent;
   if (raised) {
     side.dent = overlap;
@@ -98,8 +109,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (friction > 0.0 || resistance)
-      contact.circle_sq =
-          raised ? scaled.loading_circle(overlap) : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak));
+      contact.circle_sq = raised ? scaled.loading_circle(overlap, extra(i, which))
+                                 : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
@@ -134,12 +145,9 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
   }
   const double mass = rigid ? moved_mass[i] : atom->rmass[i];
   const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), mass);
-  double normal[3], approach = 0.0;    // from the velocities
-  inward(i, which, normal);
-  for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
-  if (support && which == moving) approach -= support->velocity();
-  contact.force += advances ? history.advance(overlap, contact.force, coefficient, approach, update->dt)
-                            : history.start(overlap, contact.force, coefficient, approach, update->dt);
+  const double velocity = approach(i, which);
+  contact.force += advances ? history.advance(overlap, contact.force, coefficient, velocity, update->dt)
+                            : history.start(overlap, contact.force, coefficient, velocity, update->dt);
   report_viscous(i);
 }
 

@@ -150,8 +150,8 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   place_of(i, side.place);
   side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
   side.lost_before = 0.0;
-  std::fill_n(extra(i, which), law.entry().n_extra, 0.0);
-  std::fill_n(initial_extra(i, which), law.entry().n_extra, 0.0);
+  std::fill_n(extra(i, which), law.n_extra(), 0.0);
+  std::fill_n(initial_extra(i, which), law.n_extra(), 0.0);
   report_dents(i);
 }
 
@@ -175,7 +175,7 @@ void FixWallGranHysteretic::begin()
       if (slips_partially) slip(i, which) = slipping;
       if (resistance) resisted(i, which) = kept;
       if (loss) viscous(i, which) = {};
-      std::copy_n(extra(i, which), law.entry().n_extra, initial_extra(i, which));
+      std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;
     }
     state[VISCOUS] = 0.0;

@@ -119,6 +119,7 @@ void PairGranHysteretic::init_style()
 
   bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance, any_slip = has_slip;
   int n_extra = 0;
+  has_rate = false;
   for (int i = 1; i <= atom_types; i++)
     for (int j = i; j <= atom_types; j++) {
       if (!setflag[i][j]) continue;
@@ -127,7 +128,8 @@ void PairGranHysteretic::init_style()
       any_resistance = any_resistance || args.resistance;
       any_slip = any_slip || args.slips_partially();
       any_loss = any_loss || args.loss;
-      n_extra = std::max(n_extra, args.law->n_extra);
+      n_extra = std::max(n_extra, args.n_extra());
+      has_rate = has_rate || args.has_rate();
     }
   if (any_loss) n_extra += ViscousHistory::SIZE;
   if (any_resistance) n_extra += ResistanceHistory::SIZE;
@@ -150,9 +152,11 @@ void PairGranHysteretic::init_style()
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if ((has_friction || has_loss) && comm->ghost_velocity == 0)
+  if ((has_friction || has_loss || has_rate) && comm->ghost_velocity == 0)
     error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
-               has_friction ? "friction" : "a loss");
+               has_friction ? "friction"
+               : has_loss   ? "a loss"
+                            : "a yield strength that depends on the rate");
 
   neighbor->add_request(this);
 

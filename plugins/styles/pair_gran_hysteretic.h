@@ -251,6 +251,7 @@ class PairGranHysteretic : public Pair {
   void compute_special(Tally);
   void set_elastic(Batch &);
   void update_history(Batch &);
+  double approach(const Batch &, int m) const;
   void compute_viscous(Batch &);
   void set_masses();
   void compute_tangential(Batch &);
@@ -324,6 +325,7 @@ class PairGranHysteretic : public Pair {
   bool has_slip = false;             // true from the first pair_coeff with partial slip on
   bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
+  bool has_rate = false;             // true if a law depends on the rate
   int frozen = 0;                    // with a loss: bit of the group of fix freeze
   class Fix *rigid = nullptr;        // with a loss: fix of rigid bodies
   std::vector<double> moved_mass;    // with rigid bodies: of spheres and ghosts

@@ -40,7 +40,7 @@ int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
   if (c.turnings[t].peak < 0.0) {
     c.turnings[t] = contact.turning(law_history(k));
     c.work_lost[t] = -1.0;
-    if (has_friction) c.circle[t] = contact.area(c.turnings[t].peak);
+    if (has_friction) c.circle[t] = contact.area(c.turnings[t].peak, law_history(k).extra);
   }
   return t;
 }
@@ -62,6 +62,17 @@ inline void PairGranHysteretic::raise_reached(int k, double overlap)
   c.time_peak[k] = now;
 }
 
+/* Velocity of approach of a touching pair; none in a minimization. */
+
+double PairGranHysteretic::approach(const Batch &batch, int m) const
+{
+  if (update->whichflag != 1) return 0.0;
+  const double *const vi = atom->v[batch.i[m]], *const vj = atom->v[batch.j[m]];
+  double sum = 0.0;
+  for (int d = 0; d < 3; d++) sum -= batch.del[d][m] * (vi[d] - vj[d]);
+  return sum / batch.r[m];
+}
+
 /* Update the history of touching pairs, and the forces of those that have yielded. */
 
 void PairGranHysteretic::update_history(Batch &batch)
@@ -70,7 +81,8 @@ void PairGranHysteretic::update_history(Batch &batch)
   if (c.n_extra > 0)
     for (int m = 0; m < batch.size; m++) {
       const int k = batch.k[m];
-      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], c.extra.data() + std::size_t(k) * c.n_extra))
+      const double velocity = has_rate && batch.overlap[m] > c.peak[k] ? approach(batch, m) : 0.0;
+      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], velocity, c.extra.data() + std::size_t(k) * c.n_extra))
         discard_turning(k);
     }
   for (int m = 0; m < batch.size; m++) {
@@ -274,7 +286,7 @@ void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
 void PairGranHysteretic::compute_viscous(Batch &batch)
 {
   Contacts &c = contacts;
-  const double *const v = atom->v[0], *const mass = rigid ? moved_mass.data() : atom->rmass;
+  const double *const mass = rigid ? moved_mass.data() : atom->rmass;
   const int *const mask = atom->mask;
   const bool moves = update->whichflag == 1;
   for (int m = 0; m < batch.size; m++) {
@@ -300,11 +312,9 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
                                   : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
                                                                             : mass[i] * mass[j] / (mass[i] + mass[j]);
     const double coefficient = p.loss.coefficient(stiffness, effective_mass);
-    double approach = 0.0;    // from the velocities
-    for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[3 * i + d] - v[3 * j + d]);
-    approach /= batch.r[m];
-    batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, approach, update->dt)
-                                              : history.start(overlap, force, coefficient, approach, update->dt));
+    const double velocity = approach(batch, m);
+    batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, velocity, update->dt)
+                                              : history.start(overlap, force, coefficient, velocity, update->dt));
   }
 }
 

@@ -16,7 +16,7 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import law_table
 from granwave.lammps_inputs import InputError, RunError
 from granwave.workflows.finite_elements.frame import check_memory
-from granwave.workflows.finite_elements.material import N_STATE, RR, RZ, TT, ZZ, Elastoplastic, von_mises
+from granwave.workflows.finite_elements.material import N_STATE, RR, RZ, STRAIN, TT, ZZ, Elastoplastic, von_mises
 from granwave.workflows.finite_elements.punch.mesh import Mesh
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels
 from granwave.workflows.finite_elements.sphere_contact import run as run_module
@@ -51,17 +51,32 @@ def values_of(case):
     return run.history, run.summarise(1.0)
 
 
-def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC):
+def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC, pace=0.0):
     """State and nodal forces after ``displacement(positions)``, in equal parts, from no stress."""
-    constants = np.array([[*material.lame, material.yield_strength, 0.0]])
+    rate = material.rate_sensitivity, material.reference_rate
+    constants = np.array([[*material.lame, material.yield_strength, 0.0, material.hardening_modulus, *rate]])
     kind, state = np.zeros(len(elements), dtype=np.int64), np.zeros((len(elements), N_STATE))
     x, force = nodes.copy(), np.zeros_like(nodes)
     stiffness = np.full(len(elements), 1e9)
     move = displacement(nodes) / steps
     for _ in range(steps):
         x += move
-        kernels.stress(x, move, elements, kind, constants, stiffness, state, force)
+        kernels.stress(x, move, elements, kind, constants, stiffness, state, force, pace)
     return x, state, force
+
+
+@pytest.mark.parametrize("rate", [0.2, 1.0, 50.0, 1e5])
+def test_flow_stress_is_that_of_johnson_and_cook(rate):
+    """Uniform deviatoric straining at an equivalent rate; below the reference rate the strength is the slow one."""
+    metal = Elastoplastic(200e9, 0.3, 7830.0, 400e6, 0.01, 0.02, 1.0)
+    mesh = Mesh(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    stretch, steps = 0.02, 400
+    _, state, _ = strain(mesh.nodes.copy(), mesh.elements, lambda x: x * np.array([-0.5, 1.0]) * stretch, steps=steps,
+                         material=metal, pace=rate * steps / stretch)  # fmt: skip
+    plastic = state[:, STRAIN]
+    expected = (metal.yield_strength + metal.hardening_modulus * plastic) * (1 + 0.02 * max(0.0, math.log(rate)))
+    np.testing.assert_allclose(von_mises(state), expected, rtol=1e-3)
+    assert plastic.min() > 0.8 * stretch
 
 
 # --- elements
@@ -93,7 +108,7 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     mesh = Mesh(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     away = np.array([1e7, 0.0])
     nodes = mesh.nodes + 0.1 * rng.uniform(-1, 1, mesh.nodes.shape) + away
-    constants = np.array([[*ELASTIC.lame, math.inf, 0.0]])
+    constants = np.array([[*ELASTIC.lame, math.inf, 0.0, 0.0, 0.0, 1.0]])
     kind, state = np.zeros(9, dtype=np.int64), np.zeros((9, N_STATE))
     force, stiffness = np.zeros_like(nodes), np.full(9, 1e9)
     state[:, [RR, ZZ, TT, RZ]] = [3e8, -1e8, 2e8, 1.5e8]
@@ -102,7 +117,9 @@ def test_rotation_leaves_the_stress_of_an_element_alone():
     for step in range(steps):
         angles = math.pi / 2 * np.array([step, step + 1]) / steps
         places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
-        kernels.stress(places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force)
+        kernels.stress(
+            places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force, 0.0
+        )
     np.testing.assert_allclose(von_mises(state), before, rtol=1e-3)
     np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
     np.testing.assert_allclose(state[:, ZZ], 3e8, rtol=2e-3)
@@ -323,6 +340,43 @@ def calculix_deck(mesh, displacement, modulus, ratio, strength, hardening):
     lines += ["*BOUNDARY", "HELD,1,2", "AXIS,1,1", "*STEP,NLGEOM,INC=1000", "*STATIC", "0.02,1.,1e-6,0.05"]
     lines += ["*BOUNDARY", f"FACE,2,2,{-displacement:.10g}", "*NODE PRINT,NSET=FACE,TOTALS=ONLY", "RF", "*END STEP"]
     return "\n".join(lines) + "\n"
+
+
+def rate_errors(metal, velocity, **run):
+    """Force of law elastoplastic-fe over finite elements, minus 1, at a velocity and slowly: overlaps over that at first yield."""
+    found = []
+    for speed in (velocity, 0.0):
+        case = case_of({"material": metal}, velocity=speed, unloadings=0, **run)
+        law, loading = case.contact_law("elastoplastic-fe"), compare_loading(case, values_of(case)[0])
+        at = np.geomspace(2 * law.yield_overlap, 0.9 * case.max_overlap, 12)
+        path = np.linspace(0.0, case.max_overlap, 20001)
+        force = law.follow(path, path / speed)["force"] if speed else law.loading_force(path)
+        ratio = np.interp(loading["overlap"], path, force) / loading["force"]
+        width = 0.1  # in the logarithm of the overlap: the contact grows from node to node
+        near = np.exp(-(((np.log(at)[:, None] - np.log(loading["overlap"].to_numpy()[None])) / width) ** 2))
+        found.append((near * ratio.to_numpy()).sum(axis=1) / near.sum(axis=1) - 1)
+    return np.array(found)
+
+
+STEEL_4340 = {
+    "youngs_modulus": 200e9, "poisson_ratio": 0.29, "density": 7830.0, "yield_strength": 792e6, "rate_sensitivity": 0.014,
+}  # fmt: skip
+
+
+def test_law_and_finite_elements_depend_on_the_rate_alike():
+    """At 100 m/s, where the yield strength is 1.14 to 1.16 times the slow one."""
+    fast, slow = rate_errors(STEEL_4340, 100.0, elements=500, max_overlap=0.03)
+    assert np.abs(fast - slow).max() < 0.02
+    assert np.abs(fast).max() < 0.04
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("velocity", [1.0, 10.0, 100.0])
+@pytest.mark.parametrize("metal", [STEEL_4340, BRASS | {"yield_strength": YIELD, "rate_sensitivity": 0.009}])
+def test_law_at_a_velocity_is_near_finite_elements(metal, velocity):
+    fast, slow = rate_errors(metal, velocity, elements=2000, max_overlap=0.17)
+    assert np.abs(fast - slow).max() < 0.015
+    assert np.abs(fast).max() < 0.03
 
 
 # --- input

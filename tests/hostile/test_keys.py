@@ -95,7 +95,7 @@ MAY_BE_NEGATIVE = {
 MAY_BE_A_NUMBER = {f"{table}.{way}" for table in ("contact", "pair.1") for way in ("rolling", "twisting")}
 MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
-    "contact.initial_overlap", "material.hardening", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
+    "contact.initial_overlap", "material.hardening", "material.rate_sensitivity", "run.velocity", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
 MAY_BE_EMPTY = {

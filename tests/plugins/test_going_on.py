@@ -89,6 +89,11 @@ RUNS = {
         script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} loss time 1e-6", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
                   extra=LOSSES), 4500, ["c_en[1]", "c_en[8]", "f_wall[16]"],
     ),
+    "rate of yielding": (
+        script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} rate 0.02 1", velocities=[*HEADS_ON, (0, 0, -20)], box=BOX,
+                  extra=LOSSES.replace(f"{HERTZ} loss dashpot 0.2", f"{BRASS} rate 0.05 10 friction 0.2")), 4500,
+        ["c_en[1]", "c_en[2]", "f_wall[4]", "f_wall[5]"],
+    ),
     "flat face": (
         script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], types=[1, 2], velocities=[(0, 0, 2.0)], box=BOX, extra=FACE,
                   coefficients=[f"pair_coeff 1 1 {HERTZ}", f"pair_coeff 2 2 {HERTZ}", f"pair_coeff 1 2 {BRASS} 210e9 0.3 INF"]),

@@ -106,7 +106,18 @@ REFUSED = {
         ("twisting sds 1 0 0.1 twisting marshall", "twisting is given twice"),
         ("twisting marshall", "give friction mu"),
     ]),
+    "rates": (ONE, "pair_coeff * * {}", [
+        ("elastoplastic 115e9 0.3 550e6 rate 0.01", "rate needs C and a reference rate for each of the materials"),
+        ("elastoplastic 115e9 0.3 550e6 rate -0.01 1", "rate sensitivity must not be negative, found '-0.01'"),
+        ("elastoplastic 115e9 0.3 550e6 rate 0.01 0", "reference rate must be positive, found '0'"),
+        ("elastoplastic 115e9 0.3 550e6 rate fast 1", "rate sensitivity must be a number, found 'fast'"),
+        ("elastoplastic 115e9 0.3 550e6 variant published rate 0.01 1", "rate needs a law that is passive: variant continuous"),
+        ("bilinear 115e9 0.3 550e6 rate 0.01 1", "'rate' is no option of law 'bilinear'"),
+        ("hertz 115e9 0.3 rate 0.01 1", "'rate' is no option of law 'hertz'"),
+    ]),
     "ghosts": ("", "{}comm_modify vel no\nrun 0", [
+        (script_of([*PAIR], style="elastoplastic 115e9 0.3 550e6 rate 0.01 1"),
+         "with a yield strength that depends on the rate needs the velocities of ghost atoms"),
         (rubbing(PAIR), "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
         (LOSSY, "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
     ]),

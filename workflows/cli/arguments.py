@@ -62,6 +62,9 @@ positive = _number("a whole number, 1 or more", lambda value: value.is_integer()
 count = _number("a whole number, 0 or more", lambda value: value.is_integer() and value >= 0, int)
 seconds = _number("a number above 0 (s)", lambda value: 0 < value < math.inf)
 hertz = _number("a number above 0 (Hz)", lambda value: 0 < value < math.inf)
+speed = _number("a number above 0 (m/s)", lambda value: 0 < value < math.inf)
+#: Rate sensitivity, as `Material.rate_sensitivity`.
+sensitivity = _number("a number from 0 to 0.2", lambda value: 0 <= value <= 0.2)
 #: An overlap over that at first yield.
 overlap = _number(f"a number above 0 and at most {_LARGEST_OVERLAP:g}", lambda value: 0 < value <= _LARGEST_OVERLAP)
 #: A radius, m; infinite: a plane, if the command allows one.

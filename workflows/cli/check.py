@@ -160,6 +160,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows
             ("output", "a file from each rank (output.parts)" if values["output_in_parts"] else ""),
             ("held by the first rank", f"all sites at once, for {' and '.join(held)}" if held else ""),
             ("largest overlap", overlap),
+            ("yield strength", _rate(values["rate"])),
             ("loss", f"time {loss['time_s']:.4g} s" if "time_s" in loss else ""),
             ("loss", f"dashpot {loss['dashpot']:.4g}" if "dashpot" in loss else ""),
             ("outermost yield", _outermost_yield(plan.zone)),
@@ -191,6 +192,14 @@ def _size(values: Mapping[str, Any]) -> Rows:
         aside = f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
         below = f"{struck['below_m']:.3g} m below the top" if struck["below_m"] else ""
         yield "struck", ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below]))
+
+
+def _rate(rate: Mapping[str, float] | None) -> str:
+    """Return the factor of the yield strength by the strain rate; empty if there is none."""
+    if rate is None:
+        return ""
+    first, last = rate["factor_at_yield"], rate["factor_at_largest_overlap"]
+    return f"times {first:.4g} at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
 
 
 def _static(case: Case) -> str:

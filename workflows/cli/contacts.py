@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -39,11 +40,20 @@ def law(options: argparse.Namespace) -> int:
         raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
     if options.restitution and not LAWS[options.law].yields:
         raise InputError(f"--restitution: a contact of law {options.law} gives all back; choose another --law")
-    materials = [material(name) for name in options.material]
+    rate = options.rate_sensitivity
+    if rate and not (LAWS[options.law].yields and "rate_sensitivity" in LAWS[options.law].options):
+        raise InputError(f"--rate-sensitivity: found with law {options.law}, which knows no strain rate")
+    if rate and options.variant != "continuous":
+        raise InputError(f"--rate-sensitivity: found with variant {options.variant}, expected continuous")
+    if options.velocity and (not rate or options.restitution):
+        other = "takes all velocities: leave out --restitution" if rate else "matters to none: give --rate-sensitivity"
+        raise InputError(f"--velocity: found {options.velocity:g}, which {other}")
+    materials = [dataclasses.replace(material(name), rate_sensitivity=rate or None) for name in options.material]
     spheres = contact_of(materials, options.radius, options.law, options.variant)
     names = " on ".join(options.material)
     if not options.restitution:
-        curves.write_law(spheres, output, max_overlap=options.max_overlap, title=names)
+        title = f"{names}, {options.velocity:g} m/s" if options.velocity else names
+        curves.write_law(spheres, output, options.max_overlap, title, options.velocity)
     else:
         first, second = (
             sphere_mass(m, r)

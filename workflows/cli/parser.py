@@ -31,7 +31,9 @@ from granwave.workflows.cli.arguments import (
     positive,
     radius,
     seconds,
+    sensitivity,
     shares,
+    speed,
     words,
 )
 from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
@@ -288,6 +290,10 @@ COMMANDS = (
                 help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),
         _option("--max-overlap", type=overlap, default=200.0, metavar="A",
                 help="largest overlap, in units of that at first yield (default: 200)"),
+        _option("--rate-sensitivity", type=sensitivity, default=0.0, metavar="C",
+                help="growth of the yield strength with the strain rate, as material.rate_sensitivity"),
+        _option("--velocity", type=speed, default=0.0, metavar="V",
+                help="velocity of approach, m/s, with --rate-sensitivity (default: slow)"),
         _flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
               "and a rigid wall"),
         _output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections import Counter
 from typing import Any
 
@@ -17,6 +18,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
+from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
 
 _MOST_GAPS = 3
@@ -84,6 +86,22 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     }
 
 
+def _rate(assembly: Assembly) -> dict[str, float] | None:
+    """Return the factor of the yield strength in the fastest collision, at first yield and at its largest overlap.
+
+    The contact approaches there with the velocity of the collision. None: it depends on no rate.
+    """
+    if not assembly.has_rate:
+        return None
+    found = [(math.sqrt(4 * one.energy / one.mass), one) for one in encounters(assembly)]
+    if not found:
+        return None
+    velocity, fastest = max(found, key=lambda one: one[0])
+    law, largest = fastest.law, max(fastest.overlap, fastest.law.yield_overlap)
+    first, last = law.rate_factor(np.array([law.yield_overlap, largest]), velocity).tolist()
+    return {"velocity_m_s": velocity, "factor_at_yield": first, "factor_at_largest_overlap": last}
+
+
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     assembly, schedule, zone, no_reduction = assemble(case), plan.schedule, plan.zone, no_bare_target(case)
@@ -119,6 +137,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "peak_overlap_over_radius": plan.peak_overlap_radius,
         "peak_overlap_beyond_law": case.contact.entry.fitted and plan.peak_overlap_radius > _LARGEST_OF_LAW,
         "loss": None if loss is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
+        "rate": _rate(assembly),
         "zone": None
         if zone is None
         else {

@@ -37,12 +37,21 @@ class Elastoplastic:
     density: float
     yield_strength: float
     hardening: float = 0.0  # tangent modulus after yield over Young's modulus
+    rate_sensitivity: float = 0.0  # C of Johnson and Cook's factor 1 + C ln(rate/reference rate)
+    reference_rate: float = 1.0  # 1/s
 
     @classmethod
     def of(cls, material: Material) -> Elastoplastic:
         """Make it from the material of a case."""
         limit = math.inf if material.yield_strength is None else material.yield_strength
-        return cls(material.youngs_modulus, material.poisson_ratio, material.density, limit, material.hardening or 0.0)
+        return cls(
+            material.youngs_modulus,
+            material.poisson_ratio,
+            material.density,
+            limit,
+            material.hardening or 0.0,
+            *material.rate,
+        )
 
     @property
     def hardening_modulus(self) -> float:

@@ -95,6 +95,9 @@ class ContinuumCase(ElementCase):
             errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
         if material is not None and material.hardening:
             errors.add("material.hardening", f"found {material.hardening:g}, expected none; a block does not harden")
+        if material is not None and material.rate_sensitivity:
+            text = f"found {material.rate_sensitivity:g}, expected none; a block does not depend on the rate"
+            errors.add("material.rate_sensitivity", text)
         if punch is not None and not 0 < punch.energy < math.inf:
             errors.add(
                 "punch",

@@ -50,6 +50,12 @@ class SphereContactRun:
         "about how many elements the mesh has, both spheres together", at_least=100, at_most=1_000_000_000, default=6000
     )
     speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
+    velocity: float = number(
+        "velocity of approach and of separation, m/s, that gives strain rates to a material with rate_sensitivity; "
+        "inertia is left out; 0: slow",
+        at_least=0,
+        default=0.0,
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -83,7 +89,8 @@ class SphereContactCase(ElementCase):
     def identical(self) -> bool:
         """True if both spheres are equal, so that one of them on the plane of symmetry is sufficient."""
         first, second = (
-            (one.youngs_modulus, one.poisson_ratio, one.yield_strength, one.hardening or 0.0) for one in self.materials
+            (one.youngs_modulus, one.poisson_ratio, one.yield_strength, one.hardening or 0.0, one.rate)
+            for one in self.materials
         )
         return self.radii[0] == self.radii[1] and first == second
 

@@ -40,7 +40,29 @@ NEAR_END, FAR_END = 0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)
 
 
 @compiled
-def stress(x, v, elements, kind, constants, hourglass, state, f):
+def plastic_increment(mises, limit, hardening, shear, sensitivity, least):
+    """Return the increment m of the equivalent plastic strain, and the factor of the yield strength at its rate.
+
+    With Johnson and Cook's factor, m solves ``(limit + hardening m)(1 + C ln(m/least)) + 3 mu m = mises``, where least
+    is the increment at the reference rate, below which the factor is 1. The left side is concave in m, so that Newton's
+    method from ``least`` converges from below.
+    """
+    more = (mises - limit) / (3 * shear + hardening)
+    if sensitivity == 0.0 or more <= least:
+        return more, 1.0
+    m, factor = least, 1.0
+    for _ in range(50):
+        yielding = limit + hardening * m
+        missing = mises - yielding * factor - 3 * shear * m
+        m += missing / (hardening * factor + yielding * sensitivity / m + 3 * shear)
+        factor = 1.0 + sensitivity * math.log(m / least)
+        if missing <= 1e-9 * mises:
+            break
+    return m, factor
+
+
+@compiled
+def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
     """Update the elements to the end of a step and set the internal forces ``f``.
 
     Parameters
@@ -48,8 +70,10 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
     x, v
         Positions at the end of the step and displacements in it, (n_nodes, 2), m.
     kind, constants
-        Material index of each element; for each material lambda, mu, yield strength (Pa), viscosity (Pa step) and
-        hardening modulus (Pa).
+        Material index of each element; for each material lambda, mu, yield strength (Pa), viscosity (Pa step),
+        hardening modulus (Pa), rate sensitivity and reference rate (1/s).
+    pace
+        Steps in a second, for rates; 0: at rest.
 
     Returns
     -------
@@ -107,8 +131,10 @@ def stress(x, v, elements, kind, constants, hourglass, state, f):
         back = 1.0
         if square > limit * limit:
             mises = math.sqrt(square)
-            more = (mises - limit) / (3 * mu + hardening)
-            back = (limit + hardening * more) / mises
+            sensitivity = constants[kind[e], 5] if pace > 0.0 else 0.0
+            least = constants[kind[e], 6] / pace if sensitivity > 0.0 else 0.0
+            more, factor = plastic_increment(mises, limit, hardening, mu, sensitivity, least)
+            back = (limit + hardening * more) * factor / mises
             # plastic strain increment (1 - back) d/(2 mu), work by the mean of old and new stress
             before = o_rr * d_rr + o_zz * d_zz + o_tt * d_tt + 2 * o_rz * s_rz
             s[PLASTIC] += 0.5 * (1 - back) / (2 * mu) * (before + back * square / 1.5) * volume
@@ -260,7 +286,9 @@ def masses(x, elements, kind, constants, extra, mass):
 
 
 @compiled
-def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, motion, mass, free, mesh, contact):
+def advance(
+    n_steps, wanted, growth, smoothing, damping, memory, halves, velocity, tally, motion, mass, free, mesh, contact
+):
     """Take ``n_steps``; energies and force in ``tally`` are those at the end.
 
     Parameters
@@ -274,6 +302,8 @@ def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, 
         ``memory`` steps: oscillations are damped, steady motion is not.
     halves
         Approach over overlap: 1 for two bodies, 1/2 for one on the plane of symmetry.
+    velocity
+        Rate of the overlap in time, m/s, by which steps become time for materials that depend on the rate; 0: at rest.
     motion
         (4, n_nodes, 2): position (m), displacement in the last step (m), force (N), mean displacement in a step (m).
     free
@@ -305,7 +335,8 @@ def advance(n_steps, wanted, growth, smoothing, damping, memory, halves, tally, 
                     steady[i, axis] = mean + drift * (new - mean)
                     lost += mass[i] * (old + new) * (0.5 * (old + new) - mean)
         tally[DAMPING] += 0.5 * damping * lost
-        viscous, artificial = stress(x, v, elements, kind, constants, hourglass, state, f)
+        pace = velocity / abs(tally[RATE]) if tally[RATE] != 0.0 else 0.0
+        viscous, artificial = stress(x, v, elements, kind, constants, hourglass, state, f, pace)
         tally[VISCOUS] += viscous
         tally[HOURGLASS] += artificial
         approach = halves * tally[OVERLAP]

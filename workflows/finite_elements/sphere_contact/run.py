@@ -107,6 +107,7 @@ class ContactRun(ElementRun):
             smoothing=mesh.SMOOTHING * n / speed,
             damping=mesh.DAMPING / n,
             memory=mesh.MEMORY * n,
+            velocity=case.run.velocity,
         )
         self.profiles: list[tuple[float, Contact]] = []
         self.field: Tables = {}

@@ -72,7 +72,7 @@ class Solver:
         One or two meshes.
     materials
         Material of each body.
-    smoothing, damping, memory
+    smoothing, damping, memory, velocity
         As in `kernels.advance`.
     """
 
@@ -84,9 +84,10 @@ class Solver:
         smoothing: float,
         damping: float,
         memory: float,
+        velocity: float = 0.0,
     ) -> None:
         self.bodies, self.materials = bodies, materials
-        self.damping, self.smoothing, self.memory = damping, smoothing, memory
+        self.damping, self.smoothing, self.memory, self.velocity = damping, smoothing, memory, velocity
         self.n_steps = 0
         self._halves = 1.0 if len(bodies) == 2 else 0.5
         self.offsets = np.cumsum([0, *(len(body.nodes) for body in bodies)])
@@ -98,7 +99,7 @@ class Solver:
         viscosities = [LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials]
         self._constants = np.array(
             [
-                (*one.lame, one.yield_strength, drag, one.hardening_modulus)
+                (*one.lame, one.yield_strength, drag, one.hardening_modulus, one.rate_sensitivity, one.reference_rate)
                 for one, drag in zip(materials, viscosities, strict=True)
             ]
         )
@@ -171,6 +172,7 @@ class Solver:
                 self.damping,
                 self.memory,
                 self._halves,
+                self.velocity,
                 self.tally,
                 self.motion,
                 self.mass,
