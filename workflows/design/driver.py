@@ -12,6 +12,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.document.cells import is_number
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -149,7 +150,7 @@ def first_design(study: Study) -> None:
             faults[design.reason] = faults.get(design.reason, 0) + 1
     place = study.problem.path
     if nearest is None:
-        raise InputError([f"{place}: variables: {fault}" for fault in list(faults)[:5]])
+        raise InputError([f"{place}: variables: {fault.removeprefix(f'{place}: ')}" for fault in list(faults)[:5]])
     design = nearest[1]
     made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
     raise InputError(
@@ -166,10 +167,6 @@ def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Desi
     """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
     known, margins, fault = examined(problem, dict(values))
     return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 class _Search:
@@ -272,7 +269,8 @@ class _Search:
         """Queue the most promising design next to the best that was not tried; return False if there is none."""
         study, problem = self.study, self.problem
         best, search = next(iter(study.best()), None), problem.search
-        left = search.neighbours - sum(bool(design.next_to) for design in study.designs)
+        most = min(search.neighbours, search.evaluations)
+        left = most - sum(bool(design.next_to) for design in study.designs)
         if best is None or left <= 0 or not search.guards or search.sampler != "model":
             return False
         for values in promising(*_asked(study), [values for _, values in problem.space.neighbours(best.values)]):
@@ -343,7 +341,7 @@ class _Search:
         values = with_derived(ended.summary, design.known["smallest_diameter_m"])
         wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
         values |= design.known
-        found = {name: float(values[name]) for name in wanted if _is_number(values.get(name))}
+        found = {name: float(values[name]) for name in wanted if is_number(values.get(name))}
         if missing := [name for name in wanted if name not in found]:
             shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
             return self._end(design, FAILED, f"{shown} in summary.json, expected a number")

@@ -203,13 +203,11 @@ def test_runs_that_are_gone_are_made_again(searched, folder):
 
 
 def test_values_that_are_no_numbers_fail(folder):
-    tables = {**problem_of(folder).tables, "objective": {"minimise": ["end_reason"]}}
-    tables |= {"search": {"evaluations": 2, "guards": False}, "limits": {"plastic_zone_depth_m": 1.0}}
+    tables = {**problem_of(folder).tables, "objective": {"minimise": ["plastic_zone_depth_m"]}}
+    tables |= {"search": {"evaluations": 2, "guards": False}}
     found = gw.design(tables, directory=folder / "words", progress=False)
     assert found.best is None
-    assert set(found.table["reason"]) == {
-        'end_reason: "end_time", plastic_zone_depth_m: null in summary.json, expected a number'
-    }
+    assert set(found.table["reason"]) == {"plastic_zone_depth_m: null in summary.json, expected a number"}
 
 
 def test_far_worse_designs_are_not_run_further(folder):
@@ -372,6 +370,43 @@ def test_layers_are_variables_of_each_bead(folder):
     assert (sizes[0].low, sizes[0].high) == (0.005, 0.01)
 
 
+def test_layers_of_a_packing_and_those_that_are_tied(folder):
+    base = {"base": "fcc-small", "set": {"packing.size": [4, 4, 4]}}
+    for tied, keys in (
+        ({}, ["1-16", "17-32", "33-48", "49-64"]),
+        ({"tied": {"period": 2}}, ["1-16,33-48", "17-32,49-64"]),
+        ({"tied": {"groups": 2}}, ["1-32", "33-64"]),
+    ):
+        problem = problem_of(folder, **base, variables={"layers": {"materials": ["steel", "aluminium"], **tied}})
+        assert [one.key for one in problem.space.variables] == [f"replace.{ids}.material" for ids in keys]
+        known = new_design(problem, 1, {one.key: "aluminium" for one in problem.space.variables}).known
+        light = new_design(
+            problem_of(folder, **base, variables={"material": ["aluminium"]}), 1, {"material": "aluminium"}
+        )
+        assert known["mass_kg"] == pytest.approx(light.known["mass_kg"])
+    row = problem_of(folder, variables={"layers": {"diameters": [0.5, 1.0], "tied": {"period": 2}}})
+    made = row.tables_of({"replace.1,3.diameter": 0.01, "replace.2.diameter": 0.005})
+    assert made["replace"] == [
+        {"index": {"first": 1, "last": 3, "step": 2}, "diameter": 0.01},
+        {"index": 2, "diameter": 0.005},
+    ]
+
+
+def test_grains_that_one_entry_of_the_base_covers_in_part_keep_the_rest_of_it():
+    base = {"packing": {}, "replace": [{"index": {"first": 3, "last": 5}, "diameter": 0.2}]}
+    made = with_values(base, {"replace.1-4.material": "ptfe"})["replace"]
+    assert made[1:] == [
+        {"index": {"first": 1, "last": 2}, "material": "ptfe"},
+        {"index": {"first": 3, "last": 4}, "diameter": 0.2, "material": "ptfe"},
+    ]
+
+
+def test_the_place_of_an_intruder():
+    base = {"packing": {}, "replace": [{"index": 7, "material": "ptfe"}]}
+    made = with_values(base, {"replace.7.index": 3, "replace.7.diameter": 0.1})
+    assert made["replace"] == [{"index": 3, "material": "ptfe", "diameter": 0.1}]
+
+
 def test_limits_known_before_a_run(folder):
     problem = problem_of(folder, limits={"mass_kg": 0.005, "n_spheres": {"low": 2}})
     steel = new_design(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
@@ -399,6 +434,19 @@ def test_limits_known_before_a_run(folder):
         ({"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}}, "is given twice"),
         ({"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}}, "is given twice"),
         ({"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}}, "found beside packing.size"),
+        (
+            {"variables": {"layers": {"materials": MATERIALS, "tied": True}}},
+            "layers.tied: found true, expected {period",
+        ),
+        ({"variables": {"layers": {}}}, "layers: found {}, expected"),
+        (
+            {"base": "fcc-small", "variables": {"layers": {"diameters": [0.5, 1.0]}}},
+            'expected "chain": smaller spheres',
+        ),
+        ({"variables": {"packing.diameter": {"low": 0.01, "high": 0.02, "step": 0}}}, "steps above 0"),
+        ({"variables": {"packing.kind": ["foo"]}}, "variables: packing.kind: found"),
+        ({"objective": {"minimise": ["end_reason"]}}, "expected the name of a number of summary.json"),
+        ({"serach": {}}, "did you mean search?"),
         ({"uncertainty": {"velocity": [1, 2], "load.velocity": [1, 2]}}, "is given twice"),
         ({"uncertainty": {"velocity": [-5, -3]}}, "uncertainty: load.velocity"),
         ({"search": {"evaluations": 0}}, "evaluations: found 0"),
