@@ -164,13 +164,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
         errors.add(f"variables.{key}", "is given twice")
     if layers is not None and base:
         found += _layers(layers, base, [one.key for one in found], errors)
-    names = {_generic(key) for key in case_keys()} | {
-        "replace",
-        "replace.material",
-        "striker",
-        "striker.material",
-        "contact.loss",
-    }
+    names = {_generic(key) for key in case_keys()} | _WHOLE
     for one in found:
         generic = _generic(one.key)
         if not _is_key(generic, names):
@@ -224,10 +218,8 @@ def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors
     """
     key, packing = f"variables.{LAYERS}", GRANULAR.read(base, errors.source).packing
     table = value if isinstance(value, Mapping) else {}
-    ends, tied = (
-        table.get("diameters"),
-        table.get("tied", {"groups": packing.lattice().n_layers if packing.grains is None else 1}),
-    )
+    lattice = packing.lattice() if packing.grains is None else None
+    ends, tied = table.get("diameters"), table.get("tied", {"groups": lattice.n_layers if lattice else 1})
     way, count = next(iter(tied.items())) if isinstance(tied, Mapping) and len(tied) == 1 else ("", 0)
     fits = errors.check_first(
         ({"packing.size", "packing.diameter"} & {other.removesuffix(".2") for other in others}, key,
