@@ -95,7 +95,9 @@ def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
         "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
         "best": {**_values_of(problem, best[0]), "guards": list(map(dataclasses.asdict, findings))} if best else None,
         "front": [_values_of(problem, design) for design in best] if len(problem.objectives) > 1 else None,
+        "limits": {one.name: {"low": one.low, "high": one.high} for one in problem.limits},
         "evaluations": study.n_evaluated,
+        "next_to_best": sum(bool(design.next_to) for design in study.designs),
         "states": {state: states.count(state) for state in dict.fromkeys(states)},
         "designs": problem.space.size if problem.space.size < float("inf") else None,
         "importance": importance(problem.space, study.known()),
@@ -110,7 +112,7 @@ def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
 def _random(study: Study) -> list[float]:
     """Return the best of so many designs at random, by the model: what the search is compared with."""
     (first, *others) = study.problem.objectives
-    counts = range(1, study.n_evaluated + 1)
+    counts = range(1, sum(design.ran for design in study.designs) + 1)
     losses = [] if others else expected_random(study.problem.space, study.known(), counts)
     return [first.sign * loss for loss in losses]
 

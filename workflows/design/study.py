@@ -76,8 +76,7 @@ class Design:
     @property
     def notes(self) -> list[str]:
         """Marks of its runs."""
-        place = [f"next to design {self.next_to}, tried after the search"] if self.next_to else []
-        return [*place, *dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note"))]
+        return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
         """Return the numbers that are to be small; None without a value."""
@@ -88,7 +87,7 @@ class Design:
     def as_known(self, objectives: tuple[Objective, ...]) -> Known:
         """Return what the search is told."""
         failed = {"failed": 1.0 if self.state == FAILED else -1.0} if self.runs and self.state != RUNNING else {}
-        margins = {**self.margins, **failed}
+        margins = {**self.margins, "wrong": -1.0 if self.known else 1.0, **failed}  # a wrong case has no known values
         return Known(self.values, self.losses(objectives), margins, self.state == RUNNING)
 
 
@@ -160,7 +159,8 @@ class Study:
                 else []
             )
             limits = [design.limited.get(name, "") for name in limited]
-            reason = "; ".join([design.reason, *design.notes] if design.reason else design.notes)
+            place_of = f"next to design {design.next_to}, tried after the search" if design.next_to else ""
+            reason = "; ".join(filter(None, (design.reason, place_of, *design.notes)))
             table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends, *limits])
         return stream.getvalue()
 
