@@ -79,6 +79,14 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
     if best is None:
         return [Note("No design that was run meets the limits; designs.csv tells how far each is from them.", "bad")]
     blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
+    if found["front"] and len(found["front"]) > 1:
+        (first, which), (second, _) = found["objectives"].items()
+        last, count = found["front"][-1], len(found["front"])
+        text = (
+            f"This is the design with the {which} {label_of(first).lower()} of the {count} of the front. At its other "
+        )
+        value = " and ".join(_quantity_of(name, last["objective"][name]) for name in (first, second))
+        blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
     blocks += [Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note") for one in best["guards"] if one["warning"]]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
@@ -93,9 +101,8 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     values = []
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
-        unit = unit_of_value(name)
         spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        values.append(f"{label_of(name).lower()} {quantity_in(value, unit) if unit else show(value)}{spread}")
+        values.append(f"{_quantity_of(name, value)}{spread}")
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times less than without the packing" if reduction else ""
     more = ", ".join(f"{key} {show(value)}" for key, value in best["variables"].items() if not key.startswith(_TOLD))
@@ -130,6 +137,13 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
         for _, row in rows.iterrows()
     )
     return Table("Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True)
+
+
+def _quantity_of(name: str, value: float) -> str:
+    """Return a value of a summary with its name and unit."""
+    unit = unit_of_value(name)
+    scale, unit = (1000, "g") if unit == "kg" else (1, unit)
+    return f"{label_of(name).lower()} {quantity_in(scale * value, unit) if unit else show(value)}"
 
 
 def _bounds(limit: Mapping[str, float]) -> str:
@@ -213,7 +227,7 @@ def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
         random = np.array(found["random"])
         axes.plot(np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected")
         columns["random_expected"] = random
-    if (ran[name] > 0).all() and ran[name].max() > 3 * ran[name].min():
+    if 0 < 3 * ran[name].min() < ran[name].max():
         axes.set_yscale("log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set(xlabel="Designs run", ylabel=_axis(name))

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.case.schema import (
 
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
-_DERIVED = ("yielded_share", "overlap_over_radius")  # values that are made of those of the summary
+_DERIVED = ("yielded_share", "kinetic_share", "overlap_over_radius")  # values that are made of those of the summary
 
 _NO_NUMBERS = ("name", "end_reason", "zone_cut", "versions")  # values that are words, lists or tables
 

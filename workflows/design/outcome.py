@@ -65,15 +65,16 @@ def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[s
     """Return a summary with the values that are made of others, and those that are known before a run.
 
     ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest spheres, a quarter of
-    their diameter.
+    their diameter. ``kinetic_share``: of the energy put in, at the end.
     """
     count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
-    overlap = summary.get("peak_overlap_m")
+    overlap, given, kinetic = (summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J"))
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
         "height_m": summary.get("packing_height_m"),
         "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
+        "kinetic_share": None if kinetic is None or not given else kinetic / given,
         "yielded_share": yielded / count if count and yielded is not None else None,
     }
 

@@ -19,7 +19,17 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import _Search, first_design, new_design
-from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, of_neighbours, target_force
+from granwave.workflows.design.guards import (
+    GUARDS,
+    finding_of,
+    findings_without_runs,
+    further_runs,
+    has_come,
+    has_passed,
+    late_impulse,
+    of_neighbours,
+    target_force,
+)
 from granwave.workflows.design.problem import with_values
 from granwave.workflows.design.study import Design, Study
 from tests.conftest import PLAIN
@@ -481,6 +491,54 @@ def test_guards_change_one_thing():
     assert changed["finer"]["run"]["energy_tolerance"] == pytest.approx(1.5e-6)
     assert changed["tolerance"]["packing"]["diameter_scatter"] == pytest.approx(5e-6)
     assert changed["stiffer"]["boundary"]["bottom"]["plate"]["stiffness"] == 4e6
+
+
+def test_what_the_run_of_the_best_tells(folder, tmp_path):
+    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a range: each is said."""
+    import h5py
+    import numpy as np
+
+    ranges = {"packing.diameter": {"low": 0.004, "high": 0.012}}
+    problem = problem_of(folder, base="fcc-small", variables=ranges, set={"packing.size": [4, 4, 4]})
+    time_ = np.linspace(0.0, 1.0, 101)
+    still, past = np.ones(101), np.exp(-(((time_ - 0.3) / 0.1) ** 2))
+    bad, good = (5, 1.0, 0.5, still, 0.012, "not fallen"), (0, 1.0, 0.1, past, 0.008, "")
+
+    def warned(beyond, given, kinetic, force, diameter, note):
+        with h5py.File(tmp_path / "result.h5", "w") as file:
+            file["walls/bottom/time"], file["walls/bottom/force"] = time_, force
+        summary = {"contacts_beyond_law": beyond, "energy_input_J": given, "energy_kinetic_J": kinetic}
+        best = Design(1, {"packing.diameter": diameter}, "complete", runs={"1": {"note": note}})
+        return {one.name for one in findings_without_runs(problem, best, summary, tmp_path) if one.warning}
+
+    assert warned(*good) == set()
+    names = ("law", "", "flight", "impulse", "edge", "end")
+    for place, name in enumerate(names):
+        if name:
+            assert warned(*(bad[n] if n == place else good[n] for n in range(6))) == {name}
+
+
+def test_what_changes_by_more_than_five_per_cent_is_said_first(folder):
+    problem, guard = problem_of(folder, limits={"wall_impulse_Ns": 1.0}), GUARDS[0]
+    before = {"target_peak_force_N": 100.0, "wall_impulse_Ns": 0.9}
+    for force, impulse, warning, text in (
+        (104.0, 0.9, False, "104 (+4.0 %)"),
+        (94.0, 0.9, True, "94 (-6.0 %)"),
+        (101.0, 1.1, True, "beyond a limit: wall_impulse_Ns 1.1, at most 1"),
+        (None, 0.9, True, "gives no value"),
+    ):
+        found = finding_of(guard, problem, before, {"target_peak_force_N": force, "wall_impulse_Ns": impulse})
+        assert (found.warning, text in found.text) == (warning, True)
+
+
+def test_luck_is_another_seed_of_what_is_random_and_a_tolerance_of_what_is_not(folder):
+    variables = {"load.velocity": [1.0, 2.0]}
+    base = {"base": "fcc-small", "variables": variables, "set": {"packing.size": [4, 4, 4]}}
+    best = Design(1, {"load.velocity": 1.0}, "complete")
+    plain = {guard.name for guard, _ in further_runs(problem_of(folder, **base), best, 1)}
+    random = problem_of(folder, **base, uncertainty={"tolerance": 5e-6, "replicates": 2})
+    assert plain == {"wider", "longer", "finer", "tolerance"}
+    assert {guard.name for guard, _ in further_runs(random, best, 1)} == {"wider", "longer", "finer", "seed"}
 
 
 def test_passed_forces_and_late_impulses():
