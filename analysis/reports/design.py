@@ -279,6 +279,7 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
             color=ORANGE if chosen else BLUE,
             alpha=1.0 if chosen else 0.1 + 0.6 * good**3,
             lw=2 if chosen else 0.8,
+            zorder=3 if chosen else 2,
         )
     labels = [f"{label}\n{_ends(ran[key])}" for key, label in zip((*keys, name), (*keys, label_of(name)), strict=True)]
     axes.set_xticks(places, labels, rotation=30, ha="right")

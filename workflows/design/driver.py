@@ -7,10 +7,8 @@ import dataclasses
 import itertools
 import logging
 from collections import deque
-from collections.abc import Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
 from granwave.analysis.document.cells import is_number
 from granwave.lammps_inputs.case.schema import show
@@ -30,15 +28,26 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.workflows.design import guards
 from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.problem import Problem, examined
+from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import n_first, ordered, promising
-from granwave.workflows.design.study import COMPLETE, FAILED, PRUNED, REFUSED, RUNNING, Design, Study, read_study
+from granwave.workflows.design.study import (
+    COMPLETE,
+    FAILED,
+    MOST_REFUSED,
+    PRUNED,
+    REFUSED,
+    RUNNING,
+    Design,
+    Study,
+    first_design,
+    new_design,
+    read_study,
+)
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 
 logger = logging.getLogger(__name__)
 
-MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 _ASKED = 10  # designs that are refused until the model is made anew
 _MOST_STOPPED = 3  # times that a run may be stopped by somebody else
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
@@ -130,43 +139,6 @@ def prepare(problem: Problem, directory: Path, *, resume: bool, force: bool) -> 
     claim(directory, _FILES, kind=DESIGN)
     study.write()
     return study
-
-
-def first_design(study: Study) -> None:
-    """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
-    if any(design.ran for design in study.designs):
-        return
-    nearest: tuple[float, Design] | None = None
-    faults: dict[str, int] = {}
-    trial = Study(study.problem, study.directory, list(study.designs))
-    for n, values in zip(range(MOST_REFUSED), ordered(*_asked(trial), guided=False), strict=False):
-        design = new_design(study.problem, len(trial.designs) + n + 1, values)
-        if design.state != REFUSED:
-            return
-        if design.margins:
-            worst = max(design.margins.values())
-            nearest = min(nearest or (worst, design), (worst, design), key=lambda pair: pair[0])
-        else:
-            faults[design.reason] = faults.get(design.reason, 0) + 1
-    place = study.problem.path
-    if nearest is None:
-        raise InputError([f"{place}: variables: {fault.removeprefix(f'{place}: ')}" for fault in list(faults)[:5]])
-    design = nearest[1]
-    made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
-    raise InputError(
-        f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
-        f"the nearest is {made}: {design.reason}; widen the limits or the ranges"
-    )
-
-
-def _asked(study: Study) -> tuple[Any, Any, int]:
-    return study.problem.space, study.known(), study.problem.search.seed
-
-
-def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
-    """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
-    known, margins, fault = examined(problem, dict(values))
-    return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
 
 
 class _Search:
@@ -273,7 +245,7 @@ class _Search:
         left = most - sum(bool(design.next_to) for design in study.designs)
         if best is None or left <= 0 or not search.guards or search.sampler != "model":
             return False
-        for values in promising(*_asked(study), [values for _, values in problem.space.neighbours(best.values)]):
+        for values in promising(*study.asked, [values for _, values in problem.space.neighbours(best.values)]):
             design = new_design(problem, len(study.designs) + 1, values)
             if design.state != REFUSED:
                 design.full, design.next_to = True, best.number
@@ -289,7 +261,7 @@ class _Search:
         before = len(study.designs)
         while len(study.designs) < before + MOST_REFUSED:
             first = len(study.designs)
-            for values in itertools.islice(ordered(*_asked(study), guided=guided), _ASKED):
+            for values in itertools.islice(ordered(*study.asked, guided=guided), _ASKED):
                 design = new_design(problem, len(study.designs) + 1, values)
                 study.designs.append(design)
                 if design.state != REFUSED:

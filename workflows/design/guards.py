@@ -202,7 +202,7 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
             text = f"{what}: {tried.state} (design {tried.number}): {tried.reason}"
             yield Finding(f"neighbour-{n}", what, text)
     if left and problem.search.guards:
-        text = f"{len(left)} designs next to the best were not run, and may be better: {', '.join(left[:5])}"
+        text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
         yield Finding("neighbours", "neighbours", text, warning=True)
 
 

@@ -220,14 +220,14 @@ def ids_of(text: str, *, single: bool = False) -> list[int]:
 
 def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last that covers them."""
-    covering: dict[int, int | None] = dict.fromkeys(grains)
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
             covering |= dict.fromkeys(covering.keys() & parse_index(entry.get("index", [])), place)
     found = []
-    for place in dict.fromkeys(covering.values()):
-        ids = [grain for grain in covering if covering[grain] == place]
-        before = {} if place is None else entries[place]
+    for one in dict.fromkeys(covering.values()):
+        ids = [grain for grain in covering if covering[grain] == one]
+        before = {} if one is None else entries[one]
         if before and sorted(parse_index(before["index"])) == sorted(ids):
             found.append(before)
         else:
