@@ -278,12 +278,16 @@ class Lattice:
     @property
     def top_layer(self) -> NDArray[np.int64]:
         """Ids of the spheres of the struck layer, in rising order."""
-        return np.arange(1, self._before(1) + 1)
+        return self.layer(0)
 
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the spheres of the last layer, in rising order."""
-        return np.arange(self._before(self.n_layers - 1) + 1, self.n_spheres + 1)
+        return self.layer(self.n_layers - 1)
+
+    def layer(self, k: int) -> NDArray[np.int64]:
+        """Return the ids of the spheres of layer k, from 0 at the top, in rising order."""
+        return np.arange(self._before(k) + 1, self._before(k + 1) + 1)
 
     @property
     def lengths(self) -> tuple[float, float]:

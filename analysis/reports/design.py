@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -36,10 +36,12 @@ from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESIGN_TABLE
 
 _MOST_ROWS = 10
+_MOST_WORDS = 4  # of a variable that a figure lists
+_TOLD = ("packing.kind", "packing.size", "packing.diameter", "material")  # keys that the setting of a case tells
 _CAPTIONS = {
     "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
-    "convergence": "Objective of each design in the order of the search, the best so far, and the best of as many "
-    "designs at random, as the model of the search expects it",
+    "convergence": "Objective of each design in the order of the search, without those that were pruned or failed; the "
+    "best so far; and the best of as many designs at random, as the model of the search expects it",
     "front": "All designs that were run: those of the front are better than every other in at least one objective",
     "importance": "Share of the variance of the objective that each variable makes alone, by the model of the search",
     "coordinates": "Values of all designs that were run, scaled to their ranges; the darker, the better, and the best "
@@ -56,7 +58,8 @@ def design_report(directory: Path) -> Report:
 def _lead(found: Mapping[str, Any]) -> str:
     goals = " and ".join(f"the {which} {label_of(name).lower()}" for name, which in found["objectives"].items())
     of = f" of {found['designs']} designs" if found["designs"] else ""
-    return f"Search for {goals}: {found['evaluations']}{of} were run"
+    further = f", and {found['next_to_best']} next to the best" if found.get("next_to_best") else ""
+    return f"Search for {goals}: {found['evaluations']}{of} were run{further}"
 
 
 def _sections(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> list[Section]:
@@ -65,7 +68,7 @@ def _sections(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) ->
     sections = [Section("Answer", "answer", tuple(_answer(found, directory, drawn)))]
     if best:
         sections.append(Section("The best designs", "best", (_best_table(found, table),)))
-        sections.append(Section("Checks of the best", "checks", (_checks(best["guards"]),)))
+        sections.append(Section("Checks of the best", "checks", (_checks(best),)))
     figures = tuple(drawn[name] for name in ("convergence", "front", "importance", "coordinates") if name in drawn)
     sections.append(Section("The search", "search", (*([Gallery(figures)] if figures else []), _cost(found))))
     return sections
@@ -76,6 +79,14 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
     if best is None:
         return [Note("No design that was run meets the limits; designs.csv tells how far each is from them.", "bad")]
     blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
+    if found["front"] and len(found["front"]) > 1:
+        (first, which), (second, _) = found["objectives"].items()
+        last, count = found["front"][-1], len(found["front"])
+        text = (
+            f"This is the design with the {which} {label_of(first).lower()} of the {count} of the front. At its other "
+        )
+        value = " and ".join(_quantity_of(name, last["objective"][name]) for name in (first, second))
+        blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
     blocks += [Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note") for one in best["guards"] if one["warning"]]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
@@ -90,14 +101,14 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     values = []
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
-        unit = unit_of_value(name)
         spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        values.append(f"{label_of(name).lower()} {quantity_in(value, unit) if unit else show(value)}{spread}")
+        values.append(f"{_quantity_of(name, value)}{spread}")
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times less than without the packing" if reduction else ""
-    chosen = ", ".join(f"{key} {show(value)}" for key, value in best["variables"].items())
-    where = f"{show(best['mass_kg'])} kg, {quantity_in(best['height_m'], 'm')} high"
-    return f"{chosen} ({setting_of(case)}): {' and '.join(values)}{less}; {where}."
+    more = ", ".join(f"{key} {show(value)}" for key, value in best["variables"].items() if not key.startswith(_TOLD))
+    made = setting_of(case) + (f", with {more}" if more else "")
+    where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
+    return f"{made}: {' and '.join(values)}{less}, {where}."
 
 
 def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
@@ -109,12 +120,17 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
     else:
         ascending = found["objectives"][objectives[0]] == "smallest"
         rows = complete.sort_values(objectives[0], ascending=ascending, kind="stable").head(_MOST_ROWS)
-    known = ["mass_kg", "height_m"]
+    limits = found.get("limits", {})
+    known = [
+        name for name in dict.fromkeys(("mass_kg", "height_m", *limits)) if name not in objectives and name in table
+    ]
     spread = [f"{name}_{end}" for name in objectives for end in ("low", "high") if f"{name}_{end}" in table]
     heads = [Column("Design", key=True)]
     heads += [Column(label_of(name), unit_of_value(name), numeric=True) for name in objectives]
     heads += [Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True) for name in spread]
-    heads += [Column("Mass", "kg", numeric=True), Column("Height", "m", numeric=True)]
+    heads += [
+        Column(label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True) for name in known
+    ]
     heads += [case_column(key, "", numeric=False) for key in keys]
     cells = tuple(
         tuple(value_cell(_plain(row[name])) for name in ("number", *objectives, *spread, *known, *keys))
@@ -123,16 +139,30 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
     return Table("Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True)
 
 
+def _quantity_of(name: str, value: float) -> str:
+    """Return a value of a summary with its name and unit."""
+    unit = unit_of_value(name)
+    scale, unit = (1000, "g") if unit == "kg" else (1, unit)
+    return f"{label_of(name).lower()} {quantity_in(scale * value, unit) if unit else show(value)}"
+
+
+def _bounds(limit: Mapping[str, float]) -> str:
+    """Return the bounds of a limit as a heading has them."""
+    ends = {"low": "at least", "high": "at most"}
+    return "".join(f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None)
+
+
 def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def _checks(guards: Sequence[Mapping[str, Any]]) -> Table:
+def _checks(best: Mapping[str, Any]) -> Table:
     rows = [
         (Cell(one["what"]), Cell(one["text"].removeprefix(f"{one['what']}: "), tone="note" if one["warning"] else ""))
-        for one in guards
+        for one in best["guards"]
     ]
-    return text_table("What was changed or looked at, and what came of it", ("Check", "Found"), rows)
+    first = ", beside the first of its runs" if best.get("runs", 1) > 1 else ""
+    return text_table(f"What was changed or looked at, and what came of it{first}", ("Check", "Found"), rows)
 
 
 def _cost(found: Mapping[str, Any]) -> Table:
@@ -151,7 +181,7 @@ def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> di
     folder = FigureFolder(directory)
     makers = {
         "packing": lambda: _packing(found, directory),
-        "convergence": lambda: _convergence(found, ran),
+        "convergence": lambda: _convergence(found, table[table["directory"].notna()]),
         "front": lambda: _front(found, ran),
         "importance": lambda: _importance(found),
         "coordinates": lambda: _coordinates(found, ran),
@@ -182,9 +212,9 @@ def _axis(name: str) -> str:
 
 
 def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
-    if len(found["objectives"]) > 1 or not len(ran):
+    ((name, which), *others) = found["objectives"].items()
+    if others or not ran[name].notna().any():
         return None
-    ((name, which),) = found["objectives"].items()
     values = ran[name].where(ran["state"] == "complete").to_numpy(float)
     so_far = np.fmin.accumulate(values) if which == "smallest" else np.fmax.accumulate(values)
     number = np.arange(1, len(ran) + 1)
@@ -197,7 +227,7 @@ def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
         random = np.array(found["random"])
         axes.plot(np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected")
         columns["random_expected"] = random
-    if (ran[name] > 0).all() and ran[name].max() > 3 * ran[name].min():
+    if 0 < 3 * ran[name].min() < ran[name].max():
         axes.set_yscale("log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set(xlabel="Designs run", ylabel=_axis(name))
@@ -249,10 +279,20 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
             color=ORANGE if chosen else BLUE,
             alpha=1.0 if chosen else 0.1 + 0.6 * good**3,
             lw=2 if chosen else 0.8,
+            zorder=3 if chosen else 2,
         )
-    axes.set_xticks(places, [*keys, label_of(name)], rotation=30, ha="right")
-    axes.set(ylabel="Value, from smallest to largest", yticks=[0, 1])
+    labels = [f"{label}\n{_ends(ran[key])}" for key, label in zip((*keys, name), (*keys, label_of(name)), strict=True)]
+    axes.set_xticks(places, labels, rotation=30, ha="right")
+    axes.set(ylabel="Value, from first to last", yticks=[0, 1])
     return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
+
+
+def _ends(column: pd.Series[Any]) -> str:
+    """Return the smallest and the largest of numbers, or words in their order."""
+    if pd.api.types.is_numeric_dtype(column):
+        return f"{column.min():.4g} to {column.max():.4g}"
+    words = sorted(column.astype(str).unique())
+    return ", ".join(words) if len(words) <= _MOST_WORDS else f"{words[0]} to {words[-1]}"
 
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:

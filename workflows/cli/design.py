@@ -18,11 +18,11 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, SCAN_REPORT
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.design.design_file import load_problem
-from granwave.workflows.design.driver import REFUSED, first_design, new_design, run_design
+from granwave.workflows.design.driver import run_design
 from granwave.workflows.design.points import default_jobs
 from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import random_designs
-from granwave.workflows.design.study import Study
+from granwave.workflows.design.study import REFUSED, Study, first_design, new_design
 
 _DRAWN = 64  # designs that a plan is made of
 

@@ -330,10 +330,10 @@ _FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
     ),
     (DESIGN, "design"): (
         Key("set", "values that hold for all designs", _TABLE_OF_KEYS),
-        Key("variables", "what may vary: places in lists from 0, replace.ID.KEY of single grains, layers of a chain",
+        Key("variables", "what may vary: places in lists from 0, replace.ID.KEY of grains, layers",
             "for each key a list of choices, or {low = ..., high = ...} with log, integer or step", required=True),
         Key("limits", "what a design must keep to: mass_kg, height_m, width_m, n_spheres, smallest_diameter_m, "
-            "yielded_share, overlap_over_radius, or a value of summary.json",
+            "yielded_share, kinetic_share, overlap_over_radius, or a value of summary.json",
             "for each value the largest allowed one, or {low = ..., high = ...}"),
     ),
     (DESIGN, "uncertainty"): (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import logging
+from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from granwave.analysis.document.cells import is_number
 from granwave.analysis.scans.result import SEED
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides
@@ -37,7 +39,7 @@ from granwave.workflows.design.keys import (
     is_value,
     value_names,
 )
-from granwave.workflows.design.problem import Limit, Objective, Problem, with_values
+from granwave.workflows.design.problem import Limit, Objective, Problem, ids_of, with_values
 from granwave.workflows.design.variables import Space, Variable, read_variables
 from granwave.workflows.solvers import GRANULAR, solver_of
 
@@ -49,6 +51,7 @@ LAYERS = "layers"  # of [variables]: materials and diameters of each layer or be
 _ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
 #: Keys by which a packing may become random.
 _RANDOM = ("packing.diameter_scatter", "packing.vacancies", "striker.misalignment", "replace.share")
+_WHOLE = {"replace", "replace.material", "striker", "striker.material", "contact.loss"}  # tables, as one value
 _OF_TARGET = ("target_*", "wall_peak_force_N", "wall_impulse_Ns", "ground_*", "peak_reduction*", "unprotected_*")
 
 
@@ -71,8 +74,8 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     data: dict[str, Any] = copy.deepcopy(dict(source)) if isinstance(source, Mapping) else read_toml(path)
     whole_file = copy.deepcopy(data)
     vocabulary = [f"{table}.{key}" for table in ("set", "variables") for key in case_keys()]
-    errors = ErrorList(str(path), vocabulary=vocabulary)
     known = ("set", "variables", "limits", "objective", "uncertainty", "search")
+    errors = ErrorList(str(path), vocabulary=[*known, *vocabulary])
     tables: dict[str, Any] = {name: data.pop(name, {}) for name in known}
     header = read_table(Header, {"name": path.stem, **data}, "", errors)
     search = read_table(SearchTable, tables["search"], "search", errors)
@@ -161,7 +164,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
         errors.add(f"variables.{key}", "is given twice")
     if layers is not None and base:
         found += _layers(layers, base, [one.key for one in found], errors)
-    names = {_generic(key) for key in case_keys()} | {"replace.material", "striker.material", "contact.loss"}
+    names = {_generic(key) for key in case_keys()} | _WHOLE
     for one in found:
         generic = _generic(one.key)
         if not _is_key(generic, names):
@@ -205,35 +208,49 @@ def _is_key(generic: str, names: Collection[str]) -> bool:
 
 def _generic(key: str) -> str:
     """Return a key without places in lists."""
-    return ".".join(part for part in key.split(".") if not part.isdecimal())
+    return ".".join(part for part in key.split(".") if not ids_of(part))
 
 
 def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors: ErrorList) -> list[Variable]:
-    """Return the variables of each bead of a chain: its material, and its diameter over that of the packing."""
-    expected = '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (over packing.diameter), or both'
-    packing = base.get("packing", {})
-    if {"packing.size", "packing.diameter"} & set(others):
-        errors.add("variables.layers", "found beside packing.size or packing.diameter, expected these in the base")
+    """Return the variables of each layer, or bead of a chain: its material, and its diameter over that of the packing.
+
+    Tied layers are alike: with ``{period = 2}`` every other one, with ``{groups = 3}`` those of each third.
+    """
+    key, packing = f"variables.{LAYERS}", GRANULAR.read(base, errors.source).packing
+    table = value if isinstance(value, Mapping) else {}
+    lattice = packing.lattice() if packing.grains is None else None
+    ends, tied = table.get("diameters"), table.get("tied", {"groups": lattice.n_layers if lattice else 1})
+    way, count = next(iter(tied.items())) if isinstance(tied, Mapping) and len(tied) == 1 else ("", 0)
+    fits = errors.check_first(
+        ({"packing.size", "packing.diameter"} & {other.removesuffix(".2") for other in others}, key,
+         "found beside packing.size or packing.diameter, expected these in the base"),
+        (lattice is None, key, f'found with packing.kind = "{packing.kind}", expected a base with layers'),
+        (not {"materials", "diameters"} & set(table) or set(table) - {"materials", "diameters", "tied"}, key,
+         f'found {show(value)}, expected {{materials = ["steel", "ptfe"]}} or {{diameters = [0.4, 1.0]}} (over '
+         "packing.diameter), or both"),
+        (way not in ("period", "groups") or not isinstance(count, int) or count < 1, f"{key}.tied",
+         f"found {show(tied)}, expected {{period = 2}}, every other layer alike, or {{groups = 3}}, three blocks of "
+         "layers; free if left out"),
+        (ends is not None and packing.kind != "chain", f"{key}.diameters",
+         f'found with packing.kind = "{packing.kind}", expected "chain": smaller spheres leave gaps in a lattice'),
+        (ends is not None and not (isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))),
+         f"{key}.diameters", f"found {show(ends)}, expected [smallest, largest]"),
+    )  # fmt: skip
+    if not fits or lattice is None:
         return []
-    if not isinstance(value, Mapping) or not value or set(value) - {"materials", "diameters"}:
-        errors.add("variables.layers", f"found {show(value)}, expected {expected}")
-        return []
-    if packing.get("kind") != "chain" or not isinstance(packing.get("size"), int):
-        errors.add(
-            "variables.layers", f'found {show(packing.get("kind"))}, expected a base with packing.kind = "chain"'
-        )
-        return []
+    alike = defaultdict(list)
+    for layer in range(lattice.n_layers):
+        alike[layer % count if way == "period" else layer * count // lattice.n_layers].append(layer)
     written: dict[str, Any] = {}
-    for n in range(1, packing["size"] + 1):
-        if "materials" in value:
-            written[f"replace.{n}.material"] = value["materials"]
-        if "diameters" in value:
-            ends = value["diameters"]
-            if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(e, int | float) for e in ends):
-                errors.add("variables.layers.diameters", f"found {show(ends)}, expected [smallest, largest]")
-                return []
-            nominal = float(packing.get("diameter", 0.0))
-            written[f"replace.{n}.diameter"] = {"low": ends[0] * nominal, "high": ends[1] * nominal}
+    for layers in alike.values():
+        blocks = [(layers[0], layers[-1])] if way == "groups" else [(layer, layer) for layer in layers]
+        spans = [(lattice.layer(top)[0], lattice.layer(bottom)[-1]) for top, bottom in blocks]
+        ids = ",".join(f"{first}" if first == last else f"{first}-{last}" for first, last in spans)
+        if "materials" in table:
+            written[f"replace.{ids}.material"] = table["materials"]
+        if ends is not None:
+            low, high = (end * packing.diameter for end in ends)
+            written[f"replace.{ids}.diameter"] = {"low": low, "high": high}
     return read_variables(written, "variables", errors)
 
 

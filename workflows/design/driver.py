@@ -7,11 +7,10 @@ import dataclasses
 import itertools
 import logging
 from collections import deque
-from collections.abc import Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
+from granwave.analysis.document.cells import is_number
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -29,15 +28,26 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.workflows.design import guards
 from granwave.workflows.design.outcome import check_best, publish, with_derived
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.problem import Problem, examined
+from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import n_first, ordered, promising
-from granwave.workflows.design.study import COMPLETE, FAILED, PRUNED, REFUSED, RUNNING, Design, Study, read_study
+from granwave.workflows.design.study import (
+    COMPLETE,
+    FAILED,
+    MOST_REFUSED,
+    PRUNED,
+    REFUSED,
+    RUNNING,
+    Design,
+    Study,
+    first_design,
+    new_design,
+    read_study,
+)
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 
 logger = logging.getLogger(__name__)
 
-MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 _ASKED = 10  # designs that are refused until the model is made anew
 _MOST_STOPPED = 3  # times that a run may be stopped by somebody else
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
@@ -129,47 +139,6 @@ def prepare(problem: Problem, directory: Path, *, resume: bool, force: bool) -> 
     claim(directory, _FILES, kind=DESIGN)
     study.write()
     return study
-
-
-def first_design(study: Study) -> None:
-    """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
-    if any(design.ran for design in study.designs):
-        return
-    nearest: tuple[float, Design] | None = None
-    faults: dict[str, int] = {}
-    trial = Study(study.problem, study.directory, list(study.designs))
-    for n, values in zip(range(MOST_REFUSED), ordered(*_asked(trial), guided=False), strict=False):
-        design = new_design(study.problem, len(trial.designs) + n + 1, values)
-        if design.state != REFUSED:
-            return
-        if design.margins:
-            worst = max(design.margins.values())
-            nearest = min(nearest or (worst, design), (worst, design), key=lambda pair: pair[0])
-        else:
-            faults[design.reason] = faults.get(design.reason, 0) + 1
-    place = study.problem.path
-    if nearest is None:
-        raise InputError([f"{place}: variables: {fault}" for fault in list(faults)[:5]])
-    design = nearest[1]
-    made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
-    raise InputError(
-        f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
-        f"the nearest is {made}: {design.reason}; widen the limits or the ranges"
-    )
-
-
-def _asked(study: Study) -> tuple[Any, Any, int]:
-    return study.problem.space, study.known(), study.problem.search.seed
-
-
-def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
-    """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
-    known, margins, fault = examined(problem, dict(values))
-    return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 class _Search:
@@ -272,10 +241,11 @@ class _Search:
         """Queue the most promising design next to the best that was not tried; return False if there is none."""
         study, problem = self.study, self.problem
         best, search = next(iter(study.best()), None), problem.search
-        left = search.neighbours - sum(bool(design.next_to) for design in study.designs)
+        most = min(search.neighbours, search.evaluations)
+        left = most - sum(bool(design.next_to) for design in study.designs)
         if best is None or left <= 0 or not search.guards or search.sampler != "model":
             return False
-        for values in promising(*_asked(study), [values for _, values in problem.space.neighbours(best.values)]):
+        for values in promising(*study.asked, [values for _, values in problem.space.neighbours(best.values)]):
             design = new_design(problem, len(study.designs) + 1, values)
             if design.state != REFUSED:
                 design.full, design.next_to = True, best.number
@@ -291,7 +261,7 @@ class _Search:
         before = len(study.designs)
         while len(study.designs) < before + MOST_REFUSED:
             first = len(study.designs)
-            for values in itertools.islice(ordered(*_asked(study), guided=guided), _ASKED):
+            for values in itertools.islice(ordered(*study.asked, guided=guided), _ASKED):
                 design = new_design(problem, len(study.designs) + 1, values)
                 study.designs.append(design)
                 if design.state != REFUSED:
@@ -343,7 +313,7 @@ class _Search:
         values = with_derived(ended.summary, design.known["smallest_diameter_m"])
         wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
         values |= design.known
-        found = {name: float(values[name]) for name in wanted if _is_number(values.get(name))}
+        found = {name: float(values[name]) for name in wanted if is_number(values.get(name))}
         if missing := [name for name in wanted if name not in found]:
             shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
             return self._end(design, FAILED, f"{shown} in summary.json, expected a number")

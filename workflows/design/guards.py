@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import RESULT_FILE
+from granwave.workflows.design.keys import KNOWN_BEFORE
 from granwave.workflows.design.problem import Problem, examined
 from granwave.workflows.design.study import Design
 
@@ -168,10 +169,11 @@ def finding_of(guard: Guard, problem: Problem, before: Mapping[str, Any], after:
     if not changes:
         return Finding(guard.name, guard.what, f"{guard.what}: gives no value", {}, warning=True)
     notable = any(abs(change) > NOTABLE for change in changes.values())
-    beyond = [fault for one in problem.limits if (fault := one.fault(after.get(one.name) or 0.0)) and one.name in after]
+    of_runs = [one for one in problem.limits if one.name not in KNOWN_BEFORE and one.name in after]
+    beyond = [fault for one in of_runs if (fault := one.fault(after[one.name] or 0.0))]
     said = ", ".join(f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items())
     said += "".join(f"; beyond a limit: {fault}" for fault in beyond)
-    return Finding(guard.name, guard.what, f"{guard.what}: {said}", changes, notable)
+    return Finding(guard.name, guard.what, f"{guard.what}: {said}", changes, notable or bool(beyond))
 
 
 def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> Iterator[Finding]:
@@ -200,7 +202,7 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
             text = f"{what}: {tried.state} (design {tried.number}): {tried.reason}"
             yield Finding(f"neighbour-{n}", what, text)
     if left and problem.search.guards:
-        text = f"{len(left)} designs next to the best were not run, and may be better: {', '.join(left[:5])}"
+        text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
         yield Finding("neighbours", "neighbours", text, warning=True)
 
 

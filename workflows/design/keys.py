@@ -22,7 +22,9 @@ from granwave.lammps_inputs.case.schema import (
 
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
-_DERIVED = ("yielded_share", "overlap_over_radius")  # values that are made of those of the summary
+_DERIVED = ("yielded_share", "kinetic_share", "overlap_over_radius")  # values that are made of those of the summary
+
+_NO_NUMBERS = ("name", "end_reason", "zone_cut", "versions")  # values that are words, lists or tables
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -39,12 +41,12 @@ def _parse_names(value: Any) -> tuple[str, ...]:
         raise ValidationError('the name of a value of summary.json, such as "target_peak_force_N", or a list of two')
     for name in names:
         if not is_value(name):
-            raise ValidationError(f"the name of a value of summary.json{did_you_mean(name, value_names())}")
+            raise ValidationError(f"the name of a number of summary.json{did_you_mean(name, value_names())}")
     return tuple(names)
 
 
 def value_names() -> list[str]:
-    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES)]
+    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS)]
 
 
 def is_value(name: str) -> bool:

@@ -65,15 +65,16 @@ def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[s
     """Return a summary with the values that are made of others, and those that are known before a run.
 
     ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest spheres, a quarter of
-    their diameter.
+    their diameter. ``kinetic_share``: of the energy put in, at the end.
     """
     count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
-    overlap = summary.get("peak_overlap_m")
+    overlap, given, kinetic = (summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J"))
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
         "height_m": summary.get("packing_height_m"),
         "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
+        "kinetic_share": None if kinetic is None or not given else kinetic / given,
         "yielded_share": yielded / count if count and yielded is not None else None,
     }
 
@@ -95,7 +96,9 @@ def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
         "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
         "best": {**_values_of(problem, best[0]), "guards": list(map(dataclasses.asdict, findings))} if best else None,
         "front": [_values_of(problem, design) for design in best] if len(problem.objectives) > 1 else None,
+        "limits": {one.name: {"low": one.low, "high": one.high} for one in problem.limits},
         "evaluations": study.n_evaluated,
+        "next_to_best": sum(bool(design.next_to) for design in study.designs),
         "states": {state: states.count(state) for state in dict.fromkeys(states)},
         "designs": problem.space.size if problem.space.size < float("inf") else None,
         "importance": importance(problem.space, study.known()),
@@ -110,7 +113,7 @@ def publish(study: Study, findings: Sequence[guards.Finding]) -> None:
 def _random(study: Study) -> list[float]:
     """Return the best of so many designs at random, by the model: what the search is compared with."""
     (first, *others) = study.problem.objectives
-    counts = range(1, study.n_evaluated + 1)
+    counts = range(1, sum(design.ran for design in study.designs) + 1)
     losses = [] if others else expected_random(study.problem.space, study.known(), counts)
     return [first.sign * loss for loss in losses]
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import copy
 import dataclasses
+import itertools
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -23,6 +25,7 @@ from granwave.workflows.design.variables import Space, Values
 from granwave.workflows.solvers import GRANULAR
 
 _REPLACE = "replace"
+_MOST_IDS = 1_000_000  # of grains that one key changes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -160,8 +163,8 @@ def known_before(case: Case) -> dict[str, float]:
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with the values of a design.
 
-    Parts of a key that are numbers are places in a list, from 0; after ``replace`` the id of a grain, whose entry of
-    ``[[replace]]`` is changed or added.
+    Parts of a key that are numbers are places in a list, from 0; after ``replace`` ids of grains, such as ``5`` or
+    ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
 
     Raises
     ------
@@ -170,8 +173,8 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     """
     found = copy.deepcopy(dict(tables))
     errors = []
-    # whole tables first, then keys inside them
-    for key in sorted(values, key=lambda key: key.count(".")):
+    # whole tables first, then keys inside them; a grain's new place after what is said of its old one
+    for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
         try:
             _set(found, key.split("."), values[key])
         except ValidationError as error:
@@ -183,12 +186,13 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
 def _set(table: Any, path: Sequence[str], value: Any) -> None:
     name, rest = path[0], path[1:]
-    if name == _REPLACE and len(rest) > 1 and _is_number(rest[0]):
-        _set(_entry_of(int(rest[0]), table.setdefault(_REPLACE, [])), rest[1:], value)
+    if name == _REPLACE and len(rest) > 1 and (ids := ids_of(rest[0])):
+        for entry in _entries_of(ids, table.setdefault(_REPLACE, [])):
+            _set(entry, rest[1:], value)
         return
     place: Any = name
     if isinstance(table, list):
-        if not _is_number(name) or int(name) >= len(table):
+        if not ids_of(name, single=True) or int(name) >= len(table):
             raise ValidationError(
                 f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
             )
@@ -205,18 +209,38 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
     _set(table[place], rest, value)
 
 
-def _is_number(text: str) -> bool:
-    return text.isascii() and text.isdecimal()
+def ids_of(text: str, *, single: bool = False) -> list[int]:
+    """Return the numbers of a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty if it is none."""
+    if not re.fullmatch(r"\d+" if single else r"\d+(-\d+)?(,\d+(-\d+)?)*", text, re.ASCII):
+        return []
+    ends = [part.split("-") for part in text.split(",")]
+    spans = [range(int(first), int(last[0] if last else first) + 1) for first, *last in ends]
+    return [n for span in spans for n in span] if sum(map(len, spans)) <= _MOST_IDS else []
 
 
-def _entry_of(grain: int, entries: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the entry of ``[[replace]]`` of one grain; a new one has the values of the last that covers it."""
-    covering: dict[str, Any] = {}
-    for entry in entries:
+def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last that covers them."""
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)
+    for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
-            if grain in parse_index(entry.get("index", [])):
-                covering = entry
-    if covering.get("index") not in (grain, [grain]):
-        covering = {**copy.deepcopy(covering), "index": grain}
-        entries.append(covering)
-    return covering
+            covering |= dict.fromkeys(covering.keys() & parse_index(entry.get("index", [])), place)
+    found = []
+    for one in dict.fromkeys(covering.values()):
+        ids = [grain for grain in covering if covering[grain] == one]
+        before = {} if one is None else entries[one]
+        if before and sorted(parse_index(before["index"])) == sorted(ids):
+            found.append(before)
+        else:
+            found.append({**copy.deepcopy(before), "index": _index_of(ids)})
+            entries.append(found[-1])
+    return found
+
+
+def _index_of(ids: Sequence[int]) -> Any:
+    """Return ids as an ``index`` of a case is written."""
+    if len(ids) == 1:
+        return ids[0]
+    steps = {second - first for first, second in itertools.pairwise(ids)}
+    if len(steps) > 1 or min(steps) < 1:
+        return list(ids)
+    return {"first": ids[0], "last": ids[-1], **({"step": steps.pop()} if steps != {1} else {})}

@@ -15,11 +15,12 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.run_directory import DESIGN_STUDY, DESIGN_TABLE, POINTS
 from granwave.workflows.design.points import names
-from granwave.workflows.design.problem import Objective, Problem
-from granwave.workflows.design.search import Known, front
-from granwave.workflows.design.variables import Values
+from granwave.workflows.design.problem import Objective, Problem, examined
+from granwave.workflows.design.search import Known, front, ordered
+from granwave.workflows.design.variables import Space, Values
 
 RUNNING, COMPLETE, PRUNED, REFUSED, FAILED = "running", "complete", "pruned", "refused", "failed"
+MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 
 
 @dataclasses.dataclass
@@ -76,8 +77,7 @@ class Design:
     @property
     def notes(self) -> list[str]:
         """Marks of its runs."""
-        place = [f"next to design {self.next_to}, tried after the search"] if self.next_to else []
-        return [*place, *dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note"))]
+        return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
         """Return the numbers that are to be small; None without a value."""
@@ -88,7 +88,7 @@ class Design:
     def as_known(self, objectives: tuple[Objective, ...]) -> Known:
         """Return what the search is told."""
         failed = {"failed": 1.0 if self.state == FAILED else -1.0} if self.runs and self.state != RUNNING else {}
-        margins = {**self.margins, **failed}
+        margins = {**self.margins, "wrong": -1.0 if self.known else 1.0, **failed}  # a wrong case has no known values
         return Known(self.values, self.losses(objectives), margins, self.state == RUNNING)
 
 
@@ -129,6 +129,11 @@ class Study:
         """Return what the search is told of all designs."""
         return [design.as_known(self.problem.objectives) for design in self.designs]
 
+    @property
+    def asked(self) -> tuple[Space, list[Known], int]:
+        """What `ordered` and `promising` are asked with."""
+        return self.problem.space, self.known(), self.problem.search.seed
+
     def write(self) -> None:
         """Write study.json and designs.csv."""
         content = {"problem": self.problem.record, "exhausted": self.exhausted}
@@ -160,13 +165,47 @@ class Study:
                 else []
             )
             limits = [design.limited.get(name, "") for name in limited]
-            reason = "; ".join([design.reason, *design.notes] if design.reason else design.notes)
+            place_of = f"next to design {design.next_to}, tried after the search" if design.next_to else ""
+            reason = "; ".join(filter(None, (design.reason, place_of, *design.notes)))
             table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends, *limits])
         return stream.getvalue()
 
 
 def _written(value: Any) -> Any:
     return value if isinstance(value, bool | int | float | str) else show(value)
+
+
+def first_design(study: Study) -> None:
+    """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
+    if any(design.ran for design in study.designs):
+        return
+    nearest: tuple[float, Design] | None = None
+    faults: dict[str, int] = {}
+    trial = Study(study.problem, study.directory, list(study.designs))
+    for n, values in zip(range(MOST_REFUSED), ordered(*trial.asked, guided=False), strict=False):
+        design = new_design(study.problem, len(trial.designs) + n + 1, values)
+        if design.state != REFUSED:
+            return
+        if design.margins:
+            worst = max(design.margins.values())
+            nearest = min(nearest or (worst, design), (worst, design), key=lambda pair: pair[0])
+        else:
+            faults[design.reason] = faults.get(design.reason, 0) + 1
+    place = study.problem.path
+    if nearest is None:
+        raise InputError([f"{place}: variables: {fault.removeprefix(f'{place}: ')}" for fault in list(faults)[:5]])
+    design = nearest[1]
+    made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
+    raise InputError(
+        f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
+        f"the nearest is {made}: {design.reason}; widen the limits or the ranges"
+    )
+
+
+def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
+    """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
+    known, margins, fault = examined(problem, dict(values))
+    return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
 
 
 def read_study(problem: Problem, directory: Path) -> Study:

@@ -19,7 +19,7 @@ _EXPECTED = "a list of choices, or a range {low = 0.004, high = 0.012}, with log
 _RANGE_KEYS = ("low", "high", "log", "integer", "step")
 _DIGITS = 6  # of values in a range
 _MOST_STEPS = 10_000  # of a range that counts as a list of values
-_STEP = 0.15  # of a change of a variable, over its range
+_STEPS = (0.15, 0.03, 0.006)  # of a change of a variable, over its range: one of them at random
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,12 +74,13 @@ class Variable:
         if not self.ordered:
             others = [choice for choice in self.choices if choice != value]
             return others[rng.integers(len(others))] if others else value
+        size = _STEPS[rng.integers(len(_STEPS))]
         if self.choices:
             place = self.choices.index(value)
-            reach = max(1, round(_STEP * len(self.choices)))
+            reach = max(1, round(size * len(self.choices)))
             step = int(rng.integers(1, reach + 1)) * (1 if rng.random() < 0.5 else -1)
             return self.choices[min(max(place + step, 0), len(self.choices) - 1)]
-        return self.value(min(max(self.share(value) + _STEP * rng.standard_normal(), 0.0), 1.0))
+        return self.value(min(max(self.share(value) + size * rng.standard_normal(), 0.0), 1.0))
 
     def neighbours(self, value: Any) -> list[Any]:
         """Return the next values to either side; of words all others."""
@@ -125,7 +126,7 @@ def read_variable(key: str, value: Any) -> Variable:
     if log and low <= 0:
         raise ValidationError("a range of positive numbers, as log = true")
     step = finite(value["step"], _EXPECTED) if "step" in value else float(integer)
-    if not step and not integer:
+    if "step" not in value and not integer:
         return Variable(key, (), low, high, log)
     count = (high - low) / step if step > 0 else math.inf
     if not 1 <= count + 1e-9 <= _MOST_STEPS or (integer and step != round(step)):

@@ -18,10 +18,20 @@ import granwave as gw
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.workflows.design.design_file import load_problem
-from granwave.workflows.design.driver import _Search, first_design, new_design
-from granwave.workflows.design.guards import GUARDS, has_come, has_passed, late_impulse, of_neighbours, target_force
+from granwave.workflows.design.driver import _Search
+from granwave.workflows.design.guards import (
+    GUARDS,
+    finding_of,
+    findings_without_runs,
+    further_runs,
+    has_come,
+    has_passed,
+    late_impulse,
+    of_neighbours,
+    target_force,
+)
 from granwave.workflows.design.problem import with_values
-from granwave.workflows.design.study import Design, Study
+from granwave.workflows.design.study import Design, Study, first_design, new_design
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
@@ -76,7 +86,7 @@ def folder(tmp_path_factory):
 def searched(folder):
     """All eight chains of three beads, by the command line, one at a time."""
     command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "all", "--jobs", "1"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200, env=PLAIN, check=False)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600, env=PLAIN, check=False)
     assert done.returncode == 0, done.stderr
     return folder / "all", done.stdout
 
@@ -203,13 +213,11 @@ def test_runs_that_are_gone_are_made_again(searched, folder):
 
 
 def test_values_that_are_no_numbers_fail(folder):
-    tables = {**problem_of(folder).tables, "objective": {"minimise": ["end_reason"]}}
-    tables |= {"search": {"evaluations": 2, "guards": False}, "limits": {"plastic_zone_depth_m": 1.0}}
+    tables = {**problem_of(folder).tables, "objective": {"minimise": ["plastic_zone_depth_m"]}}
+    tables |= {"search": {"evaluations": 2, "guards": False}}
     found = gw.design(tables, directory=folder / "words", progress=False)
     assert found.best is None
-    assert set(found.table["reason"]) == {
-        'end_reason: "end_time", plastic_zone_depth_m: null in summary.json, expected a number'
-    }
+    assert set(found.table["reason"]) == {"plastic_zone_depth_m: null in summary.json, expected a number"}
 
 
 def test_far_worse_designs_are_not_run_further(folder):
@@ -258,7 +266,7 @@ def test_moves_to_better_neighbours_are_said(folder):
     assert found["moved"].warning
     assert "50 of design 1 became 40" in found["moved"].text
     assert "+25.0 %" in found["neighbour-2"].text
-    assert found["neighbours"].text.startswith("2 designs next to the best were not run")
+    assert found["neighbours"].text.startswith("next to the best, 2 not run that may be better")
 
 
 def test_a_slow_packing_is_searched_with_a_coarse_tolerance(folder):
@@ -372,6 +380,43 @@ def test_layers_are_variables_of_each_bead(folder):
     assert (sizes[0].low, sizes[0].high) == (0.005, 0.01)
 
 
+def test_layers_of_a_packing_and_those_that_are_tied(folder):
+    base = {"base": "fcc-small", "set": {"packing.size": [4, 4, 4]}}
+    for tied, keys in (
+        ({}, ["1-16", "17-32", "33-48", "49-64"]),
+        ({"tied": {"period": 2}}, ["1-16,33-48", "17-32,49-64"]),
+        ({"tied": {"groups": 2}}, ["1-32", "33-64"]),
+    ):
+        problem = problem_of(folder, **base, variables={"layers": {"materials": ["steel", "aluminium"], **tied}})
+        assert [one.key for one in problem.space.variables] == [f"replace.{ids}.material" for ids in keys]
+        known = new_design(problem, 1, {one.key: "aluminium" for one in problem.space.variables}).known
+        light = new_design(
+            problem_of(folder, **base, variables={"material": ["aluminium"]}), 1, {"material": "aluminium"}
+        )
+        assert known["mass_kg"] == pytest.approx(light.known["mass_kg"])
+    row = problem_of(folder, variables={"layers": {"diameters": [0.5, 1.0], "tied": {"period": 2}}})
+    made = row.tables_of({"replace.1,3.diameter": 0.01, "replace.2.diameter": 0.005})
+    assert made["replace"] == [
+        {"index": {"first": 1, "last": 3, "step": 2}, "diameter": 0.01},
+        {"index": 2, "diameter": 0.005},
+    ]
+
+
+def test_grains_that_one_entry_of_the_base_covers_in_part_keep_the_rest_of_it():
+    base = {"packing": {}, "replace": [{"index": {"first": 3, "last": 5}, "diameter": 0.2}]}
+    made = with_values(base, {"replace.1-4.material": "ptfe"})["replace"]
+    assert made[1:] == [
+        {"index": {"first": 1, "last": 2}, "material": "ptfe"},
+        {"index": {"first": 3, "last": 4}, "diameter": 0.2, "material": "ptfe"},
+    ]
+
+
+def test_the_place_of_an_intruder():
+    base = {"packing": {}, "replace": [{"index": 7, "material": "ptfe"}]}
+    made = with_values(base, {"replace.7.index": 3, "replace.7.diameter": 0.1})
+    assert made["replace"] == [{"index": 3, "material": "ptfe", "diameter": 0.1}]
+
+
 def test_limits_known_before_a_run(folder):
     problem = problem_of(folder, limits={"mass_kg": 0.005, "n_spheres": {"low": 2}})
     steel = new_design(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
@@ -399,6 +444,19 @@ def test_limits_known_before_a_run(folder):
         ({"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}}, "is given twice"),
         ({"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}}, "is given twice"),
         ({"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}}, "found beside packing.size"),
+        (
+            {"variables": {"layers": {"materials": MATERIALS, "tied": True}}},
+            "layers.tied: found true, expected {period",
+        ),
+        ({"variables": {"layers": {}}}, "layers: found {}, expected"),
+        (
+            {"base": "fcc-small", "variables": {"layers": {"diameters": [0.5, 1.0]}}},
+            'expected "chain": smaller spheres',
+        ),
+        ({"variables": {"packing.diameter": {"low": 0.01, "high": 0.02, "step": 0}}}, "steps above 0"),
+        ({"variables": {"packing.kind": ["foo"]}}, "variables: packing.kind: found"),
+        ({"objective": {"minimise": ["end_reason"]}}, "expected the name of a number of summary.json"),
+        ({"serach": {}}, "did you mean search?"),
         ({"uncertainty": {"velocity": [1, 2], "load.velocity": [1, 2]}}, "is given twice"),
         ({"uncertainty": {"velocity": [-5, -3]}}, "uncertainty: load.velocity"),
         ({"search": {"evaluations": 0}}, "evaluations: found 0"),
@@ -433,6 +491,54 @@ def test_guards_change_one_thing():
     assert changed["finer"]["run"]["energy_tolerance"] == pytest.approx(1.5e-6)
     assert changed["tolerance"]["packing"]["diameter_scatter"] == pytest.approx(5e-6)
     assert changed["stiffer"]["boundary"]["bottom"]["plate"]["stiffness"] == 4e6
+
+
+def test_what_the_run_of_the_best_tells(folder, tmp_path):
+    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a range: each is said."""
+    import h5py
+    import numpy as np
+
+    ranges = {"packing.diameter": {"low": 0.004, "high": 0.012}}
+    problem = problem_of(folder, base="fcc-small", variables=ranges, set={"packing.size": [4, 4, 4]})
+    time_ = np.linspace(0.0, 1.0, 101)
+    still, past = np.ones(101), np.exp(-(((time_ - 0.3) / 0.1) ** 2))
+    bad, good = (5, 1.0, 0.5, still, 0.012, "not fallen"), (0, 1.0, 0.1, past, 0.008, "")
+
+    def warned(beyond, given, kinetic, force, diameter, note):
+        with h5py.File(tmp_path / "result.h5", "w") as file:
+            file["walls/bottom/time"], file["walls/bottom/force"] = time_, force
+        summary = {"contacts_beyond_law": beyond, "energy_input_J": given, "energy_kinetic_J": kinetic}
+        best = Design(1, {"packing.diameter": diameter}, "complete", runs={"1": {"note": note}})
+        return {one.name for one in findings_without_runs(problem, best, summary, tmp_path) if one.warning}
+
+    assert warned(*good) == set()
+    names = ("law", "", "flight", "impulse", "edge", "end")
+    for place, name in enumerate(names):
+        if name:
+            assert warned(*(bad[n] if n == place else good[n] for n in range(6))) == {name}
+
+
+def test_what_changes_by_more_than_five_per_cent_is_said_first(folder):
+    problem, guard = problem_of(folder, limits={"wall_impulse_Ns": 1.0}), GUARDS[0]
+    before = {"target_peak_force_N": 100.0, "wall_impulse_Ns": 0.9}
+    for force, impulse, warning, text in (
+        (104.0, 0.9, False, "104 (+4.0 %)"),
+        (94.0, 0.9, True, "94 (-6.0 %)"),
+        (101.0, 1.1, True, "beyond a limit: wall_impulse_Ns 1.1, at most 1"),
+        (None, 0.9, True, "gives no value"),
+    ):
+        found = finding_of(guard, problem, before, {"target_peak_force_N": force, "wall_impulse_Ns": impulse})
+        assert (found.warning, text in found.text) == (warning, True)
+
+
+def test_luck_is_another_seed_of_what_is_random_and_a_tolerance_of_what_is_not(folder):
+    variables = {"load.velocity": [1.0, 2.0]}
+    base = {"base": "fcc-small", "variables": variables, "set": {"packing.size": [4, 4, 4]}}
+    best = Design(1, {"load.velocity": 1.0}, "complete")
+    plain = {guard.name for guard, _ in further_runs(problem_of(folder, **base), best, 1)}
+    random = problem_of(folder, **base, uncertainty={"tolerance": 5e-6, "replicates": 2})
+    assert plain == {"wider", "longer", "finer", "tolerance"}
+    assert {guard.name for guard, _ in further_runs(random, best, 1)} == {"wider", "longer", "finer", "seed"}
 
 
 def test_passed_forces_and_late_impulses():
