@@ -127,7 +127,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
       " E nu sigma_y "
       "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin] "
       "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-      "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
+      "[loss time A|dashpot alpha] [cohesion jkr|dmt w] [variant continuous|published] [yield_factor C] "
       "[beta b] [hardening h [h2]], and for elastoplastic its constants [pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
@@ -171,6 +171,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
       if (size < 0.0) refuse("loss " + value + " must not be negative, found '" + words[k + 2] + "'");
       if (size > 0.0) args.loss = {value == "time" ? LossKind::TIME : LossKind::DASHPOT, size};
       k++;
+    } else if (key == "cohesion") {
+      if (value != "jkr" && value != "dmt") refuse("cohesion must be jkr or dmt, found '" + value + "'");
+      if (args.options.cohesion) refuse("cohesion is given twice");
+      if (k + 2 == words.size()) refuse("'cohesion " + value + "' has no value; " + usage);
+      const double energy = number(words[k + 2], "cohesion " + value);
+      if (energy < 0.0) refuse("cohesion " + value + " must not be negative, found '" + words[k + 2] + "'");
+      if (energy > 0.0) args.options.cohesion = {value == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
+      k++;
     } else if (key == "variant" && args.law->takes(VARIANT)) {
       if (value != "continuous" && value != "published")
         refuse("variant must be continuous or published, found '" + value + "'");
@@ -207,6 +215,10 @@ LawArguments parse_law(const std::vector<std::string> &words)
   }
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
     refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
+  if (args.options.cohesion && args.law->is_power())
+    refuse("law '" + words[0] + "' has no contact circle, which cohesion needs: take law hertz");
+  if (args.options.cohesion.kind == CohesionKind::JKR && args.law->yields())
+    refuse("cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law '" + words[0] + "'");
   if (args.law->takes(POWER) && !(has_constant && has_exponent))
     refuse("law power needs constant K and exponent p; " + usage);
   if (given && args.options.variant == Variant::published)

@@ -6,7 +6,7 @@
      any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
      keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
      tangential mindlin_rescale|mindlin, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
-     loss time A, loss dashpot alpha, and of the options that the law takes: variant
+     loss time A, loss dashpot alpha, cohesion jkr|dmt w (work of adhesion; dmt with any law of two materials, jkr with hertz), and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H

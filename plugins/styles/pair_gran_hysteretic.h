@@ -12,7 +12,7 @@
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
    their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
 
-   Types of fix gran/cylinder are cylinders. Their pairs, and those whose force is a power of the overlap, are in further rows
+   Types of fix gran/cylinder are cylinders. Their pairs, those with cohesion, and those whose force is a power of the overlap, are in further rows
    of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
@@ -53,11 +53,12 @@ class PairGranHysteretic : public Pair {
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double rolling_loss, twisting_loss;    // part of the frictional loss
-    double viscous_loss;
+    double viscous_loss, adhesive_loss;
     double tangential[3];    // tangential force on sphere i
     double effective_radius;
     double initial;    // initial dent
     bool live, yielded;
+    bool touches;    // or is held by a neck
     granwave::Dent dent;
   };
 
@@ -99,6 +100,7 @@ class PairGranHysteretic : public Pair {
     ROLLED,
     TWISTING,
     TWISTED,
+    ADHESIVE,
     N_TOTALS
   };
 
@@ -122,7 +124,7 @@ class PairGranHysteretic : public Pair {
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 9;
+  static constexpr int RESTART_FORMAT = 10;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
@@ -143,7 +145,8 @@ class PairGranHysteretic : public Pair {
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
     int n_extra = 0;    // number of history variables of the laws in use in addition to the peak
-    // n_extra values per pair; with resistance to rolling or twisting a ResistanceHistory, with losses a ViscousHistory come last
+    // n_extra values per pair; with cohesion a CohesionHistory, with resistance to rolling or twisting a ResistanceHistory, with losses
+    // a ViscousHistory come last
     std::vector<double> extra;
     std::vector<int> turning;    // index into turnings, or -1 while Hertzian
     std::vector<granwave::Turning> turnings;
@@ -184,6 +187,7 @@ class PairGranHysteretic : public Pair {
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
+    double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
     void set(int m, const PairParameters &p)
     {
       pair[m] = &p;
@@ -249,6 +253,7 @@ class PairGranHysteretic : public Pair {
   void compute_special(Tally);
   void set_elastic(Batch &);
   void update_history(Batch &);
+  void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void set_masses();
   void compute_tangential(Batch &);
@@ -276,6 +281,17 @@ class PairGranHysteretic : public Pair {
   {
     if (!has_resistance) return {};
     return granwave::resistance_history(extra + resistance_at());
+  }
+  int cohesion_at() const    // where the CohesionHistory stands in the block
+  {
+    return (has_resistance ? resistance_at() : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
+           granwave::CohesionHistory::SIZE;
+  }
+  granwave::CohesionHistory *cohesion(int k);
+  granwave::CohesionHistory cohesion_of(const double *extra) const
+  {
+    if (!has_cohesion) return {};
+    return granwave::cohesion_history(extra + cohesion_at());
   }
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
@@ -307,6 +323,7 @@ class PairGranHysteretic : public Pair {
   bool uniform = false;
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
+  bool has_cohesion = false;         // true from the first pair_coeff with cohesion on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
   int frozen = 0;                    // with a loss: bit of the group of fix freeze
   class Fix *rigid = nullptr;        // with a loss: fix of rigid bodies
