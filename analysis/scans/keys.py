@@ -50,6 +50,7 @@ _NAMES: Mapping[str, Naming] = {
     "contact.law": Naming("Contact law"),
     "contact.friction": Naming("Friction coefficient", r"$\mu$"),
     "contact.rolling_friction": Naming("Coefficient of rolling friction", r"$\mu_r$"),
+    "contact.cohesion.energy": Naming("Work of adhesion", "$w$", "J/m²"),
     "contact.loss.time": Naming("Loss time", "$A$", "µs", 1e-6),
     "contact.loss.restitution": Naming("Restitution", "$e$"),
     "contact.loss.dashpot": Naming("Factor of the dashpot", r"$\alpha$"),

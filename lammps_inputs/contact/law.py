@@ -6,6 +6,7 @@ The loss time of a restitution at a speed is found from the head-on collision of
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -21,8 +22,6 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.roots import brentq
-
-_RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 
 
 def sphere_contact(case: Case) -> ContactLaw:
@@ -48,10 +47,10 @@ def _grain(assembly: Assembly, sphere: int) -> tuple[Material, float, Shape]:
 
 
 def _law(case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]) -> ContactLaw:
-    """Return the law between two bodies: material, radius and shape of each."""
+    """Return the law between two bodies: material, radius and shape of each; without cohesion."""
     (material, radius, shape), (other, other_radius, other_shape) = first, second
     return law_between(
-        case.contact_between(material, other), (material, other), (radius, other_radius),
+        dataclasses.replace(case.contact_between(material, other), cohesion=None), (material, other), (radius, other_radius),
         shapes=(shape, other_shape), plane_strain=case.contact.line == "plane-strain",
     )  # fmt: skip
 
@@ -79,37 +78,24 @@ def law_between(
     effective_radius
         Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and shapes: in a tube.
     """
-    bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
-              for one in materials]  # fmt: skip
-    moduli, ratios, strengths = zip(*bodies, strict=True)
-    first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
-    constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
-    if contact.exponent is not None:
-        constants["exponent"] = contact.exponent
+    others: dict[str, Any] = {"checked": checked}
     if effective_radius is not None:
-        constants["effective_radius"] = effective_radius
+        others["effective_radius"] = effective_radius
     elif any(shapes) and not contact.entry.is_power:
-        constants |= _of_cylinders({"youngs_modulus": moduli, "poisson_ratio": ratios}, radii, shapes, plane_strain)
-    return ContactLaw(
-        youngs_modulus=moduli,
-        poisson_ratio=ratios,
-        yield_strength=strengths,
-        radius=radii,
-        law=contact.law,
-        variant=contact.variant,
-        yield_factor=contact.yield_factor,
-        beta=contact.beta,
-        constants=contact.constants,
-        checked=checked,
-        hardening=(first, second),
-        **constants,
-    )
+        others |= _of_cylinders(materials, radii, shapes, plane_strain)
+    return contact.between(materials, radii, **others)
 
 
 def _of_cylinders(
-    bodies: dict[str, Any], radii: tuple[float, float], shapes: tuple[Shape, Shape], plane_strain: bool
+    materials: tuple[Material, Material | None],
+    radii: tuple[float, float],
+    shapes: tuple[Shape, Shape],
+    plane_strain: bool,
 ) -> dict[str, Any]:
     """Return the effective radius of a contact in a point, or the law of one along a line."""
+    elastic = [(one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0) for one in materials]
+    moduli, ratios = zip(*elastic, strict=True)
+    bodies = {"youngs_modulus": moduli, "poisson_ratio": ratios}
     if math.isinf(radii[1]):
         assert shapes[0] is not None
         length = shapes[0].length

@@ -167,6 +167,8 @@ def law_coefficients(
         words += [] if marshall and not friction else _slider("twisting", contact.twisting_friction)
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
+    if contact.cohesion is not None and contact.coheres:
+        words += ["cohesion", contact.cohesion.kind, num(contact.cohesion.energy)]
     return joined(words)
 
 

@@ -140,7 +140,7 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
         f"neighbor        {num(skin)} bin",
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
-        *(["comm_modify     vel yes"] if case.has_rotation or case.has_loss else []),
+        *(["comm_modify     vel yes"] if case.has_rotation or case.has_loss or case.has_cohesion else []),
     ]
 
 
