@@ -69,6 +69,8 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP) -> Table:
         peak = share * largest
         residual = float(law.residual_overlap(np.array([peak]))[0])
         overlap = np.concatenate([[0.0], residual + (peak - residual) * grid])
+        if law.neck_length:
+            overlap = -law.neck_length + (peak + law.neck_length) * np.concatenate([[-1e-9], grid[:1] + 1e-9, grid[1:]])
         force = law.force(overlap, np.full_like(overlap, peak))
         branches += [(f"unloading_{n}", overlap[::-1], force[::-1]), (f"reloading_{n}", overlap, force)]
     overlap = np.concatenate([branch[1] for branch in branches])
@@ -88,7 +90,7 @@ def check_forces(law: ContactLaw) -> None:
     """Raise InputError if the force at a typical overlap is zero or infinite in double precision."""
     overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
     force = float(law.loading_force(np.array([overlap]))[0])
-    if not 0 < force < math.inf:
+    if not 0 < (abs(force) if law.pull_off_force else force) < math.inf:
         raise InputError(
             f"--radius: found R* = {law.effective_radius:g} m, where forces are {force:g} N as a number; "
             "expected lengths in m"
@@ -107,7 +109,8 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
         axes.plot(overlap[rows], force[rows], color=colour, label=label)
     rows = branch == "loading"
     axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
-    limits = {"xlim": (0, float(overlap.max())), "ylim": (0, 1.05 * float(force.max()))}
+    low = (1.02 * float(overlap.min()), 1.05 * float(force.min()))
+    limits = {"xlim": (low[0], float(overlap.max())), "ylim": (low[1], 1.05 * float(force.max()))}
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
         axes.tick_params(top=False, right=False)

@@ -117,13 +117,16 @@ class PairLaws:
     bodies: tuple[tuple[Material, Shape], ...]
 
     def __post_init__(self) -> None:
-        """Refuse dents that differ from place to place.
+        """Refuse dents that differ from place to place, and cohesion.
 
         Raises
         ------
         InputError
-            The dents come from a file, or belong to regions.
+            The dents come from a file, or belong to regions; contacts cohere.
         """
+        if self.case.has_cohesion:
+            raise InputError(f"{self.case.name}: contact.cohesion: found {self.case.contact.law} with cohesion, which linear "
+                             "waves leave out; expected none")  # fmt: skip
         given = self.case.contact.initial_overlap
         if isinstance(given, str) or (isinstance(given, tuple) and any(one.low or one.high for one in given)):
             raise InputError(

@@ -16,7 +16,7 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact, DashpotRestitution
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Cohesion, Contact, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -130,6 +130,7 @@ def contact_of(
     constants: Mapping[str, float] | None = None,
     *,
     checked: bool = True,
+    cohesion: Cohesion | None = None,
 ) -> ContactLaw:
     """Return the law between two spheres of one or two materials and one or two radii (m).
 
@@ -139,22 +140,23 @@ def contact_of(
         Constants of the elasto-plastic law that differ from the published ones.
     checked
         True to refuse constants of a law that is not passive.
+    cohesion
+        Cohesion of the spheres.
 
     Raises
     ------
     InputError
         A material lacks the yield strength that the law needs.
     ValueError
-        A constant is unknown, or the law is not passive.
+        A constant is unknown, the law is not passive, or it cannot cohere so.
     """
     _require_strength(materials, law)
     given = dict(constants or {})
     unknown = sorted(given.keys() - set(LAW_CONSTANTS))
     if unknown:
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
-    return law_between(
-        _contact(law, variant, given), (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked
-    )
+    contact = dataclasses.replace(_contact(law, variant, given), cohesion=cohesion)
+    return law_between(contact, (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked)
 
 
 def rigid_wall_contact_of(

@@ -116,7 +116,8 @@ class Neck {
 
    The force jumps where surfaces meet or part. Velocity Verlet knows the forces of both ends of a step alone and would err by an impulse
    of up to half a step; this is made good by a force at its end, which acts for a whole step, so that the error is of second
-   order as elsewhere. What is lost in a jump is the work of the step minus the increase of the stored energy. */
+   order as elsewhere. What is lost in a jump is the work of the step minus the increase of the stored energy; the
+   work of the added force belongs to two steps, of which the second may take back some per cent. */
 struct CohesionHistory {
   double joined = 0.0;     // 1 if the surfaces touched, or were held by a neck, at the last step
   double overlap = 0.0;    // at the last step
