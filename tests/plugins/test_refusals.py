@@ -112,7 +112,7 @@ REFUSED = {
         ("cohesion jkr 1e6\ncomm_modify vel yes\nrun 0", "held together up to a gap of .*; expected a gap of the pair style above it"),
     ]),
     "cohesion": (ONE, "pair_coeff * * {}", [
-        (f"{BRASS} cohesion jkr 0.1", "cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law 'elastoplastic'"),
+        ("elastoplastic 115e9 0.3 550e6 cohesion jkr 0.1", "cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law 'elastoplastic'"),
         ("power 115e9 0.3 constant 1e9 exponent 1.5 cohesion dmt 0.1", "has no contact circle, which cohesion needs"),
         ("hertz 115e9 0.3 cohesion dmt 0.1\nfix c all gran/cylinder 1 0.01 0 1 0\ncomm_modify vel yes\nrun 0", "found cylinders"),
     ]),
