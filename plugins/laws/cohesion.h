@@ -91,7 +91,7 @@ class Neck {
  private:
   static constexpr double BALANCE = 3.6342411856642793;    // x^4 - 4 x for x^3 = 6
   static constexpr int STEPS = 8;                          // of Newton's method, at most
-  static constexpr double PRECISION = 1e-16;
+  static constexpr double PRECISION = 1e-8;                // relative step that is the last one: the next would be its square
 
   double circle_ = 0.0, overlap_ = 0.0, force_ = 0.0;
 
@@ -130,7 +130,8 @@ struct CohesionHistory {
 
   /* Advance by a step to the present overlap. Returns the force to be added.
 
-     state, last     now, and at the last step
+     state, last     now, and where the force jumps at the last step
+     jump            where it does
      first_moved     change of the overlap in this step if nothing is known of the last one
      loses           true for JKR: a jump is a loss; the jump of DMT is one of the force alone */
   double advance(double present, bool joins, const CohesiveState &state, const CohesiveState &last, const Jump &jump,

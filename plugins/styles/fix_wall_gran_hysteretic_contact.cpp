@@ -146,9 +146,11 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
     inward(i, which, normal);
     for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
     if (support && which == moving) approach -= support->velocity();
-    const CohesiveState last = history.joined > 0.0 ? scaled.cohesive_state(history.overlap, h, below) : CohesiveState();
-    added = history.advance(overlap, holds, now, last, scaled.jump(holds, overlap, h.peak, below), approach * update->dt,
-                            scaled.has_neck());
+    const bool jumps = holds != (history.joined > 0.0);
+    const CohesiveState last =
+        jumps && history.joined > 0.0 ? scaled.cohesive_state(history.overlap, h, below) : CohesiveState();
+    const Jump jump = jumps ? scaled.jump(holds, overlap, h.peak, below) : Jump{};
+    added = history.advance(overlap, holds, now, last, jump, approach * update->dt, scaled.has_neck());
   } else {
     added = history.start(overlap, holds, rounding);
   }

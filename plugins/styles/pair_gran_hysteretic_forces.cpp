@@ -215,9 +215,11 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
     if (springs_advance) {
       double approach = 0.0;
       for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[i][d] - v[j][d]);
-      const CohesiveState last = history.joined > 0.0 ? contact.cohesive_state(history.overlap, h, turning) : CohesiveState();
-      added = history.advance(overlap, joins, state, last, contact.jump(joins, overlap, h.peak, turning),
-                              approach / batch.r[m] * update->dt, contact.has_neck());
+      const bool jumps = joins != (history.joined > 0.0);
+      const CohesiveState last =
+          jumps && history.joined > 0.0 ? contact.cohesive_state(history.overlap, h, turning) : CohesiveState();
+      const Jump jump = jumps ? contact.jump(joins, overlap, h.peak, turning) : Jump{};
+      added = history.advance(overlap, joins, state, last, jump, approach / batch.r[m] * update->dt, contact.has_neck());
     } else {
       added = history.start(overlap, joins, rounding);
     }
