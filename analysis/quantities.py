@@ -153,8 +153,8 @@ ENTRIES = (
              "Energy that contact.twisting_friction took, walls included, over the input; only where contacts have it.",
              short="  by twisting", digits=".5f", phrase="{} of it"),
     Quantity("adhesion_fraction", "Share dissipated by cohesion",
-             "Energy that cohesion took where surfaces met and parted (JKR), walls included, over the input; only where "
-             "contacts cohere.",
+             "Energy that cohesion took where surfaces met and parted (JKR), walls included, over the input; only "
+             "where contacts cohere.",
              short="  by cohesion", digits=".5f", phrase="{} of it"),
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",

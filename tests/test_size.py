@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 17850, "lammps_inputs": 8270, "workflows": 9270}
+STATEMENTS = {"analysis": 17850, "lammps_inputs": 8430, "workflows": 9283}
 FILES = 300  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",
     "pyproject.toml", "reproductions", "tests", "workflows",
 }  # fmt: skip
-LINES = {"reproductions": 9000, "plugins": 10220}
+LINES = {"reproductions": 9000, "plugins": 10790}
 
 
 def sources(room: str) -> Iterator[str]:

@@ -27,8 +27,8 @@ _BROWN, _WINE, _PALE, _NAVY = "#8C5A2B", "#882255", "#C9C2B2", "#1B2A49"
 _OLIVE, _TEAL, _ROSE = "#999933", "#44AA99", "#CC6677"
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
-    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "rolling": _OLIVE, "twisting": _TEAL, "adhesion": _ROSE,
-    "viscous losses": _WINE, "holder": _BROWN,
+    "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "rolling": _OLIVE, "twisting": _TEAL,
+    "adhesion": _ROSE, "viscous losses": _WINE, "holder": _BROWN,
     "support's damper": GREY, "absorbed": _PALE, "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
 }  # fmt: skip

@@ -125,8 +125,8 @@ class PairLaws:
             The dents come from a file, or belong to regions; contacts cohere.
         """
         if self.case.has_cohesion:
-            raise InputError(f"{self.case.name}: contact.cohesion: found {self.case.contact.law} with cohesion, which linear "
-                             "waves leave out; expected none")  # fmt: skip
+            found = f"{self.case.name}: contact.cohesion: found {self.case.contact.law} with cohesion"
+            raise InputError(f"{found}, which linear waves leave out; expected none")
         given = self.case.contact.initial_overlap
         if isinstance(given, str) or (isinstance(given, tuple) and any(one.low or one.high for one in given)):
             raise InputError(

@@ -11,8 +11,8 @@ import numpy as np
 
 from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
 
 _DENT_FORM = (
@@ -314,8 +314,8 @@ class Contact:
         default=None,
     )
     cohesion: Cohesion | None = schema.custom(
-        'cohesion: kind "jkr" (elastic spheres held by a neck, law hertz) or "dmt" (a pull while surfaces touch, any law '
-        "of two materials), and the work of adhesion in J/m^2",
+        'cohesion: kind "jkr" (elastic spheres held by a neck, law hertz) or "dmt" (a pull while surfaces touch, any '
+        "law of two materials), and the work of adhesion in J/m^2",
         parse_cohesion,
         default=None,
     )

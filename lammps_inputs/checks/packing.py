@@ -231,7 +231,8 @@ def _check_cohesion(contact: Contact, key: str, errors: ErrorList) -> None:
         return
     found = f'found "{contact.cohesion.kind}" with law = "{contact.law}"'
     errors.check(
-        (contact.entry.is_power, f"{key}.cohesion", f"{found}, which has no contact circle; expected a law of two materials"),
+        (contact.entry.is_power, f"{key}.cohesion",
+         f"{found}, which has no contact circle; expected a law of two materials"),
         (contact.cohesion.kind == "jkr" and contact.yields, f"{key}.cohesion",
          f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
     )  # fmt: skip
@@ -248,15 +249,15 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
     keys = [f"{key}.cohesion" for key, pair in numbered("pair", case.pair).items() if pair.contact.coheres]
     key = "contact.cohesion" if case.contact.coheres else keys[0]
     unlike = [name for name, there in (
-        ("packing.diameter_scatter", packing.diameter_scatter), ("replace", case.replace), ("packing.tilt", packing.tilt),
-        ("bar", case.bar), ("incident_bar", case.incident_bar), ("precompression", case.precompression),
+        ("packing.diameter_scatter", packing.diameter_scatter), ("replace", case.replace),
+        ("packing.tilt", packing.tilt), ("bar", case.bar), ("incident_bar", case.incident_bar), ("precompression", case.precompression),
         ("contact.initial_overlap", case.contact.initial_overlap), ("boundary.sides.tube", boundary.sides_tube),
         ("cylinders", assembly.has_cylinders),
     ) if there]  # fmt: skip
     rest = "it begins at rest where no contact bears a force, which is found for equal spheres"
     errors.check(*((True, key, f"found with {name}, expected a packing without: {rest}") for name in unlike))
     if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
-        text = f"found with packing.kind = \"file\" and {assembly.lattice.n_contacts} contacts between its grains"
+        text = f'found with packing.kind = "file" and {assembly.lattice.n_contacts} contacts between its grains'
         errors.add(key, f"{text}, expected grains that are apart: {rest} on a lattice")
     gap, radius = boundary.forget_gap * packing.diameter, packing.diameter / 2
     for law, _ in [] if unlike else cohesive_laws(assembly):
@@ -265,8 +266,8 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
              f"found {boundary.forget_gap:g}, a gap of {gap:.3g} m; expected more than {law.neck_length:.3g} m, "
              f"up to which surfaces are held together by {key}"),
             (law.balanced_overlap > _MOST_SUNKEN * radius, key,
-             f"the work of adhesion presses spheres of radius {radius:g} m into each other by {law.balanced_overlap:.3g} m; "
-             f"expected less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
+             f"the work of adhesion presses spheres of radius {radius:g} m into each other by {law.balanced_overlap:.3g} "
+             f"m; expected less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
         )  # fmt: skip
 
 

@@ -49,8 +49,9 @@ def _grain(assembly: Assembly, sphere: int) -> tuple[Material, float, Shape]:
 def _law(case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]) -> ContactLaw:
     """Return the law between two bodies: material, radius and shape of each; without cohesion."""
     (material, radius, shape), (other, other_radius, other_shape) = first, second
+    bare = dataclasses.replace(case.contact_between(material, other), cohesion=None)
     return law_between(
-        dataclasses.replace(case.contact_between(material, other), cohesion=None), (material, other), (radius, other_radius),
+        bare, (material, other), (radius, other_radius),
         shapes=(shape, other_shape), plane_strain=case.contact.line == "plane-strain",
     )  # fmt: skip
 

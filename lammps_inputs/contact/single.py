@@ -206,7 +206,9 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
         found = "found cylinders whose axes are less than 1 degree from parallel"
         raise InputError(f"contact: bodies: {found}, expected parallel ones, or a larger angle")
     if contact.cohesion is not None and (one.cylinder or other.cylinder):
-        raise InputError(f"contact: cohesion: found a {one.shape} and a {other.shape}, expected spheres, planes or tubes")
+        raise InputError(
+            f"contact: cohesion: found a {one.shape} and a {other.shape}, expected spheres, planes or tubes"
+        )
     along_line = one.cylinder is not None and (other.shape == "plane" or (pair is not None and pair.parallel))
     if law == LINE and not along_line:
         raise InputError(

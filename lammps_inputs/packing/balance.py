@@ -12,7 +12,7 @@ from granwave.lammps_inputs.packing.places import Layout
 
 
 def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
-    """Return the overlap of spheres of the packing with each other, or with a flat, without force: 0 without cohesion, m.
+    """Return the overlap without force of spheres of the packing with each other, or a flat, m; 0 without cohesion.
 
     Parameters
     ----------

@@ -111,8 +111,9 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     t += dt;
     if (x <= least) {
       if (law.has_neck())    // the force at its end is singular
-        v = -std::sqrt(std::max(0.0, v_start * v_start - 2.0 / mass * (law.cohesive_state(least, h).energy -
-                                                                        law.cohesive_state(at_start, h).energy)));
+        v = -std::sqrt(
+            std::max(0.0, v_start * v_start -
+                              2.0 / mass * (law.cohesive_state(least, h).energy - law.cohesive_state(at_start, h).energy)));
       parts = true;
       break;
     }
@@ -158,8 +159,14 @@ class Contact {
     if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
     if (entry.takes(POWER) && !(constant > 0.0 && exponent >= 1.0))
       throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
-    LawOptions options{
-        variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}, {}, {}};
+    LawOptions options{variant == "published" ? Variant::published : Variant::continuous,
+                       yield_factor,
+                       beta,
+                       constant,
+                       exponent,
+                       {},
+                       {},
+                       {}};
     if (cohesion) options.cohesion = cohesion_of(entry, *cohesion, line.has_value());
     const bool fe = entry.takes(HARDENING);
     for (const auto &[key, value] : own) {
@@ -251,10 +258,7 @@ class Contact {
     return py::dict("restitution"_a = found.restitution, "duration"_a = found.duration, "peak_force"_a = found.peak_force,
                     "peak_overlap"_a = found.peak_overlap);
   }
-  double contact_radius(double overlap, double peak) const
-  {
-    return std::sqrt(circle_squared(overlap, peak));
-  }
+  double contact_radius(double overlap, double peak) const { return std::sqrt(circle_squared(overlap, peak)); }
   double circle_squared(double overlap, double peak) const
   {
     return scaled.cohesive() ? sticking(overlap, peak).circle_squared : scaled.circle_squared(overlap, history(peak));

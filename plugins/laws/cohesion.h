@@ -65,8 +65,8 @@ class Neck {
     force_ = modulus * cubed / radius;
   }
 
-  double length() const { return 3.0 * overlap_; }      // of the neck where the surfaces part
-  double pull_off() const { return 12.0 * force_; }     // largest pull
+  double length() const { return 3.0 * overlap_; }          // of the neck where the surfaces part
+  double pull_off() const { return 12.0 * force_; }         // largest pull
   double balanced() const { return BALANCE * overlap_; }    // overlap without force
   Jump jump(bool meets) const { return meets ? Jump{0.0, -32.0 / 3.0 * force_} : Jump{-length(), -20.0 / 3.0 * force_}; }
 
@@ -91,7 +91,7 @@ class Neck {
  private:
   static constexpr double BALANCE = 3.6342411856642793;    // x^4 - 4 x for x^3 = 6
   static constexpr int STEPS = 8;                          // of Newton's method, at most
-  static constexpr double PRECISION = 1e-8;                // relative step that is the last one: the next would be its square
+  static constexpr double PRECISION = 1e-8;    // relative step that is the last one: the next would be its square
 
   double circle_ = 0.0, overlap_ = 0.0, force_ = 0.0;
 

@@ -32,8 +32,9 @@ class ContactLaw {
   ContactLaw() : ContactLaw(law_table().front(), {1.0, 0.0, INFINITE}, {1.0, 0.0, INFINITE}, {}) {}
 
   ContactLaw(const LawEntry &entry, const Material &m1, const Material &m2, const LawOptions &options) :
-      entry_(&entry), constants_(options.constants), cohesion_(options.cohesion), modulus_(granwave::effective_modulus(m1, m2)),
-      shear_modulus_(granwave::effective_shear_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
+      entry_(&entry), constants_(options.constants), cohesion_(options.cohesion),
+      modulus_(granwave::effective_modulus(m1, m2)), shear_modulus_(granwave::effective_shear_modulus(m1, m2)),
+      yield_(std::min(m1.yield_strength, m2.yield_strength)),
       share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0))
   {
     const double pressure = entry.exact_yield ? ElastoplasticFe::yield_pressure(m1, m2) : options.yield_factor * yield_;

@@ -28,7 +28,8 @@ struct LawOptions {
   bool operator==(const LawOptions &other) const
   {
     return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-           constant == other.constant && exponent == other.exponent && constants == other.constants && cohesion == other.cohesion;
+           constant == other.constant && exponent == other.exponent && constants == other.constants &&
+           cohesion == other.cohesion;
   }
 };
 

@@ -157,7 +157,9 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
   contact.force = now.force + added;
   contact.circle_sq = now.circle_squared;
   contact.pressing = holds ? now.pressing : 0.0;
-  if (support) contact.stiffness = std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(now.circle_squared));
+  if (support)
+    contact.stiffness =
+        std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(now.circle_squared));
 }
 
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */

@@ -167,7 +167,8 @@ void FixWallGranHysteretic::begin()
       Side &side = sides(i)[which];
       const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
-      if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), cohesive() ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
+      if (!yielded)
+        side.dent = side.touching != 0.0 ? std::max(depth(i, which), cohesive() ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
       side.lost_before = 0.0;
       ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
       kept.rolling.loss = kept.twisting.loss = 0.0;

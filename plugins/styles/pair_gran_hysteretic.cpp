@@ -139,7 +139,9 @@ void PairGranHysteretic::init_style()
     error->all(FLERR,
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "{}: give all laws before the first run",
-               has_loss ? "loss" : has_resistance ? "resistance to rolling or twisting" : "cohesion");
+               has_loss         ? "loss"
+               : has_resistance ? "resistance to rolling or twisting"
+                                : "cohesion");
   has_loss = any_loss;
   has_cohesion = any_cohesion;
   has_resistance = any_resistance;
@@ -150,7 +152,9 @@ void PairGranHysteretic::init_style()
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
   if ((has_friction || has_loss || has_cohesion) && comm->ghost_velocity == 0)
     error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
-               has_friction ? "friction" : has_loss ? "a loss" : "cohesion");
+               has_friction ? "friction"
+               : has_loss   ? "a loss"
+                            : "cohesion");
 
   neighbor->add_request(this);
 

@@ -171,8 +171,8 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
       history.release();
       continue;
     }
-    RollingContact contact{
-        {}, {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m], p.friction};
+    RollingContact contact{{},        {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m],
+                           p.friction};
     for (int d = 0; d < 3; d++) {
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
@@ -206,8 +206,7 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
     CohesionHistory &history = *cohesion(k);
     const LawHistory h = law_history(k);
     const double overlap = batch.overlap[m], rounding = TouchingPairs::ROUNDING * batch.radsum[m];
-    const Turning *const turning =
-        contact.yielded(h.peak) ? &contacts.turnings[cached_turning(k, contact)] : nullptr;
+    const Turning *const turning = contact.yielded(h.peak) ? &contacts.turnings[cached_turning(k, contact)] : nullptr;
     CohesiveState state;
     if (contact.joins(overlap, history.joined > 0.0, rounding)) state = contact.cohesive_state(overlap, h, turning);
     const bool joins = state.circle_squared > 0.0;

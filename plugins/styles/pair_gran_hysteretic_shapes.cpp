@@ -30,14 +30,16 @@ double PairGranHysteretic::init_shape(int i, int j)
   const bool sticks = bool(law(i, j).cohesion());
   if (!shaped && !law(i, j).elastic() && !sticks) return radsum + gap;
   if (sticks && shaped)
-    error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which is of spheres, found cylinders", i, j);
+    error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which is of spheres, found cylinders", i,
+               j);
   if (sticks && radsum > 0.0) {
     const double neck = ScaledLaw(law(i, j), effective_radius(largest_radius[i], largest_radius[j])).neck_length();
     if (!(neck < gap))
-      error->all(FLERR,
-                 "Pair style gran/hysteretic: surfaces of types {} and {} are held together up to a gap of {:.3g}; expected a "
-                 "gap of the pair style above it, found {:.3g}",
-                 i, j, neck, gap);
+      error->all(
+          FLERR,
+          "Pair style gran/hysteretic: surfaces of types {} and {} are held together up to a gap of {:.3g}; expected a "
+          "gap of the pair style above it, found {:.3g}",
+          i, j, neck, gap);
   }
   has_special = true;
   special_types[i * n + j] = special_types[j * n + i] = 1;

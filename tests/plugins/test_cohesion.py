@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -75,7 +77,9 @@ def test_pull_off_and_balance_of_dmt(name):
     balanced = contact.balanced_overlap
     assert contact.force(balanced, balanced) == pytest.approx(0.0, abs=1e-9 * pull)
     if name == "hertz":
-        assert balanced == pytest.approx((pull / (4 / 3 * contact.effective_modulus * contact.effective_radius**0.5)) ** (2 / 3))
+        assert balanced == pytest.approx(
+            (pull / (4 / 3 * contact.effective_modulus * contact.effective_radius**0.5)) ** (2 / 3)
+        )
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -98,7 +102,7 @@ def test_no_cycle_gives_energy(name, kind):
     largest = 8 * (contact.yield_overlap if kind == "dmt" else contact.balanced_overlap)
     turns = np.concatenate([[0.0], rng.uniform(0.05 * (kind == "dmt"), 1, 12) * largest, [0.0]])
     peak, work, lost = 0.0, 0.0, 0.0
-    for first, last in zip(turns[:-1], turns[1:], strict=True):
+    for first, last in itertools.pairwise(turns):
         path = first + (last - first) * np.linspace(0, 1, 4001)
         peaks = np.maximum(np.maximum.accumulate(path), peak)
         middle = (path[1:] + path[:-1]) / 2
@@ -164,13 +168,17 @@ def test_the_jumps_are_of_second_order(lammps):
         assert fine < 0.04 * coarse
 
 
-@pytest.mark.parametrize(("words", "name"), [("dmt", "elastoplastic"), ("dmt", "elastoplastic-fe"), ("dmt", "thornton")])
+@pytest.mark.parametrize(
+    ("words", "name"), [("dmt", "elastoplastic"), ("dmt", "elastoplastic-fe"), ("dmt", "thornton")]
+)
 def test_yielding_spheres_lose_what_their_law_loses(lammps, words, name):
     lmp, worst = head_on(lammps, f"{name} {E} {NU} 550e6 cohesion {words} 1.0", 2.0, step=5e-9, time=8e-5)
     assert worst < 1e-6
     contact = law(name, "dmt", energy=1.0)
     assert rebound(lmp) / 2.0 == pytest.approx(contact.collide(MASS / 2, 2.0)["restitution"], abs=1e-3)
-    assert rebound(lmp) / 2.0 == pytest.approx(law(name, "dmt", energy=0.0).collide(MASS / 2, 2.0)["restitution"], abs=0.01)
+    assert rebound(lmp) / 2.0 == pytest.approx(
+        law(name, "dmt", energy=0.0).collide(MASS / 2, 2.0)["restitution"], abs=0.01
+    )
 
 
 @pytest.mark.parametrize("kind", ["jkr", "dmt"])
@@ -274,7 +282,9 @@ def test_processors(lmp, tmp_path):
     """The same bits on one and on two processors."""
     places, speeds, spins = packing(2)
     text = rubbing(places, f"{JKR} friction {MU} loss time 3e-7", velocities=0.1 * speeds, spins=0.1 * spins)
-    end = "dump end all custom 2000 out id x y z vx vy vz omegax\ndump_modify end sort id format float %.17g\nrun 2000\n"
+    end = (
+        "dump end all custom 2000 out id x y z vx vy vz omegax\ndump_modify end sort id format float %.17g\nrun 2000\n"
+    )
     found = []
     for ranks in (1, 2):
         folder = tmp_path / str(ranks)

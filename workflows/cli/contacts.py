@@ -70,9 +70,13 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
     try:
         found = parse_cohesion({"kind": kind, "energy": float(energy)})
     except (ValueError, ValidationError):
-        raise InputError(f"--cohesion: found {kind} {energy}, expected jkr or dmt, and the work of adhesion in J/m^2") from None
+        raise InputError(
+            f"--cohesion: found {kind} {energy}, expected jkr or dmt, and the work of adhesion in J/m^2"
+        ) from None
     if kind == "jkr" and LAWS[options.law].yields:
-        raise InputError(f"--cohesion: found jkr with law {options.law}; it is of elastic spheres: take --law hertz, or dmt")
+        raise InputError(
+            f"--cohesion: found jkr with law {options.law}; it is of elastic spheres: take --law hertz, or dmt"
+        )
     if options.restitution:
         raise InputError("--cohesion: expected without --restitution")
     return found

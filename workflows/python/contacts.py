@@ -49,7 +49,8 @@ def contact_force(
     overlap
         Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion after JKR.
     peak_overlap
-        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap is reached for the first time.
+        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap is reached for the
+        first time.
     options
         Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power,
         ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law; ``cohesion`` of spheres.
@@ -185,7 +186,7 @@ def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[flo
 def _at(
     law: str, bodies: Sequence[Body], overlap: ArrayLike, peak_overlap: ArrayLike | None, options: Mapping[str, Any]
 ) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the law, the overlaps, 0 (or the end of a neck) where there are gaps, and the largest so far, of one shape."""
+    """Return the law, the overlaps, 0 or the end of a neck in gaps, and the largest so far, of one shape."""
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     now = np.maximum(_numbers("overlap", overlap, "m"), -contact.neck_length)
     peak = np.maximum(now, 0.0) if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")

@@ -59,7 +59,9 @@ def test_the_spacing_is_that_without_force() -> None:
 
 @pytest.mark.parametrize("cohesion", [JKR, DMT], ids=["jkr", "dmt"])
 def test_the_ledger_has_a_column_of_cohesion(tmp_path: Path, cohesion: dict) -> None:
-    found = run_case(case(**cohesion, **{"load.velocity": 0.3, "run.end_time": 2e-4}), tmp_path / "run", figures=False).summary
+    found = run_case(
+        case(**cohesion, **{"load.velocity": 0.3, "run.end_time": 2e-4}), tmp_path / "run", figures=False
+    ).summary
     assert found["energy_balance_error"] < 1e-5
     with Result(tmp_path / "run") as result:
         lost = result["energy/adhesion"]
@@ -69,7 +71,9 @@ def test_the_ledger_has_a_column_of_cohesion(tmp_path: Path, cohesion: dict) -> 
         assert (lost[-1] > 1e-4 * result.energy_input) == (cohesion is JKR)
         assert found["adhesion_fraction"] == pytest.approx(lost[-1] / result.energy_input)
         assert found["energy_dissipated_adhesion_J"] == lost[-1]
-        assert result.yield_energy.sum() == pytest.approx(result.yield_ledger[-1], rel=1e-6, abs=1e-12 * result.energy_input)
+        assert result.yield_energy.sum() == pytest.approx(
+            result.yield_ledger[-1], rel=1e-6, abs=1e-12 * result.energy_input
+        )
 
 
 def words(changes: dict) -> tuple[str, str]:
@@ -104,7 +108,7 @@ def test_cohesion_bounds_the_timestep() -> None:
 def test_two_spheres_of_a_file_stick(tmp_path: Path) -> None:
     """Grains apart that meet at less than the velocity of sticking: all but the motion of both is lost or stored."""
     (tmp_path / "two.csv").write_text("x,y,z,diameter,vz\n0,0,0,0.01,0.015\n0,0,0.0100001,0.01,0\n")
-    text = '''name = "two"
+    text = """name = "two"
 material = "brass"
 [packing]
 kind = "file"
@@ -117,7 +121,7 @@ bottom = "free"
 [run]
 end_time = 4e-4
 frames = 5
-'''
+"""
     (tmp_path / "two.toml").write_text(text)
     found = run_case(load_case(tmp_path / "two.toml", {}), tmp_path / "run", figures=False).summary
     assert found["energy_balance_error"] < 1e-5
