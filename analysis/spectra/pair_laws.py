@@ -117,16 +117,13 @@ class PairLaws:
     bodies: tuple[tuple[Material, Shape], ...]
 
     def __post_init__(self) -> None:
-        """Refuse dents that differ from place to place, and cohesion.
+        """Refuse dents that differ from place to place.
 
         Raises
         ------
         InputError
-            The dents come from a file, or belong to regions; contacts cohere.
+            The dents come from a file, or belong to regions.
         """
-        if self.case.has_cohesion:
-            found = f"{self.case.name}: contact.cohesion: found {self.case.contact.law} with cohesion"
-            raise InputError(f"{found}, which linear waves leave out; expected none")
         given = self.case.contact.initial_overlap
         if isinstance(given, str) or (isinstance(given, tuple) and any(one.low or one.high for one in given)):
             raise InputError(

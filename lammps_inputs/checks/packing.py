@@ -250,7 +250,8 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
     key = "contact.cohesion" if case.contact.coheres else keys[0]
     unlike = [name for name, there in (
         ("packing.diameter_scatter", packing.diameter_scatter), ("replace", case.replace),
-        ("packing.tilt", packing.tilt), ("bar", case.bar), ("incident_bar", case.incident_bar), ("precompression", case.precompression),
+        ("packing.tilt", packing.tilt),
+        ("bar", case.bar), ("incident_bar", case.incident_bar), ("precompression", case.precompression),
         ("contact.initial_overlap", case.contact.initial_overlap), ("boundary.sides.tube", boundary.sides_tube),
         ("cylinders", assembly.has_cylinders),
     ) if there]  # fmt: skip
@@ -260,15 +261,17 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
         text = f'found with packing.kind = "file" and {assembly.lattice.n_contacts} contacts between its grains'
         errors.add(key, f"{text}, expected grains that are apart: {rest} on a lattice")
     gap, radius = boundary.forget_gap * packing.diameter, packing.diameter / 2
-    for law, _ in [] if unlike else cohesive_laws(assembly):
-        errors.check(
-            (law.neck_length >= gap, "boundary.forget_gap",
-             f"found {boundary.forget_gap:g}, a gap of {gap:.3g} m; expected more than {law.neck_length:.3g} m, "
-             f"up to which surfaces are held together by {key}"),
-            (law.balanced_overlap > _MOST_SUNKEN * radius, key,
-             f"the work of adhesion presses spheres of radius {radius:g} m into each other by {law.balanced_overlap:.3g} "
-             f"m; expected less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
-        )  # fmt: skip
+    laws = [] if unlike else [law for law, _ in cohesive_laws(assembly)]
+    neck = max((law.neck_length for law in laws), default=0.0)
+    sunken = max((law.balanced_overlap for law in laws), default=0.0)
+    errors.check(
+        (neck >= gap, "boundary.forget_gap",
+         f"found {boundary.forget_gap:g}, a gap of {gap:.3g} m; expected more than {neck:.3g} m, up to which surfaces "
+         f"are held together by {key}"),
+        (sunken > _MOST_SUNKEN * radius, key,
+         f"the work of adhesion presses spheres of radius {radius:g} m into each other by {sunken:.3g} m; expected "
+         f"less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
+    )  # fmt: skip
 
 
 def check_dents(assembly: Assembly, errors: ErrorList) -> None:

