@@ -152,6 +152,10 @@ ENTRIES = (
     Quantity("twisting_fraction", "Share dissipated by resistance to twisting",
              "Energy that contact.twisting took, walls included, over the input; only where contacts have it.",
              short="  by twisting", digits=".5f", phrase="{} of it"),
+    Quantity("adhesion_fraction", "Share dissipated by cohesion",
+             "Energy that cohesion took where surfaces met and parted (JKR), walls included, over the input; only "
+             "where contacts cohere.",
+             short="  by cohesion", digits=".5f", phrase="{} of it"),
     Quantity("holder_fraction", "Share dissipated by friction of the holder",
              "Energy dissipated by beads of a chain that slide in their holder, over the input.",
              short="  in the holder", digits=".5f", phrase="{} of it"),
@@ -189,6 +193,8 @@ ENTRIES = (
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_twisting_J", "Dissipated by resistance to twisting",
              note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_adhesion_J", "Dissipated by cohesion",
+             note="Part of the dissipated energy; where surfaces met and parted."),
     Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses",
              note="Part of the dissipated energy; null without contact.loss."),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder",
@@ -379,7 +385,7 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 #: Columns of the tables of results in reports, as far as there are values.
 REPORT_COLUMNS = (
     "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
-    "viscous_fraction", "holder_fraction",
+    "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "n_plastic_contacts",
     "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
@@ -397,7 +403,7 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 RUN_ROWS = _quantities(
     "n_spheres", "n_cylinders", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
     "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "rolling_fraction", "twisting_fraction",
-    "viscous_fraction", "holder_fraction",
+    "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction",
     "energy_balance_error", "peak_force_N",
     "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",

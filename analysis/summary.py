@@ -37,7 +37,7 @@ Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
-_RESISTED = ("rolling", "twisting")  # where contacts resist these
+_RESISTED = ("rolling", "twisting", "adhesion")  # where contacts resist these, or cohere
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 

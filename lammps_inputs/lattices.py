@@ -246,6 +246,8 @@ class Lattice:
         True if the packing is periodic along x and y.
     top_row
         Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all rows have nx.
+    overlap
+        Overlap of neighbours, m: with cohesion that at which contacts bear no force.
     """
 
     kind: str
@@ -253,6 +255,12 @@ class Lattice:
     diameter: float
     periodic: bool = False
     top_row: str = "equal"
+    overlap: float = 0.0
+
+    @property
+    def spacing(self) -> float:
+        """Distance of the centres of neighbours, m."""
+        return self.diameter - self.overlap
 
     @property
     def rule(self) -> Kind:
@@ -294,9 +302,9 @@ class Lattice:
         """Periods of a periodic packing along x and y, or else the width of a crystal in x-z and a diameter, m."""
         (nx, ny, _), (x, y) = self.shape, self.rule.pitch
         if not is_plane_crystal(self.kind):
-            return nx * x * self.diameter, ny * y * self.diameter
+            return nx * x * self.spacing, ny * y * self.spacing
         width, depth = (nx * x, _IMAGE) if self.periodic else ((nx - 1) * x + 1, 1.0)
-        return width * self.diameter, depth * self.diameter
+        return width * self.spacing, depth * self.spacing
 
     @cached_property
     def n_contacts(self) -> int:
@@ -405,7 +413,7 @@ class Lattice:
             z = self.rule.site(i, j, k)[2]
         result = np.empty((index.size, 3))
         for axis, values in enumerate((x, y, z)):
-            np.multiply(values, self.diameter, out=result[:, axis])
+            np.multiply(values, self.spacing, out=result[:, axis])
         return result
 
     def _shifted(

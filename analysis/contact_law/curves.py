@@ -72,6 +72,8 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
         peak = share * largest
         residual = float(law.residual_overlap(np.array([peak]))[0])
         overlap = np.concatenate([[0.0], residual + (peak - residual) * grid])
+        if law.neck_length:
+            overlap = -law.neck_length + (peak + law.neck_length) * np.concatenate([[-1e-9], grid[:1] + 1e-9, grid[1:]])
         force = law.force(overlap, np.full_like(overlap, peak))
         if velocity:
             overlap = peak * grid
@@ -99,7 +101,7 @@ def check_forces(law: ContactLaw) -> None:
     """Raise InputError if the force at a typical overlap is zero or infinite in double precision."""
     overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
     force = float(law.loading_force(np.array([overlap]))[0])
-    if not 0 < force < math.inf:
+    if not 0 < (abs(force) if law.pull_off_force else force) < math.inf:
         raise InputError(
             f"--radius: found R* = {law.effective_radius:g} m, where forces are {force:g} N as a number; "
             "expected lengths in m"
@@ -121,7 +123,8 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     if velocity:
         slow = np.asarray(overlap[rows] / _MICRO)
         axes.plot(overlap[rows], law.loading_force(slow), color=GREY, linestyle="-.", label="loading, slow")
-    limits = {"xlim": (0, float(overlap.max())), "ylim": (0, 1.05 * float(force.max()))}
+    low = (1.02 * float(overlap.min()), 1.05 * float(force.min()))
+    limits = {"xlim": (low[0], float(overlap.max())), "ylim": (low[1], 1.05 * float(force.max()))}
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
         axes.tick_params(top=False, right=False)

@@ -24,17 +24,17 @@ _QUANTITIES = {
     "force": ("Contact force (N)", 1.0),
 }
 _BROWN, _WINE, _PALE, _NAVY = "#8C5A2B", "#882255", "#C9C2B2", "#1B2A49"
-_OLIVE, _TEAL = "#999933", "#44AA99"
+_OLIVE, _TEAL, _ROSE = "#999933", "#44AA99", "#CC6677"
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "rolling": _OLIVE, "twisting": _TEAL,
-    "viscous losses": _WINE, "holder": _BROWN,
+    "adhesion": _ROSE, "viscous losses": _WINE, "holder": _BROWN,
     "support's damper": GREY, "absorbed": _PALE, "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
 }  # fmt: skip
 #: Energies that are dissipated, but not by yielding: label and column of the ledger.
 _LOST_OTHERWISE = {
-    "friction": "friction", "rolling": "rolling", "twisting": "twisting",
+    "friction": "friction", "rolling": "rolling", "twisting": "twisting", "adhesion": "adhesion",
     "viscous losses": "viscous", "holder": "holder", "support's damper": "support_lost",
     "absorbed": "absorbed",
 }  # fmt: skip

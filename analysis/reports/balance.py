@@ -20,7 +20,7 @@ LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
 #: Parts of these, shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_rolling_J",
-           "energy_dissipated_twisting_J", "energy_dissipated_viscous_J",
+           "energy_dissipated_twisting_J", "energy_dissipated_adhesion_J", "energy_dissipated_viscous_J",
            "energy_dissipated_holder_J", "energy_absorbed_J", "support_energy_J", "support_lost_J")  # fmt: skip
 
 

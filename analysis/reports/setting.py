@@ -29,6 +29,7 @@ _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text an
     "contact.loss": ("losses in contacts", ""),
     "contact.rolling": ("resistance to rolling", ""),
     "contact.twisting": ("resistance to twisting", ""),
+    "contact.cohesion": ("cohesion", ""),
     "contact.initial_overlap": ("initial dents", ""),
     "replace": ("some spheres replaced", ""),
 }

@@ -375,7 +375,7 @@ class Result:
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding against time, without friction, viscous losses and dampers: (n_times,), J."""
-        others = ("friction", "rolling", "twisting", "viscous", "support_lost", "holder", "absorbed")
+        others = ("friction", "rolling", "twisting", "adhesion", "viscous", "support_lost", "holder", "absorbed")
         columns = [f"energy/{name}" for name in others]
         return self["energy/dissipated"] - sum(self[name] for name in columns if name in self)
 

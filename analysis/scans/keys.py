@@ -51,6 +51,7 @@ _NAMES: Mapping[str, Naming] = {
     "contact.friction": Naming("Friction coefficient", r"$\mu$"),
     "contact.tangential": Naming("Spring of friction"),
     "contact.rolling": Naming("Coefficient of rolling friction", r"$\mu_r$"),
+    "contact.cohesion.energy": Naming("Work of adhesion", "$w$", "J/m²"),
     "contact.loss.time": Naming("Loss time", "$A$", "µs", 1e-6),
     "contact.loss.restitution": Naming("Restitution", "$e$"),
     "contact.loss.dashpot": Naming("Factor of the dashpot", r"$\alpha$"),

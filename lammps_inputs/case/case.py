@@ -137,6 +137,11 @@ class Case:
         return any(one.resists for one in (self.contact, *(pair.contact for pair in self.pair)))
 
     @property
+    def has_cohesion(self) -> bool:
+        """True if any contact coheres."""
+        return any(one.coheres for one in (self.contact, *(pair.contact for pair in self.pair)))
+
+    @property
     def has_loss(self) -> bool:
         """True if any contact loses energy by the rate of its overlap."""
         return any(one.loss is not None for one in (self.contact, *(pair.contact for pair in self.pair)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
 
 _DENT_FORM = (
@@ -177,6 +179,40 @@ def parse_twisting(value: Any) -> Resistance | str:
     return MARSHALL if value == MARSHALL else _parse_resistance(value, form)
 
 
+COHESIONS = ("jkr", "dmt")
+_MOST_ADHESION = 1e4  # J/m^2
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Cohesion:
+    """Cohesion of contacts.
+
+    Attributes
+    ----------
+    kind
+        ``jkr``: after Johnson, Kendall and Roberts; ``dmt``: after Derjaguin, Muller and Toporov.
+    energy
+        Work of adhesion of both surfaces together, J/m^2; 0: none, as where a pair takes back that of [contact].
+    """
+
+    kind: str
+    energy: float
+
+
+def parse_cohesion(value: Any) -> Cohesion:
+    """Read a cohesion; raise `ValidationError` for anything else."""
+    form = '{kind = "jkr" or "dmt", energy = (work of adhesion, J/m^2)}'
+    schema.refuse_if(not isinstance(value, Mapping) or not value, form)
+    if unknown := [name for name in value if name not in ("kind", "energy")]:
+        raise ValidationError(f"{form}; {unknown[0]} is unknown")
+    for name in ("kind", "energy"):
+        schema.refuse_if(name not in value, f"{form}; {name} is missing")
+    kind, energy = value["kind"], schema.finite(value["energy"], form)
+    schema.refuse_if(kind not in COHESIONS, f"{form}; kind = {show(kind)} is neither")
+    schema.refuse_if(not 0 <= energy <= _MOST_ADHESION, f"{form}; energy from 0 to {_MOST_ADHESION:g}")
+    return Cohesion(kind=kind, energy=energy)
+
+
 DEFAULT_YIELD_FACTOR = 1.60
 FITTED_POISSON_RATIO = 0.30
 _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
@@ -213,6 +249,7 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     return 1.0 / max(-float(deepest.fun), float(stress(0.0)))
 
 
+_RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
@@ -277,6 +314,12 @@ class Contact:
         parse_loss,
         default=None,
     )
+    cohesion: Cohesion | None = schema.custom(
+        'cohesion: kind "jkr" (elastic spheres held by a neck, law hertz) or "dmt" (a pull while surfaces touch, any '
+        "law of two materials), and the work of adhesion in J/m^2",
+        parse_cohesion,
+        default=None,
+    )
     initial_overlap: float | str | tuple[Dents, ...] = schema.custom(
         "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
         "run's result.h5",
@@ -331,6 +374,46 @@ class Contact:
         return any(one.coefficient > 0 if isinstance(one, Resistance) else one is not None for one in both)
 
     @property
+    def coheres(self) -> bool:
+        """True if contacts have cohesion."""
+        return self.cohesion is not None and self.cohesion.energy > 0
+
+    def between(
+        self, materials: tuple[Material | None, Material | None], radii: tuple[float, float], **others: Any
+    ) -> _contact_laws.ContactLaw:
+        """Return the compiled law between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+
+        Parameters
+        ----------
+        others
+            Further arguments of the compiled law.
+        """
+        bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
+                  for one in materials]  # fmt: skip
+        moduli, ratios, strengths = zip(*bodies, strict=True)
+        first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
+        sensitivity, reference = zip(*(one.rate if one else (0.0, 1.0) for one in materials), strict=True)
+        given = {name: getattr(self, name) for name in ("constant", "exponent") if getattr(self, name) is not None}
+        if self.cohesion is not None and self.coheres:
+            given["cohesion"] = (self.cohesion.kind, self.cohesion.energy)
+        return _contact_laws.ContactLaw(
+            youngs_modulus=moduli,
+            poisson_ratio=ratios,
+            yield_strength=strengths,
+            radius=radii,
+            law=self.law,
+            variant=self.variant,
+            yield_factor=self.yield_factor,
+            beta=self.beta,
+            constants=self.constants,
+            hardening=(first, second),
+            rate_sensitivity=sensitivity,
+            reference_rate=reference,
+            **given,
+            **others,
+        )
+
+    @property
     def yields(self) -> bool:
         """True if the law needs a yield strength."""
         return bool(self.entry.yields)
@@ -342,7 +425,7 @@ class Contact:
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap", "line")
-_OF_ANY_LAW = ("friction", "tangential", "rolling", "twisting", "loss")
+_OF_ANY_LAW = ("friction", "tangential", "rolling", "twisting", "loss", "cohesion")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 
 

@@ -89,6 +89,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
     packing.check_dents(assembly, errors)
     packing.check_losses(assembly, errors)
     packing.check_rates(assembly, errors)
+    packing.check_cohesion(assembly, errors)
     _check_below(assembly, errors)
     _check_held_strikers(assembly, errors)
     return assembly
@@ -374,7 +375,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     if case.load.first_time >= case.run.longest:
         text = f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
         warnings.append(f"{text} give run.end_time a later time")
-    if case.run.end_time == "auto" and not case.contact.yields:
+    if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
         warnings.append('a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us')
     for text in warnings:
         _LOG.warning("%s: %s", case.name, text)

@@ -12,10 +12,11 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
+from granwave.lammps_inputs.contact.cohesion import cohesive_laws
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.places import layout_of
+from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
 from granwave.lammps_inputs.packing.walls import walls
 
@@ -216,6 +217,7 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
     if contact.twisting == MARSHALL and not contact.friction:
         found = f'found "{MARSHALL}" with friction = 0'
         errors.add(f"{key}.twisting", f"{found}, expected friction above 0, by which it resists")
+    _check_cohesion(contact, key, errors)
     names = list(contact.constants)
     if names and (not contact.takes("constants") or contact.variant != "continuous"):
         found = f"found {contact.law}, {contact.variant}"
@@ -224,6 +226,56 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
     elif names and (fault := error_in_constants(contact)):
         key, found = (f"{key}.{names[0]}", "") if len(names) == 1 else (key, f"{', '.join(names)}: ")
         errors.add(key, f"{found}no passive law: {fault}")
+
+
+def _check_cohesion(contact: Contact, key: str, errors: ErrorList) -> None:
+    """Check that a law can cohere."""
+    if contact.cohesion is None or not contact.coheres:
+        return
+    found = f'found "{contact.cohesion.kind}" with law = "{contact.law}"'
+    errors.check(
+        (contact.entry.is_power, f"{key}.cohesion",
+         f"{found}, which has no contact circle; expected a law of two materials"),
+        (contact.cohesion.kind == "jkr" and contact.yields, f"{key}.cohesion",
+         f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
+    )  # fmt: skip
+
+
+_MOST_SUNKEN = 0.05  # overlap by cohesion over the radius of a sphere, up to which contacts are small
+
+
+def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that a packing that coheres begins at rest, and that necks are within reach."""
+    case, boundary, packing = assembly.case, assembly.case.boundary, assembly.case.packing
+    if not case.has_cohesion:
+        return
+    keys = [f"{key}.cohesion" for key, pair in numbered("pair", case.pair).items() if pair.contact.coheres]
+    key = "contact.cohesion" if case.contact.coheres else keys[0]
+    unlike = [name for name, there in (
+        ("packing.diameter_scatter", packing.diameter_scatter), ("replace", case.replace),
+        ("packing.tilt", packing.tilt),
+        ("bar", case.bar), ("incident_bar", case.incident_bar), ("precompression", case.precompression),
+        ("contact.initial_overlap", case.contact.initial_overlap), ("boundary.sides.tube", boundary.sides_tube),
+        ("cylinders", assembly.has_cylinders),
+    ) if there]  # fmt: skip
+    rest = "it begins at rest where no contact bears a force, which is found for equal spheres"
+    errors.check(*((True, key, f"found with {name}, expected a packing without: {rest}") for name in unlike))
+    if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
+        text = f'found with packing.kind = "file" and {assembly.lattice.n_contacts} contacts between its grains'
+        errors.add(key, f"{text}, expected grains that are apart: {rest} on a lattice")
+    gap, radius = boundary.forget_gap * packing.diameter, packing.diameter / 2
+    laws = [] if unlike else [law for law, _ in cohesive_laws(assembly)]
+    neck = max((law.neck_length for law in laws), default=0.0)
+    sunken = max((law.balanced_overlap for law in laws), default=0.0)
+    errors.check(
+        (assembly.has_rate, key, "found with material.rate_sensitivity, expected a yield strength without a rate"),
+        (neck >= gap, "boundary.forget_gap",
+         f"found {boundary.forget_gap:g}, a gap of {gap:.3g} m; expected more than {neck:.3g} m, up to which surfaces "
+         f"are held together by {key}"),
+        (sunken > _MOST_SUNKEN * radius, key,
+         f"the work of adhesion presses spheres of radius {radius:g} m into each other by {sunken:.3g} m; expected "
+         f"less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
+    )  # fmt: skip
 
 
 def check_dents(assembly: Assembly, errors: ErrorList) -> None:

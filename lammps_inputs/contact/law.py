@@ -6,6 +6,7 @@ The loss time of a restitution at a speed is found from the head-on collision of
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -15,14 +16,12 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Contact, DashpotRestitution
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Cohesion, Contact, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.roots import brentq
-
-_RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 
 
 def sphere_contact(case: Case) -> ContactLaw:
@@ -48,10 +47,11 @@ def _grain(assembly: Assembly, sphere: int) -> tuple[Material, float, Shape]:
 
 
 def _law(case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]) -> ContactLaw:
-    """Return the law between two bodies: material, radius and shape of each."""
+    """Return the law between two bodies: material, radius and shape of each; without cohesion."""
     (material, radius, shape), (other, other_radius, other_shape) = first, second
+    bare = dataclasses.replace(case.contact_between(material, other), cohesion=None)
     return law_between(
-        case.contact_between(material, other), (material, other), (radius, other_radius),
+        bare, (material, other), (radius, other_radius),
         shapes=(shape, other_shape), plane_strain=case.contact.line == "plane-strain",
     )  # fmt: skip
 
@@ -79,40 +79,24 @@ def law_between(
     effective_radius
         Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and shapes: in a tube.
     """
-    bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
-              for one in materials]  # fmt: skip
-    moduli, ratios, strengths = zip(*bodies, strict=True)
-    first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
-    sensitivity, reference = zip(*(one.rate if one else (0.0, 1.0) for one in materials), strict=True)
-    constants: dict[str, Any] = {} if contact.constant is None else {"constant": contact.constant}
-    if contact.exponent is not None:
-        constants["exponent"] = contact.exponent
+    others: dict[str, Any] = {"checked": checked}
     if effective_radius is not None:
-        constants["effective_radius"] = effective_radius
+        others["effective_radius"] = effective_radius
     elif any(shapes) and not contact.entry.is_power:
-        constants |= _of_cylinders({"youngs_modulus": moduli, "poisson_ratio": ratios}, radii, shapes, plane_strain)
-    return ContactLaw(
-        youngs_modulus=moduli,
-        poisson_ratio=ratios,
-        yield_strength=strengths,
-        radius=radii,
-        law=contact.law,
-        variant=contact.variant,
-        yield_factor=contact.yield_factor,
-        beta=contact.beta,
-        constants=contact.constants,
-        checked=checked,
-        hardening=(first, second),
-        rate_sensitivity=sensitivity,
-        reference_rate=reference,
-        **constants,
-    )
+        others |= _of_cylinders(materials, radii, shapes, plane_strain)
+    return contact.between(materials, radii, **others)
 
 
 def _of_cylinders(
-    bodies: dict[str, Any], radii: tuple[float, float], shapes: tuple[Shape, Shape], plane_strain: bool
+    materials: tuple[Material, Material | None],
+    radii: tuple[float, float],
+    shapes: tuple[Shape, Shape],
+    plane_strain: bool,
 ) -> dict[str, Any]:
     """Return the effective radius of a contact in a point, or the law of one along a line."""
+    elastic = [(one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0) for one in materials]
+    moduli, ratios = zip(*elastic, strict=True)
+    bodies = {"youngs_modulus": moduli, "poisson_ratio": ratios}
     if math.isinf(radii[1]):
         assert shapes[0] is not None
         length = shapes[0].length
@@ -147,6 +131,7 @@ def contact_of(
     constants: Mapping[str, float] | None = None,
     *,
     checked: bool = True,
+    cohesion: Cohesion | None = None,
 ) -> ContactLaw:
     """Return the law between two spheres of one or two materials and one or two radii (m).
 
@@ -156,22 +141,23 @@ def contact_of(
         Constants of the elasto-plastic law that differ from the published ones.
     checked
         True to refuse constants of a law that is not passive.
+    cohesion
+        Cohesion of the spheres.
 
     Raises
     ------
     InputError
         A material lacks the yield strength that the law needs.
     ValueError
-        A constant is unknown, or the law is not passive.
+        A constant is unknown, the law is not passive, or it cannot cohere so.
     """
     _require_strength(materials, law)
     given = dict(constants or {})
     unknown = sorted(given.keys() - set(LAW_CONSTANTS))
     if unknown:
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
-    return law_between(
-        _contact(law, variant, given), (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked
-    )
+    contact = dataclasses.replace(_contact(law, variant, given), cohesion=cohesion)
+    return law_between(contact, (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked)
 
 
 def rigid_wall_contact_of(

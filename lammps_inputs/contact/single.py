@@ -114,12 +114,16 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
     known = [one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))]
+    known += [] if entry.is_power or law == LINE else ["cohesion"]
     before = len(errors.lines)
     if known:
         refuse_unknown(options, known, "", errors)
     errors.check(*((not known, name, f"found with law {law}, which has no options") for name in options))
     contact = read_table(Contact, {"law": law} | {name: options[name] for name in known if name in options}, "", errors)
     missing = "missing; law power is F = constant overlap^exponent, N/m^exponent"
+    if contact is not None and contact.cohesion is not None:
+        neck = contact.cohesion.kind == "jkr" and contact.yields
+        errors.check((neck, "cohesion", f'found "jkr" with law {law}; it is of law hertz, expected "dmt"'))
     errors.check(*((entry.is_power and name not in options, name, missing) for name in ("constant", "exponent")))
     return contact if len(errors.lines) == before else None
 
@@ -201,6 +205,10 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
     if pair is not None and pair.nearly_parallel and other.shape == "cylinder":
         found = "found cylinders whose axes are less than 1 degree from parallel"
         raise InputError(f"contact: bodies: {found}, expected parallel ones, or a larger angle")
+    if contact.cohesion is not None and (one.cylinder or other.cylinder):
+        raise InputError(
+            f"contact: cohesion: found a {one.shape} and a {other.shape}, expected spheres, planes or tubes"
+        )
     along_line = one.cylinder is not None and (other.shape == "plane" or (pair is not None and pair.parallel))
     if law == LINE and not along_line:
         raise InputError(

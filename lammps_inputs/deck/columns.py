@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # Conditions of columns: friction, initial dents, viscous losses, rotation; a record of the forces at every snapshot
 FRICTION, DENTS, LOSS, TURNING, FORCES_OF_ALL = "friction", "dents", "loss", "turning", "forces"
-RESISTANCE = "resistance"  # to rolling and twisting
+RESISTANCE, COHESION = "resistance", "cohesion"  # to rolling and twisting; of contacts
 # a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an automatic timestep
 PLATE, HOLDER, ABSORB, SUPPORT, ADAPTIVE = "plate", "holder", "absorb", "support", "adaptive"
 
@@ -82,6 +82,7 @@ LEDGER = (
     Column("rolling", "v_rolling", "J", RESISTANCE),
     Column("elastic_twisting", "v_elastic_twisting", "J", RESISTANCE),
     Column("twisting", "v_twisting", "J", RESISTANCE),
+    Column("adhesion", "v_adhesion", "J", COHESION),
     Column("viscous", "v_viscous", "J", LOSS),
     Column("holder", "f_holder", "J", HOLDER),
     Column("absorbed", "v_absorbed", "J", ABSORB),
@@ -191,6 +192,7 @@ def recorded(case: Case) -> tuple[str, ...]:
     there = {
         FRICTION: case.has_friction,
         RESISTANCE: case.has_resistance,
+        COHESION: case.has_cohesion,
         DENTS: case.has_initial_dents,
         LOSS: case.has_loss,
         TURNING: case.has_rotation,

@@ -170,6 +170,8 @@ def law_coefficients(
         words += [] if marshall and not friction else _slider("twisting", contact.twisting)
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
+    if contact.cohesion is not None and contact.coheres:
+        words += ["cohesion", contact.cohesion.kind, num(contact.cohesion.energy)]
     return joined(words)
 
 

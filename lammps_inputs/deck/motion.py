@@ -6,6 +6,7 @@ import math
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.contact.cohesion import energy_at_start
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck.columns import ADAPTIVE, LEDGER, recorded, sources
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_series
@@ -236,6 +237,11 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
             lines.append(f"variable        {name} equal {_sum(terms)}")
             (elastic if number % 2 == 0 else dissipated).extend(terms)
         stored, lost = [*stored, 17, 19], [*lost, 18, 20]
+    if case.has_cohesion:
+        adhesion = ["c_contact[13]", *on_walls(21)]
+        lines.append(f"variable        adhesion equal {_sum(adhesion)}")
+        lost = [*lost, 21]
+        dissipated += adhesion
     if case.has_loss:
         viscous = ["c_contact[8]", *on_walls(16)]  # a variable within another has 15 digits
         lines.append(f"variable        viscous equal {_sum(viscous)}")
@@ -251,6 +257,8 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     elastic += [f"c_elastic_{name}" for name in bars]
     if case.precompression:
         elastic += [POTENTIAL, f"-{STATIC}"]
+    if at_start := energy_at_start(assembly):
+        elastic.append(num(-at_start))
     return [
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",

@@ -100,8 +100,9 @@ def _head(assembly: Assembly) -> list[str]:
 def _system(assembly: Assembly, restart_from: str) -> list[str]:
     sides = "p p" if assembly.lattice.periodic else "m m"
     bars = assembly.bars
+    touch = "cohere, at rest" if assembly.case.has_cohesion else "just touch"
     return [
-        "# The packing: spheres that just touch. Both processors that share a pair compute it (newton off).",
+        f"# The packing: spheres that {touch}. Both processors that share a pair compute it (newton off).",
         "units           si",
         f"atom_style      {'hybrid sphere bond' if bars else 'sphere'}",
         "atom_modify     map yes",
@@ -140,7 +141,11 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
         f"neighbor        {num(skin)} bin",
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
-        *(["comm_modify     vel yes"] if case.has_rotation or case.has_loss or assembly.has_rate else []),
+        *(
+            ["comm_modify     vel yes"]
+            if case.has_rotation or case.has_loss or case.has_cohesion or assembly.has_rate
+            else []
+        ),
     ]
 
 

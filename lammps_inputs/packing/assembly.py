@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing.balance import in_balance
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
 from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.disorder import striker_shift
@@ -322,7 +323,7 @@ def assemble(case: Case | Assembly) -> Assembly:
 
 @lru_cache(maxsize=_KEPT)
 def _assemble(case: Case) -> Assembly:
-    lattice = layout_of(case.packing, case.boundary)
+    lattice = in_balance(case, layout_of(case.packing, case.boundary))
     sites = sites_of(case, lattice)
     strikers = [(striker.material or case.material, striker.body) for striker in case.striker]
     species = tuple(Species(material, shape=shape) for material, shape in dict.fromkeys([*sites.bodies, *strikers]))

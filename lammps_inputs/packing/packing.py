@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Layout
@@ -77,6 +77,8 @@ class Packing:
         stage = self.assembly.case.precompression
         if stage is not None and stage.takes_overlaps:
             gaps = np.maximum(gaps, 0.0)
+        if isinstance(self.lattice, Lattice):
+            gaps = gaps + self.lattice.overlap * (pairs.max(axis=1) <= self.lattice.n_spheres)
         if gaps.size and np.abs(gaps).max() > TOUCHING * self.lattice.diameter:
             first, second = pairs[np.abs(gaps).argmax()]
             raise RuntimeError(

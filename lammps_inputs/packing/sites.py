@@ -119,7 +119,7 @@ class Sites:
         if self.leaning is not None:
             first, second = pairs.T - 1
             return np.asarray(np.linalg.norm(self.leaning[second] - self.leaning[first], axis=1))
-        return self.lattice.diameter if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
+        return self.lattice.spacing if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
@@ -192,7 +192,7 @@ class Sites:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""
         if isinstance(self.lattice, Places):
             return gaps <= TOUCHING * self.lattice.diameter  # overlaps at the start touch too, where they are asked for
-        touching = np.abs(gaps) <= TOUCHING * self.lattice.diameter
+        touching = np.abs(gaps + self.lattice.overlap) <= TOUCHING * self.lattice.diameter
         return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
 
     def _contacts_of_larger(self) -> NDArray[np.int64]:

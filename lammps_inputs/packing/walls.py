@@ -13,8 +13,9 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import TOUCHING, is_plane_crystal
+from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.balance import balanced_overlap
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.sites import Sites
 
@@ -46,6 +47,8 @@ class Wall:
         Support of a moving plane; None if it does not move.
     plate
         Mass (kg) and velocity (m/s) of a rigid plate on the free top; None for other walls.
+    overlap
+        Overlap of spheres that touch it, m: with cohesion that at which contacts bear no force.
     fixes
         Its LAMMPS fixes, one for each material: name, group and material of the grains.
     """
@@ -59,6 +62,7 @@ class Wall:
     material: Material | None = None
     support: Support | None = None
     plate: tuple[float, float] | None = None
+    overlap: float = 0.0
     fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(default=(), repr=False, compare=False)
 
     def gaps(self, positions: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -108,7 +112,17 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
             inwards -= max(case.boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
+    if case.has_cohesion:
+        found = [_pressed(case, wall) for wall in found]
     return tuple(dataclasses.replace(wall, fixes=_fixes(assembly, wall)) for wall in found)
+
+
+def _pressed(case: Case, wall: Wall) -> Wall:
+    """Return a wall where spheres that cohere with it bear no force; tubes, and sides with a gap, as they are."""
+    if wall.held_layer or wall.tube or case.packing.kind == FILE or (wall.axis < 2 and case.boundary.gap):
+        return wall
+    overlap = balanced_overlap(case, wall.material, flat=True)
+    return dataclasses.replace(wall, coordinate=wall.coordinate - wall.outward * overlap, overlap=overlap)
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:

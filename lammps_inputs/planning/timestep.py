@@ -31,6 +31,7 @@ from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCIL
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
+from granwave.lammps_inputs.contact.cohesion import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
@@ -39,6 +40,7 @@ from granwave.lammps_inputs.planning.encounters import encounters, some_encounte
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _OF_ROLLING = 0.2  # timestep over 1/angular frequency of a given stiffness; stable below 2
+_OF_COHESION = 0.5  # surfaces that jump together move fast at first
 _OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
@@ -110,6 +112,7 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
         )
         for one in some_encounters(assembly)
     ]
+    found += _limits_of_cohesion(assembly, factor)
     return sorted([*found, *_limits_of_load(assembly), *_limits_at_any_time(assembly)], key=lambda limit: limit.step)
 
 
@@ -134,6 +137,17 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
         step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
         limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
     return limits
+
+
+def _limits_of_cohesion(assembly: Assembly, factor: float) -> list[Limit]:
+    """Return the bounds by contacts that cohere: the stiffness 2 E* a of their circle where they bear no force."""
+    found = []
+    for law, mass in cohesive_laws(assembly):
+        overlap = law.balanced_overlap
+        stiffness = 2 * law.effective_modulus * float(law.contact_radius(overlap, overlap))
+        step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
+        found.append(Limit(step, "contact.cohesion", "a smaller work of adhesion"))
+    return found
 
 
 def _limits_of_resistance(case: Case, mass: float, radius: float) -> list[Limit]:

@@ -72,7 +72,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
   constexpr double LONGEST = 50.0;    // end of a collision in which the bodies do not part, over its duration without loss
   // the time scale: overlap at which first loading has taken up the kinetic energy, over the speed
   const std::vector<double> zero(std::max(law.law().n_extra(), 1), 0.0);
-  const double energy = 0.5 * mass * speed * speed;
+  const double energy = 0.5 * mass * speed * speed + law.pull_off() * law.balanced_overlap();
   double low = 0.0, high = 1e-9 * law.effective_radius();
   const double most = std::min(law.largest_overlap(), MOST_OVERLAP * law.effective_radius());
   while (high < most && law.loading_work(high, zero.data()) < energy) high *= 2.0;
@@ -81,20 +81,28 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     const double middle = 0.5 * (low + high);
     (law.loading_work(middle, zero.data()) < energy ? low : high) = middle;
   }
-  const double scale = 2.9432 * high / speed;    // duration of a Hertzian collision
+  const double scale = 2.9432 * high / std::sqrt(2.0 * energy / mass);    // duration of a Hertzian collision
+  const double least = -law.neck_length();
 
   std::vector<double> extra(zero);
   double peak = 0.0, peak_force = 0.0, t = 0.0, x = 0.0, v = speed;
   const auto force = [&](double overlap, double rate) {
-    if (overlap <= 0.0) return 0.0;
+    if (overlap <= least) return 0.0;
     const LawHistory h{std::max(peak, overlap), extra.data()};
+    if (law.cohesive()) {
+      const CohesiveState state = law.cohesive_state(overlap, h);
+      const double c = loss.coefficient(2.0 * law.law().modulus() * std::sqrt(state.circle_squared), mass);
+      return state.force + viscous_force(state.force + law.pull_off(), c, rate);
+    }
     const double of_law = law.force(overlap, h);
     return of_law + viscous_force(of_law, loss.coefficient(law.tangent_stiffness(overlap, h), mass), rate);
   };
   const double usual = scale / steps;
+  bool parts = !law.cohesive();    // false while bodies may stick
   while (t < LONGEST * scale) {
     // a loss that is large beside the inertia needs shorter steps
     const LawHistory h{std::max(peak, x), extra.data()};
+    const double at_start = x, v_start = v;
     const double c = x > 0.0 ? loss.coefficient(law.tangent_stiffness(x, h), mass) : 0.0;
     const double dt = c > 0.0 ? std::min(usual, 0.5 * mass / c) : usual;
     const auto slope = [&](double at, double rate) { return -force(at, rate) / mass; };
@@ -103,14 +111,35 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     x += dt / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4);
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
     t += dt;
-    if (x <= 0.0) break;
+    if (x <= least) {
+      if (law.has_neck())    // the force at its end is singular
+        v = -std::sqrt(
+            std::max(0.0, v_start * v_start -
+                              2.0 / mass * (law.cohesive_state(least, h).energy - law.cohesive_state(at_start, h).energy)));
+      parts = true;
+      break;
+    }
     law.update(x, peak, v, extra.data());
     peak = std::max(peak, x);
     const double f = force(x, v);
     peak_force = std::max(peak_force, f);
-    if (v < 0.0 && f == 0.0) break;    // no force from here on: nothing slows the separation
+    if (v < 0.0 && f == 0.0) {    // no force from here on: nothing slows the separation
+      parts = true;
+      break;
+    }
   }
-  return {v < 0.0 ? -v / speed : 0.0, t, peak_force, peak};
+  return {parts && v < 0.0 ? -v / speed : 0.0, t, peak_force, peak};
+}
+
+CohesionModel cohesion_of(const LawEntry &entry, const std::pair<std::string, double> &given, bool line)
+{
+  const auto &[kind, energy] = given;
+  if (kind != "jkr" && kind != "dmt") throw py::value_error("cohesion must be jkr or dmt, found '" + kind + "'");
+  if (!(energy >= 0.0 && std::isfinite(energy))) throw py::value_error("the work of adhesion must not be negative");
+  if (entry.is_power() || line) throw py::value_error("cohesion is of spheres of two materials");
+  if (kind == "jkr" && entry.yields()) throw py::value_error("cohesion jkr is of law hertz; with others take dmt");
+  if (energy == 0.0) return {};
+  return {kind == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
 }
 
 /* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
@@ -119,7 +148,7 @@ class Contact {
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
           double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening,
-          Two rate_sensitivity, Two reference_rate)
+          Two rate_sensitivity, Two reference_rate, const std::optional<std::pair<std::string, double>> &cohesion)
   {
     const LawEntry &entry = known_law(name);
     if (variant != "continuous" && variant != "published")
@@ -132,8 +161,15 @@ class Contact {
     if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
     if (entry.takes(POWER) && !(constant > 0.0 && exponent >= 1.0))
       throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
-    LawOptions options{
-        variant == "published" ? Variant::published : Variant::continuous, yield_factor, beta, constant, exponent, {}, {}};
+    LawOptions options{variant == "published" ? Variant::published : Variant::continuous,
+                       yield_factor,
+                       beta,
+                       constant,
+                       exponent,
+                       {},
+                       {},
+                       {}};
+    if (cohesion) options.cohesion = cohesion_of(entry, *cohesion, line.has_value());
     const bool fe = entry.takes(HARDENING);
     for (const auto &[key, value] : own) {
       if (fe) {
@@ -174,11 +210,34 @@ class Contact {
   }
   Contact(const Contact &) = delete;    // `scaled` points to `law`
 
-  double loading_force(double overlap) const { return scaled.loading_force(overlap, extra.data()); }
-  double loading_work(double overlap) const { return scaled.loading_work(overlap, extra.data()); }
-  double force(double overlap, double peak) const { return scaled.force(overlap, history(peak)); }
+  /* State of a contact with cohesion that has reached this peak. */
+  CohesiveState sticking(double overlap, double peak) const
+  {
+    if (!scaled.joins(overlap, peak > 0.0, 0.0)) return {};
+    return scaled.cohesive_state(overlap, history(std::max(peak, overlap)));
+  }
+  double loading_force(double overlap) const
+  {
+    return scaled.cohesive() ? sticking(overlap, overlap).force : scaled.loading_force(overlap, extra.data());
+  }
+  double loading_work(double overlap) const
+  {
+    if (overlap <= 0.0 || !scaled.cohesive()) return scaled.loading_work(overlap, extra.data());
+    if (scaled.has_neck()) return sticking(overlap, overlap).energy - scaled.cohesive_state(0.0, history(0.0)).energy;
+    return scaled.loading_work(overlap, extra.data()) + sticking(overlap, overlap).energy -
+           scaled.elastic_energy(overlap, history(overlap));
+  }
+  double force(double overlap, double peak) const
+  {
+    return scaled.cohesive() ? sticking(overlap, peak).force : scaled.force(overlap, history(peak));
+  }
+  double pressing_force(double overlap, double peak) const
+  {
+    return scaled.cohesive() ? sticking(overlap, peak).pressing : scaled.force(overlap, history(peak));
+  }
   double elastic_energy(double overlap, double peak) const
   {
+    if (scaled.cohesive()) return sticking(overlap, peak).energy;
     return scaled.elastic_energy(overlap, history(std::max(peak, overlap)));
   }
   double dissipated_energy(double peak) const { return scaled.dissipated_energy(history(peak)); }
@@ -187,7 +246,9 @@ class Contact {
   double unloading_stiffness(double peak) const { return scaled.unloading_stiffness(history(peak)); }
   double tangent_stiffness(double overlap, double peak) const
   {
-    return scaled.tangent_stiffness(overlap, history(std::max(peak, overlap)));
+    const LawHistory h = history(std::max(peak, overlap));
+    if (!scaled.has_neck()) return scaled.tangent_stiffness(overlap, h);
+    return scaled.joins(overlap, peak > 0.0, 0.0) ? scaled.cohesive_stiffness(overlap, h) : 0.0;
   }
   ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
   {
@@ -231,14 +292,15 @@ class Contact {
   {
     return law.rate() ? law.rate().factor(scaled.normalised(overlap), velocity / scaled.effective_radius()) : 1.0;
   }
-  double contact_radius(double overlap, double peak) const
+  double contact_radius(double overlap, double peak) const { return std::sqrt(circle_squared(overlap, peak)); }
+  double circle_squared(double overlap, double peak) const
   {
-    return std::sqrt(scaled.circle_squared(overlap, history(peak)));
+    return scaled.cohesive() ? sticking(overlap, peak).circle_squared : scaled.circle_squared(overlap, history(peak));
   }
   double peak_contact_radius(double peak) const { return contact_radius(peak, peak); }
   double tangential_stiffness(double overlap, double peak) const
   {
-    return law.tangential_stiffness(scaled.circle_squared(overlap, history(peak)));
+    return law.tangential_stiffness(circle_squared(overlap, peak));
   }
 
   py::dict friction_path(const py::array_t<double> &overlaps, const py::array_t<double> &slips, double friction,
@@ -408,13 +470,14 @@ PYBIND11_MODULE(_contact_laws, module)
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<LineContact> &, Two, Two, Two>(),
+                    const std::optional<LineContact> &, Two, Two, Two,
+                    const std::optional<std::pair<std::string, double>> &>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
            py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
            py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0), py::arg("rate_sensitivity") = Two(0.0, 0.0),
-           py::arg("reference_rate") = Two(1.0, 1.0))
+           py::arg("reference_rate") = Two(1.0, 1.0), py::arg("cohesion") = py::none())
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
@@ -434,10 +497,18 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly("valid_overlap", of<&Contact::scaled, &ScaledLaw::valid_overlap>(),
                              "overlap beyond which the law no longer describes the contact, m")
       .def_property_readonly("yield_force", of<&Contact::scaled, &ScaledLaw::yield_force>(), "F_y, N")
+      .def_property_readonly("balanced_overlap", of<&Contact::scaled, &ScaledLaw::balanced_overlap>(),
+                             "overlap without force of a contact with cohesion; 0 without, m")
+      .def_property_readonly("pull_off_force", of<&Contact::scaled, &ScaledLaw::pull_off>(),
+                             "largest pull of a contact with cohesion that has no dent; 0 without, N")
+      .def_property_readonly("neck_length", of<&Contact::scaled, &ScaledLaw::neck_length>(),
+                             "largest gap of surfaces that a neck holds together (JKR), m")
       .def_property_readonly("share_of_first", of<&Contact::law, &ContactLaw::share_of_first>(),
                              "share of the dissipated energy that belongs to the first body")
       .def("force", py::vectorize(&Contact::force), py::arg("overlap"), py::arg("peak_overlap"),
            "Force at an overlap when the largest so far was peak_overlap, N.")
+      .def("pressing_force", py::vectorize(&Contact::pressing_force), py::arg("overlap"), py::arg("peak_overlap"),
+           "Normal force that limits friction: with cohesion the force plus twice the pull-off force, N.")
       .def("loading_force", py::vectorize(&Contact::loading_force), py::arg("overlap"), "Force of first loading, N.")
       .def("loading_work", py::vectorize(&Contact::loading_work), py::arg("overlap"), "Work of first loading from zero, J.")
       .def("elastic_energy", py::vectorize(&Contact::elastic_energy), py::arg("overlap"), py::arg("peak_overlap"),

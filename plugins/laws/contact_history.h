@@ -52,8 +52,9 @@ struct ForgottenContacts {
   double peak_force = 0.0, peak_overlap = 0.0;
   double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;    // time_peak: of the largest force; -1 = never
   double rolling_loss = 0.0, twisting_loss = 0.0;                   // part of frictional_loss
+  double adhesive_loss = 0.0;                                       // where surfaces met and parted
 
-  static constexpr int SIZE = 14;
+  static constexpr int SIZE = 15;
 
   bool none() const { return peak_overlap == 0.0; }
 };

@@ -5,6 +5,7 @@
 #ifndef GRANWAVE_CONTACT_LAW_H
 #define GRANWAVE_CONTACT_LAW_H
 
+#include "cohesion.h"
 #include "elastic_contact.h"
 #include "law_table.h"
 
@@ -14,6 +15,7 @@
 #include <string>
 #include <tuple>
 #include <variant>
+#include <vector>
 
 namespace granwave {
 
@@ -45,8 +47,9 @@ class ContactLaw {
   ContactLaw() : ContactLaw(law_table().front(), {1.0, 0.0, INFINITE}, {1.0, 0.0, INFINITE}, {}) {}
 
   ContactLaw(const LawEntry &entry, const Material &m1, const Material &m2, const LawOptions &options) :
-      entry_(&entry), constants_(options.constants), modulus_(granwave::effective_modulus(m1, m2)),
-      shear_modulus_(granwave::effective_shear_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
+      entry_(&entry), constants_(options.constants), cohesion_(options.cohesion),
+      modulus_(granwave::effective_modulus(m1, m2)), shear_modulus_(granwave::effective_shear_modulus(m1, m2)),
+      yield_(std::min(m1.yield_strength, m2.yield_strength)),
       share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0))
   {
     const double pressure = entry.exact_yield ? ElastoplasticFe::yield_pressure(m1, m2) : options.yield_factor * yield_;
@@ -66,6 +69,7 @@ class ContactLaw {
   const AnyLaw &normal() const { return normal_; }
   const LawConstants &constants() const { return constants_; }
   const ElasticContact *elastic() const { return elastic_ ? &*elastic_ : nullptr; }    // of a power of the overlap
+  const CohesionModel &cohesion() const { return cohesion_; }
   std::string fault() const
   {
     return with([](const auto &law) { return law.fault(); });
@@ -77,7 +81,7 @@ class ContactLaw {
   int n_extra() const
   {
     return entry_->n_extra + (rate_ ? RATE_EXTRA : 0);
-  }                                                    // doubles of history beyond the largest overlap
+  }    // doubles of history beyond the largest overlap
   double share_of_first() const { return share1_; }    // share of the dissipated energy: all of it for the softer sphere
   double overlap_per_radius() const { return overlap_per_radius_; }
   double force_per_area() const { return force_per_area_; }
@@ -108,6 +112,11 @@ class ContactLaw {
   {
     return with([&](const auto &law) { return law.area(a, site); });
   }
+  double area_slope(double a, const Site &site) const
+  {
+    constexpr double STEP = 1e-5;    // relative
+    return (area(a + STEP * a, site) - area(a - STEP * a, site)) / (2.0 * STEP * a);
+  }
   bool update(double a, double peak, double rate, const Site &site, double *extra) const
   {
     return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
@@ -119,6 +128,7 @@ class ContactLaw {
  private:
   const LawEntry *entry_;
   LawConstants constants_;
+  CohesionModel cohesion_;
   double modulus_, shear_modulus_, yield_, share1_;
   double overlap_per_radius_, force_per_area_;
   RateModel rate_;
@@ -144,6 +154,10 @@ class ScaledLaw {
   {
     const double limit = law.entry().elastic_limit;
     elastic_limit_ = limit > 0.0 && std::isfinite(limit) ? limit * overlap_ : limit;
+    if (!law.cohesion()) return;
+    cohesion_ = law.cohesion().kind;
+    pull_per_length_ = 2.0 * PI * law.cohesion().energy;
+    if (cohesion_ == CohesionKind::JKR) neck_ = Neck(law.modulus(), effective_radius, law.cohesion().energy);
   }
   ScaledLaw(const ContactLaw &law, double effective_radius, const ElasticContact &elastic) : ScaledLaw(law, effective_radius)
   {
@@ -238,6 +252,80 @@ class ScaledLaw {
                             : hertz_energy(overlap);
   }
 
+  /* ---- cohesion; forces and energies of the functions above are without it */
+
+  bool cohesive() const { return cohesion_ != CohesionKind::NONE; }
+  bool has_neck() const { return cohesion_ == CohesionKind::JKR; }
+  double neck_length() const { return neck_.length(); }    // largest gap of surfaces that are held by a neck
+  double pull_off() const { return has_neck() ? neck_.pull_off() : pull_per_length_ * effective_radius_; }    // without dent
+
+  /* Return true if surfaces touch or are held by a neck; `joined` if they did at the last step. Smaller overlaps than `rounding`
+     are none. */
+  bool joins(double overlap, bool joined, double rounding) const
+  {
+    return overlap > rounding || (joined && has_neck() && overlap > -neck_.length());
+  }
+
+  /* State of such a contact; `turning` is that of its peak if it has yielded. */
+  CohesiveState cohesive_state(double overlap, const LawHistory &h, const Turning *turning) const
+  {
+    if (has_neck()) return neck_.at(overlap);
+    const bool loads = overlap >= h.peak;
+    if (overlap <= 0.0 || (turning && !loads && normalised(overlap) <= turning->residual)) return {};
+    CohesiveState s;
+    double law_force = 0.0;
+    if (!turning) {
+      law_force = hertz_force(overlap);
+      s.energy = hertz_energy(overlap);
+      s.circle_squared = effective_radius_ * overlap;
+    } else {
+      law_force = loads ? loading_beyond_yield(overlap, h.extra) : unloading(overlap, *turning);
+      s.energy = elastic_energy(overlap, *turning);
+      s.circle_squared =
+          loads ? loading_circle(overlap, h.extra) : unloading_circle(overlap, *turning, area(turning->peak, h.extra));
+    }
+    const double pull = pull_of(loads, overlap, turning);
+    s.force = law_force - pull;
+    s.pressing = law_force + pull;
+    s.energy -= pull_per_length_ * s.circle_squared;
+    return s;
+  }
+  CohesiveState cohesive_state(double overlap, const LawHistory &h) const
+  {
+    const double peak = std::max(overlap, h.peak);
+    if (has_neck() || !yielded(peak)) return cohesive_state(overlap, h, nullptr);
+    const Turning t = turning({peak, h.extra});
+    return cohesive_state(overlap, {peak, h.extra}, &t);
+  }
+
+  /* Where the surfaces meet, or part. */
+  Jump jump(bool meets, double overlap, double peak, const Turning *turning) const
+  {
+    if (has_neck()) return neck_.jump(meets);
+    if (!turning || (meets && overlap >= peak)) return {0.0, -pull_per_length_ * effective_radius_};
+    return {overlap_ * turning->residual, -pull_of(false, overlap, turning)};
+  }
+
+  /* Slope of the force at an overlap. */
+  double cohesive_stiffness(double overlap, const LawHistory &h) const
+  {
+    return has_neck() ? neck_.stiffness(overlap) : tangent_stiffness(overlap, h);
+  }
+
+  /* Overlap on first loading at which the contact bears no force; 0 without cohesion. */
+  double balanced_overlap() const
+  {
+    if (has_neck()) return neck_.balanced();
+    if (!cohesive()) return 0.0;
+    const std::vector<double> zero(std::max(law_->entry().n_extra, 1), 0.0);
+    double low = 0.0, high = effective_radius_;
+    for (int n = 0; n < 200; n++) {
+      const double middle = 0.5 * (low + high);
+      (cohesive_state(middle, {middle, zero.data()}).force < 0.0 ? low : high) = middle;
+    }
+    return high;
+  }
+
   /* Force at an overlap; beyond the peak that of the loading curve. */
   double force(double overlap, const LawHistory &h) const
   {
@@ -305,6 +393,18 @@ class ScaledLaw {
   const ElasticContact *elastic_ = nullptr;
   double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
   double share1_ = 0.5, share2_ = 0.5;
+  CohesionKind cohesion_ = CohesionKind::NONE;
+  double pull_per_length_ = 0.0;    // of DMT: pull over the slope of the squared radius of the contact circle
+  Neck neck_;
+
+  double pull_of(bool loads, double overlap, const Turning *turning) const    // no rate with cohesion: no history
+  {
+    double slope = 1.0;    // of the squared radius of the circle over R* times the overlap
+    if (turning)
+      slope = loads ? law_->area_slope(normalised(overlap), site(nullptr))
+                    : area(turning->peak, nullptr) / (turning->peak - turning->residual);
+    return pull_per_length_ * effective_radius_ * slope;
+  }
 };
 
 }    // namespace granwave

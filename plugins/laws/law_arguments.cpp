@@ -130,14 +130,14 @@ TangentialModel tangential_model(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage = "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " +
-                            law_names("|", true) +
-                            " E nu sigma_y "
-                            "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
-                            "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-                            "[loss time A|dashpot alpha] [variant continuous|published] [yield_factor C] "
-                            "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants "
-                            "[pressure_limit x] [pressure_rate x] ...";
+  const std::string usage =
+      "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
+      " E nu sigma_y "
+      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
+      "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
+      "[loss time A|dashpot alpha] [cohesion jkr|dmt w] [variant continuous|published] [yield_factor C] "
+      "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants "
+      "[pressure_limit x] [pressure_rate x] ...";
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   args.words = words;
@@ -177,6 +177,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
       const double size = number(words[k + 2], "loss " + value);
       if (size < 0.0) refuse("loss " + value + " must not be negative, found '" + words[k + 2] + "'");
       if (size > 0.0) args.loss = {value == "time" ? LossKind::TIME : LossKind::DASHPOT, size};
+      k++;
+    } else if (key == "cohesion") {
+      if (value != "jkr" && value != "dmt") refuse("cohesion must be jkr or dmt, found '" + value + "'");
+      if (args.options.cohesion) refuse("cohesion is given twice");
+      if (k + 2 == words.size()) refuse("'cohesion " + value + "' has no value; " + usage);
+      const double energy = number(words[k + 2], "cohesion " + value);
+      if (energy < 0.0) refuse("cohesion " + value + " must not be negative, found '" + words[k + 2] + "'");
+      if (energy > 0.0) args.options.cohesion = {value == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
       k++;
     } else if (key == "variant" && args.law->takes(VARIANT)) {
       if (value != "continuous" && value != "published")
@@ -224,6 +232,12 @@ LawArguments parse_law(const std::vector<std::string> &words)
   }
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
     refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
+  if (args.options.cohesion && args.law->is_power())
+    refuse("law '" + words[0] + "' has no contact circle, which cohesion needs: take law hertz");
+  if (args.options.cohesion && args.has_rate())
+    refuse("cohesion holds for a yield strength that does not depend on the rate: leave out cohesion or rate");
+  if (args.options.cohesion.kind == CohesionKind::JKR && args.law->yields())
+    refuse("cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law '" + words[0] + "'");
   if (args.law->takes(POWER) && !(has_constant && has_exponent))
     refuse("law power needs constant K and exponent p; " + usage);
   if (args.has_rate() && args.options.variant == Variant::published)

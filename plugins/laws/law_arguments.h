@@ -7,7 +7,7 @@
      keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
      rate C r0 [C2 r02] (rate_dependent.h, two numbers for each material),
      tangential mindlin_rescale|mindlin|partial_slip, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
-     loss time A, loss dashpot alpha, and of the options that the law takes: variant
+     loss time A, loss dashpot alpha, cohesion jkr|dmt w (work of adhesion; dmt with any law of two materials, jkr with hertz), and of the options that the law takes: variant
      continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H

@@ -5,6 +5,7 @@
 #ifndef GRANWAVE_LAW_TABLE_H
 #define GRANWAVE_LAW_TABLE_H
 
+#include "cohesion.h"
 #include "elastoplastic.h"
 #include "elastoplastic_fe.h"
 #include "rate_dependent.h"
@@ -23,11 +24,13 @@ struct LawOptions {
   double constant = 0.0, exponent = 1.5;    // F = constant overlap^exponent
   LawConstants constants;
   FeConstants fe_constants;    // of elastoplastic-fe, set only where it is fitted
+  CohesionModel cohesion;
 
   bool operator==(const LawOptions &other) const
   {
     return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-           constant == other.constant && exponent == other.exponent && constants == other.constants;
+           constant == other.constant && exponent == other.exponent && constants == other.constants &&
+           cohesion == other.cohesion;
   }
 };
 

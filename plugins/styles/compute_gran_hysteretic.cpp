@@ -100,7 +100,7 @@ void ComputeGranHystereticAtom::compute_peratom()
     row[FRICTIONAL] += 0.5 * report.frictional_loss;
     row[VISCOUS] += 0.5 * report.viscous_loss;
     if (report.yielded) row[YIELDED] += 1.0;
-    if (report.force > 0.0) row[COORDINATION] += 1.0;
+    if (report.touches) row[COORDINATION] += 1.0;
     earliest(row[FIRST], report.dent.time_first);
     earliest(row[YIELD], report.dent.time_yield);
   };
@@ -138,7 +138,7 @@ void ComputeGranHystereticSums::compute_peratom()
   start_atoms();
   const int nlocal = atom->nlocal;
   pair->for_each_dent([&](const Report &report) {
-    if (report.force <= 0.0) return;
+    if (report.force == 0.0) return;
     for (int d = 0; d < 3; d++) {
       const double size = std::fabs(report.on_first[d]);
       array_atom[report.i][d] += size;

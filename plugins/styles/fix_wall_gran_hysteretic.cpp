@@ -240,8 +240,7 @@ void FixWallGranHysteretic::evaluate()
     if (cylinders && stands[atom->type[i]]) continue;
     const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
                                tube ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
-    const double least = ROUNDING * radius[i];
-    const bool touches[2] = {!(overlap[0] <= least), !(overlap[1] <= least)};    // also true for NaN
+    const bool touches[2] = {joins(i, 0, overlap[0]), joins(i, 1, overlap[1])};
     if (!touches[0] && !touches[1] && !near[i]) continue;
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;

@@ -114,7 +114,8 @@ class FixWallGranHysteretic : public Fix {
   struct Contact {    // present contact of a sphere with a wall
     double force;
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
-    double circle_sq;    // squared radius of the contact circle; with friction or resistance only
+    double circle_sq;    // squared radius of the contact circle; with friction, resistance or cohesion only
+    double pressing;     // normal force that limits friction
   };
 
   void list_spheres();
@@ -130,6 +131,8 @@ class FixWallGranHysteretic : public Fix {
   void compute_lines(const double at[2]);
   void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
+  void compute_cohesion(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
+  bool joins(int i, int side, double overlap);
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void compute_resistance(int i, int side, const Contact &);
@@ -153,16 +156,24 @@ class FixWallGranHysteretic : public Fix {
   int n_extra() const
   {
     return law.n_extra() + (loss ? granwave::ViscousHistory::SIZE : 0) +
-           (slips_partially ? granwave::SlipHistory::SIZE : 0) + (resistance ? granwave::ResistanceHistory::SIZE : 0);
+           (slips_partially ? granwave::SlipHistory::SIZE : 0) + (cohesive() ? granwave::CohesionHistory::SIZE : 0) +
+           (resistance ? granwave::ResistanceHistory::SIZE : 0);
+  }
+  bool cohesive() const { return bool(law.cohesion()); }
+  granwave::CohesionHistory &sticking(int i, int side)    // before that of resistance
+  {
+    return granwave::cohesion_history(extra(i, side) + n_extra() - granwave::CohesionHistory::SIZE -
+                                      (resistance ? granwave::ResistanceHistory::SIZE : 0));
   }
   granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
   {
     return granwave::resistance_history(extra(i, side) + n_extra() - granwave::ResistanceHistory::SIZE);
   }
-  granwave::SlipHistory &slip(int i, int side)    // before it
+  granwave::SlipHistory &slip(int i, int side)    // before that of cohesion
   {
-    return granwave::slip_history(extra(i, side) + n_extra() - (resistance ? granwave::ResistanceHistory::SIZE : 0) -
-                                  granwave::SlipHistory::SIZE);
+    return granwave::slip_history(extra(i, side) + n_extra() - granwave::SlipHistory::SIZE -
+                                  (cohesive() ? granwave::CohesionHistory::SIZE : 0) -
+                                  (resistance ? granwave::ResistanceHistory::SIZE : 0));
   }
   granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
   {
@@ -224,10 +235,11 @@ class FixWallGranHysteretic : public Fix {
     ROLLED,
     TWISTING,
     TWISTED,
+    ADHESIVE,
     N_TOTALS
   };
   double totals[N_TOTALS];    // of all processors
-  int extensive[20] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  int extensive[21] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
 };
 
 }    // namespace LAMMPS_NS

@@ -116,7 +116,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
     }
   }
+  if (cohesive()) compute_cohesion(i, which, overlap, scaled, contact);
   if (loss) compute_viscous(i, which, overlap, scaled, contact);
+  if (!cohesive()) contact.pressing = contact.force;
   if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
     state[FORCE] = contact.force;
     state[OVERLAP] = overlap;
@@ -129,6 +131,48 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   return contact;
 }
 
+/* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
+
+bool FixWallGranHysteretic::joins(int i, int which, double overlap)
+{
+  return !(overlap <= ROUNDING * atom->radius[i]) || (cohesive() && sticking(i, which).active());    // also true for NaN
+}
+
+/* Overwrite force and contact circle of a contact with cohesion, as the pair style does. */
+
+void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
+{
+  CohesionHistory &history = sticking(i, which);
+  const LawHistory h = law_history(i, which);
+  const double rounding = ROUNDING * atom->radius[i];
+  const bool yielded = scaled.yielded(h.peak);
+  const Turning turning = yielded ? scaled.turning(h) : Turning{};
+  const Turning *const below = yielded ? &turning : nullptr;
+  CohesiveState now;
+  if (scaled.joins(overlap, history.joined > 0.0, rounding)) now = scaled.cohesive_state(overlap, h, below);
+  const bool holds = now.circle_squared > 0.0;
+  double added = 0.0;
+  if (update->whichflag == 1 && !update->setupflag) {
+    double normal[3], approach = 0.0;
+    inward(i, which, normal);
+    for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
+    if (support && which == moving) approach -= support->velocity();
+    const bool jumps = holds != (history.joined > 0.0);
+    const CohesiveState last =
+        jumps && history.joined > 0.0 ? scaled.cohesive_state(history.overlap, h, below) : CohesiveState();
+    const Jump jump = jumps ? scaled.jump(holds, overlap, h.peak, below) : Jump{};
+    added = history.advance(overlap, holds, now, last, jump, approach * update->dt, scaled.has_neck());
+  } else {
+    added = history.start(overlap, holds, rounding);
+  }
+  contact.force = now.force + added;
+  contact.circle_sq = now.circle_squared;
+  contact.pressing = holds ? now.pressing : 0.0;
+  if (support)
+    contact.stiffness =
+        std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(now.circle_squared));
+}
+
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
 
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
@@ -138,16 +182,23 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     history.forget_state();
     return;
   }
+  if (cohesive() && !(contact.pressing > 0.0)) {
+    history.release(overlap);
+    return report_viscous(i);
+  }
   const bool advances = !update->setupflag;
   if (!advances && history.continues(overlap, ROUNDING * atom->radius[i])) {
     contact.force += history.force;
     return;
   }
   const double mass = rigid ? moved_mass[i] : atom->rmass[i];
-  const double coefficient = loss.coefficient(scaled.tangent_stiffness(overlap, law_history(i, which)), mass);
-  const double velocity = approach(i, which);
-  contact.force += advances ? history.advance(overlap, contact.force, coefficient, velocity, update->dt)
-                            : history.start(overlap, contact.force, coefficient, velocity, update->dt);
+  const LawHistory h = law_history(i, which);
+  const double stiffness = cohesive() && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
+                                                                 : scaled.tangent_stiffness(overlap, h);
+  const double coefficient = loss.coefficient(stiffness, mass);
+  const double velocity = approach(i, which), pressing = contact.force + scaled.pull_off();
+  contact.force += advances ? history.advance(overlap, pressing, coefficient, velocity, update->dt)
+                            : history.start(overlap, pressing, coefficient, velocity, update->dt);
   report_viscous(i);
 }
 
@@ -161,7 +212,7 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
 {
   TangentialSpring &spring = springs(i)[which];
   double *const state = array_atom[i];
-  if (contact.force > 0.0) {
+  if (contact.pressing > 0.0) {
     double normal[3];
     inward(i, which, normal);
     const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
@@ -170,7 +221,7 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
       slip_of_step(velocity, spin, normal, update->dt, slip);
-      const double stiffness = law.tangential_stiffness(contact.circle_sq), limit = friction * contact.force;
+      const double stiffness = law.tangential_stiffness(contact.circle_sq), limit = friction * contact.pressing;
       if (slips_partially)
         this->slip(i, which).advance(spring, {{normal[0], normal[1], normal[2]},
                                               {slip[0], slip[1], slip[2]},
@@ -202,12 +253,12 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
 void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &contact)
 {
   ResistanceHistory &history = resisted(i, which);
-  if (contact.force > 0.0) {
+  if (contact.pressing > 0.0) {
     const double *const omega = atom->omega[i], circle = std::sqrt(contact.circle_sq);
     RollingContact rolling{{},
                            {omega[0], omega[1], omega[2]},
                            scaled_law(i).effective_radius(),
-                           contact.force,
+                           contact.pressing,
                            circle,
                            law.tangential_stiffness(contact.circle_sq),
                            friction};
@@ -261,6 +312,12 @@ void FixWallGranHysteretic::tally()
         mine[TWISTED] += history.twisting.loss;
         mine[FRICTION_LOSS_SUM] -= history.loss();    // that of sliding remains
       }
+      if (cohesive()) {
+        const CohesionHistory &history = sticking(i, side);
+        mine[ADHESIVE] += history.lost;
+        if (history.joined > 0.0) mine[STORED] += scaled.cohesive_state(overlap, law_history(i, side)).energy;
+        continue;
+      }
       if (own.touching == 0.0 || overlap <= 0.0) continue;
       mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
     }
@@ -271,7 +328,7 @@ void FixWallGranHysteretic::tally()
 void FixWallGranHysteretic::add_magnitudes(int i, double sums[3])
 {
   const double force = array_atom[i][FORCE];
-  if (force <= 0.0) return;
+  if (force == 0.0) return;
   double normal[3];
   inward(i, 1, normal);
   for (int d = 0; d < 3; d++) {

@@ -39,9 +39,9 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if (tube ? !(depth(i, 1) < -neighbor->skin)
-             : (near[i] && atom->mask[i] & groupbit) ||
-                   !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1]))
+    if ((near[i] && atom->mask[i] & groupbit) ||
+        (tube ? !(depth(i, 1) < -neighbor->skin)
+              : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
       spheres.push_back(i);
   listed = true;
 }
@@ -65,6 +65,7 @@ void FixWallGranHysteretic::init_cylinders()
   for (int type = 1; type <= atom->ntypes; type++) {
     const Cylinder &cylinder = cylinders->shape(type);
     if (cylinder.is_sphere() || !present[type]) continue;
+    if (cohesive()) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
     stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
@@ -166,14 +167,18 @@ void FixWallGranHysteretic::begin()
       Side &side = sides(i)[which];
       const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
-      if (!yielded) side.dent = side.touching != 0.0 ? std::max(depth(i, which), 0.0) : 0.0;
+      if (!yielded)
+        side.dent = side.touching != 0.0 ? std::max(depth(i, which), cohesive() ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
       side.lost_before = 0.0;
       ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
       kept.rolling.loss = kept.twisting.loss = 0.0;
       const SlipHistory slipping = slips_partially ? slip(i, which) : SlipHistory();
+      CohesionHistory held = cohesive() ? sticking(i, which) : CohesionHistory();
+      held.lost = 0.0;
       if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
       if (slips_partially) slip(i, which) = slipping;
       if (resistance) resisted(i, which) = kept;
+      if (cohesive()) sticking(i, which) = held;
       if (loss) viscous(i, which) = {};
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;

@@ -117,7 +117,8 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
-  bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance, any_slip = has_slip;
+  bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance, any_cohesion = has_cohesion,
+       any_slip = has_slip;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
@@ -128,23 +129,28 @@ void PairGranHysteretic::init_style()
       any_resistance = any_resistance || args.resistance;
       any_slip = any_slip || args.slips_partially();
       any_loss = any_loss || args.loss;
+      any_cohesion = any_cohesion || args.options.cohesion;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
     }
   if (any_loss) n_extra += ViscousHistory::SIZE;
   if (any_resistance) n_extra += ResistanceHistory::SIZE;
+  if (any_cohesion) n_extra += CohesionHistory::SIZE;
   if (any_slip) n_extra += SlipHistory::SIZE;
   if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
     release_contacts();    // its list lacks these variables
   has_friction = any;
-  if ((has_loss || has_resistance || has_slip) && fix_history && n_extra > fix_history->history.layout().n_extra)
+  if ((has_loss || has_resistance || has_cohesion || has_slip) && fix_history &&
+      n_extra > fix_history->history.layout().n_extra)
     error->all(FLERR,
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "{}: give all laws before the first run",
                has_loss         ? "loss"
                : has_resistance ? "resistance to rolling or twisting"
+               : has_cohesion   ? "cohesion"
                                 : "partial slip");
   has_loss = any_loss;
+  has_cohesion = any_cohesion;
   has_slip = any_slip;
   has_resistance = any_resistance;
   frozen = has_loss ? frozen_group(lmp) : 0;
@@ -152,11 +158,12 @@ void PairGranHysteretic::init_style()
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if ((has_friction || has_loss || has_rate) && comm->ghost_velocity == 0)
+  if ((has_friction || has_loss || has_cohesion || has_rate) && comm->ghost_velocity == 0)
     error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
-               has_friction ? "friction"
-               : has_loss   ? "a loss"
-                            : "a yield strength that depends on the rate");
+               has_friction   ? "friction"
+               : has_loss     ? "a loss"
+               : has_cohesion ? "cohesion"
+                              : "a yield strength that depends on the rate");
 
   neighbor->add_request(this);
 
@@ -169,9 +176,11 @@ void PairGranHysteretic::init_style()
     fix_history->release_contacts = [this] { release_contacts(); };
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
-    if (const int kept = fix_history->history.layout().n_extra; (has_resistance || has_slip) && kept > 0 && kept != n_extra)
-      error->all(FLERR, "Restart file holds pair style gran/hysteretic with another loss, other resistances to rolling and "
-                        "twisting or another tangential model: give them again as they were");
+    if (const int kept = fix_history->history.layout().n_extra;
+        (has_resistance || has_cohesion || has_slip) && kept > 0 && kept != n_extra)
+      error->all(FLERR,
+                 "Restart file holds pair style gran/hysteretic with another loss, another cohesion, other resistances "
+                 "to rolling and twisting or another tangential model: give them again as they were");
   }
   fix_history->history.extend({n_extra, has_friction || has_initial_dents});
 
@@ -277,7 +286,7 @@ void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
   write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten), double(has_resistance),
-                   double(has_slip)});
+                   double(has_slip), double(has_cohesion)});
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -296,6 +305,7 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   lists_forgotten = settings[3] != 0.0;
   has_resistance = settings[4] != 0.0;
   has_slip = settings[5] != 0.0;
+  has_cohesion = settings[6] != 0.0;
 }
 
 /* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */

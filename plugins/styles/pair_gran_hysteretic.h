@@ -12,7 +12,7 @@
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
    their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
 
-   Types of fix gran/cylinder are cylinders. Their pairs, and those whose force is a power of the overlap, are in further rows
+   Types of fix gran/cylinder are cylinders. Their pairs, those with cohesion, and those whose force is a power of the overlap, are in further rows
    of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
 
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
@@ -54,11 +54,12 @@ class PairGranHysteretic : public Pair {
     double peak_force, elastic, dissipated, share_i;
     double tangential_force, tangential_elastic, frictional_loss;
     double rolling_loss, twisting_loss;    // part of the frictional loss
-    double viscous_loss;
+    double viscous_loss, adhesive_loss;
     double tangential[3];    // tangential force on sphere i
     double effective_radius;
     double initial;    // initial dent
     bool live, yielded;
+    bool touches;    // or is held by a neck
     granwave::Dent dent;
   };
 
@@ -100,6 +101,7 @@ class PairGranHysteretic : public Pair {
     ROLLED,
     TWISTING,
     TWISTED,
+    ADHESIVE,
     N_TOTALS
   };
 
@@ -144,7 +146,8 @@ class PairGranHysteretic : public Pair {
     std::vector<double> peak;       // largest overlap so far
     std::vector<double> time_first, time_peak, time_yield;
     int n_extra = 0;    // number of history variables of the laws in use in addition to the peak
-    // n_extra values per pair; with partial slip a SlipHistory, with resistance to rolling or twisting a ResistanceHistory, with losses
+    // n_extra values per pair; with partial slip a SlipHistory, with cohesion a CohesionHistory, with resistance to rolling or
+    // twisting a ResistanceHistory, with losses
     // a ViscousHistory come last
     std::vector<double> extra;
     std::vector<int> turning;    // index into turnings, or -1 while Hertzian
@@ -186,6 +189,7 @@ class PairGranHysteretic : public Pair {
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
+    double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
     void set(int m, const PairParameters &p)
     {
       pair[m] = &p;
@@ -252,6 +256,7 @@ class PairGranHysteretic : public Pair {
   void set_elastic(Batch &);
   void update_history(Batch &);
   double approach(const Batch &, int m) const;
+  void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void set_masses();
   void compute_tangential(Batch &);
@@ -279,7 +284,9 @@ class PairGranHysteretic : public Pair {
   granwave::ResistanceHistory *resistance(int k);
   int slip_at() const    // where the SlipHistory stands in the block
   {
-    return (has_resistance ? resistance_at() : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
+    return (has_cohesion     ? cohesion_at()
+            : has_resistance ? resistance_at()
+                             : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
            granwave::SlipHistory::SIZE;
   }
   granwave::SlipHistory *slip(int k);
@@ -292,6 +299,17 @@ class PairGranHysteretic : public Pair {
   {
     if (!has_resistance) return {};
     return granwave::resistance_history(extra + resistance_at());
+  }
+  int cohesion_at() const    // where the CohesionHistory stands in the block
+  {
+    return (has_resistance ? resistance_at() : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
+           granwave::CohesionHistory::SIZE;
+  }
+  granwave::CohesionHistory *cohesion(int k);
+  granwave::CohesionHistory cohesion_of(const double *extra) const
+  {
+    if (!has_cohesion) return {};
+    return granwave::cohesion_history(extra + cohesion_at());
   }
   granwave::Dent dent_of(int k) const;
   granwave::BlockView block_view(int k) const;
@@ -324,6 +342,7 @@ class PairGranHysteretic : public Pair {
   bool has_friction = false;         // true from the first pair_coeff with friction on
   bool has_slip = false;             // true from the first pair_coeff with partial slip on
   bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
+  bool has_cohesion = false;         // true from the first pair_coeff with cohesion on
   bool has_loss = false;             // true from the first pair_coeff with a loss on
   bool has_rate = false;             // true if a law depends on the rate
   int frozen = 0;                    // with a loss: bit of the group of fix freeze

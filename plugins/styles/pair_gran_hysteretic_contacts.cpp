@@ -290,9 +290,12 @@ void PairGranHysteretic::reset_history(int k, double peak, bool dented)
   ResistanceHistory rolling = has_resistance ? *resistance(k) : ResistanceHistory();
   rolling.rolling.loss = rolling.twisting.loss = 0.0;
   const SlipHistory slipping = has_slip ? *slip(k) : SlipHistory();
+  CohesionHistory sticking = has_cohesion ? *cohesion(k) : CohesionHistory();
+  sticking.lost = 0.0;
   if (!dented) std::fill_n(extra, c.n_extra, 0.0);
   if (has_slip) *slip(k) = slipping;
   if (has_resistance) *resistance(k) = rolling;
+  if (has_cohesion) *cohesion(k) = sticking;
   c.peak[k] = peak;
   c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
   c.turning[k] = -1;
@@ -350,7 +353,9 @@ void PairGranHysteretic::begin_initial_dents()
     const double peak = contacts.peak[k];
     if (peak == 0.0) return;
     const PairParameters p = pair_parameters(i, j);
-    const double apart = distance(i, j), overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
+    const double apart = distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
+    double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
+    if (has_cohesion && cohesion(k)->active()) overlap = std::max(overlap, rounding);    // so that its record is kept
     const bool dented = p.contact.yielded(peak);
     reset_history(k, dented ? peak : overlap, dented);
   });

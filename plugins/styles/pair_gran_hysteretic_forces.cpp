@@ -146,7 +146,14 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 void PairGranHysteretic::compute_tangential(Batch &batch)
 {
   Contacts &c = contacts;
-  if (batch.prepare_friction())
+  bool without = batch.prepare_friction();
+  if (has_cohesion)
+    for (int m = 0; m < batch.size; m++) {
+      if (!batch.pair[m]->contact.cohesive()) continue;
+      batch.limit[m] = batch.friction[m] * batch.pressing[m];
+      without = without || !(batch.limit[m] > 0.0);
+    }
+  if (without)
     for (int m = 0; m < batch.size; m++) {
       if (batch.limit[m] > 0.0) continue;
       release_spring(batch.k[m]);
@@ -204,12 +211,13 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
     ResistanceHistory &history = *resistance(batch.k[m]);
-    if (!(batch.force[m] > 0.0)) {
+    const double pressing = p.contact.cohesive() ? batch.pressing[m] : batch.force[m];
+    if (!(pressing > 0.0)) {
       history.release();
       continue;
     }
-    RollingContact contact{
-        {}, {}, p.contact.effective_radius(), batch.force[m], circle[m], p.shear_stiffness * circle[m], p.friction};
+    RollingContact contact{{},        {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m],
+                           p.friction};
     for (int d = 0; d < 3; d++) {
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
@@ -222,6 +230,47 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
 ResistanceHistory *PairGranHysteretic::resistance(int k)
 {
   return &resistance_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + resistance_at());
+}
+
+/* ---------------------------------------------------------------------- cohesion */
+
+CohesionHistory *PairGranHysteretic::cohesion(int k)
+{
+  return &cohesion_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + cohesion_at());
+}
+
+/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
+
+void PairGranHysteretic::compute_cohesion(Batch &batch)
+{
+  const double (*const v)[3] = triples(atom->v);
+  for (int m = 0; m < batch.size; m++) {
+    const ScaledLaw &contact = batch.pair[m]->contact;
+    if (!contact.cohesive()) continue;
+    const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
+    CohesionHistory &history = *cohesion(k);
+    const LawHistory h = law_history(k);
+    const double overlap = batch.overlap[m], rounding = TouchingPairs::ROUNDING * batch.radsum[m];
+    const Turning *const turning = contact.yielded(h.peak) ? &contacts.turnings[cached_turning(k, contact)] : nullptr;
+    CohesiveState state;
+    if (contact.joins(overlap, history.joined > 0.0, rounding)) state = contact.cohesive_state(overlap, h, turning);
+    const bool joins = state.circle_squared > 0.0;
+    double added = 0.0;
+    if (springs_advance) {
+      double approach = 0.0;
+      for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[i][d] - v[j][d]);
+      const bool jumps = joins != (history.joined > 0.0);
+      const CohesiveState last =
+          jumps && history.joined > 0.0 ? contact.cohesive_state(history.overlap, h, turning) : CohesiveState();
+      const Jump jump = jumps ? contact.jump(joins, overlap, h.peak, turning) : Jump{};
+      added = history.advance(overlap, joins, state, last, jump, approach / batch.r[m] * update->dt, contact.has_neck());
+    } else {
+      added = history.start(overlap, joins, rounding);
+    }
+    batch.force[m] = state.force + added;
+    batch.circle[m] = joins ? std::sqrt(state.circle_squared) : 0.0;
+    batch.pressing[m] = joins ? state.pressing : 0.0;
+  }
 }
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
@@ -295,8 +344,13 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
     ViscousHistory &history = *viscous(k);
     const double overlap = batch.overlap[m], force = batch.force[m];
+    const bool sticks = p.contact.cohesive();
     if (!moves) {
       history.forget_state();
+      continue;
+    }
+    if (sticks && !(batch.pressing[m] > 0.0)) {
+      history.release(overlap);
       continue;
     }
     if (!springs_advance && history.continues(overlap, TouchingPairs::ROUNDING * p.radsum)) {
@@ -304,6 +358,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
       continue;
     }
     double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
+    if (sticks) stiffness = 2.0 * p.contact.law().modulus() * batch.circle[m];
     if (p.contact.yielded(c.peak[k]))
       stiffness = overlap >= c.peak[k] ? p.contact.tangent_stiffness(overlap, law_history(k))
                                        : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
@@ -313,8 +368,9 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
                                                                             : mass[i] * mass[j] / (mass[i] + mass[j]);
     const double coefficient = p.loss.coefficient(stiffness, effective_mass);
     const double velocity = approach(batch, m);
-    batch.force[m] = force + (springs_advance ? history.advance(overlap, force, coefficient, velocity, update->dt)
-                                              : history.start(overlap, force, coefficient, velocity, update->dt));
+    const double pressing = sticks ? force + p.contact.pull_off() : force;    // it is cut off where it would pull harder
+    batch.force[m] = force + (springs_advance ? history.advance(overlap, pressing, coefficient, velocity, update->dt)
+                                              : history.start(overlap, pressing, coefficient, velocity, update->dt));
   }
 }
 
@@ -343,6 +399,8 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     double elastic = has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
+    if (p.contact.cohesive())
+      elastic = cohesion(batch.k[m])->joined > 0.0 ? p.contact.cohesive_state(overlap, law_history(batch.k[m])).energy : 0.0;
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
@@ -366,6 +424,7 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
       if (!(batch.overlap[m] <= batch.largest_overlap[m])) overlap_error(batch.i[m], batch.j[m], batch.overlap[m]);
   if (special) set_elastic(batch);
   update_history(batch);
+  if (special && has_cohesion) compute_cohesion(batch);
   if (has_loss) compute_viscous(batch);
   if (has_resistance) {
     double circle[Batch::CAPACITY], moment[Batch::CAPACITY][3];

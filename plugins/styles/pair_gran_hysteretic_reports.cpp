@@ -62,7 +62,12 @@ double PairGranHysteretic::tally_totals()
       pvector[TWISTING] += weight * resisted.twisting.stored();
       pvector[TWISTED] += weight * resisted.twisting.loss;
     }
-    if (viscous.peak_force > 0.0) peak_force = viscous.peak_force;
+    if (contact.cohesive()) {
+      pvector[ADHESIVE] += weight * cohesion_of(h.extra).lost;
+      const double reached = has_initial_dents ? std::max(view.reached, overlap) : h.peak;
+      peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
+    }
+    if (viscous.peak_force > 0.0) peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
     largest_force = std::max(largest_force, peak_force);
     const int beyond = beyond_range(contact, h.peak);
     if (beyond > 0) pvector[BEYOND_HALF] += weight;
@@ -87,11 +92,12 @@ double PairGranHysteretic::tally_totals()
       if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
       dissipated = c.work_lost[t];
       peak_force = p.contact.peak_force(c.turnings[t]);
-      if (overlap > 0.0) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
+      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
     } else {
       peak_force = p.contact.hertz_force(peak);
-      if (overlap > 0.0) elastic += weight * p.contact.hertz_energy(overlap);
+      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.hertz_energy(overlap);
     }
+    if (p.contact.cohesive() && cohesion(k)->joined > 0.0) elastic += weight * p.contact.cohesive_state(overlap, h).energy;
     count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
   });
 
@@ -111,6 +117,7 @@ double PairGranHysteretic::tally_totals()
       pvector[ROLLED] += 0.5 * sums.rolling_loss;
       pvector[TWISTED] += 0.5 * sums.twisting_loss;
       pvector[VISCOUS] += 0.5 * sums.viscous_loss;
+      pvector[ADHESIVE] += 0.5 * sums.adhesive_loss;
       pvector[YIELDED] += 0.5 * sums.yielded;
       pvector[BEYOND_HALF] += 0.5 * sums.beyond_half;
       pvector[BEYOND_LAW] += 0.5 * sums.beyond_law;
@@ -121,7 +128,7 @@ double PairGranHysteretic::tally_totals()
   MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
   pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair sums over processors
   if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL] + pvector[VISCOUS] +
-                     pvector[ROLLED] + pvector[TWISTED]))
+                     pvector[ROLLED] + pvector[TWISTED] + pvector[ADHESIVE]))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
   return elastic;
@@ -164,8 +171,19 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.hertz_energy(overlap);
   }
   if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
-  if (overlap > 0.0) report.force += viscous.force;
-  if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force;
+  report.touches = report.force > 0.0;
+  if (contact.cohesive()) {
+    const CohesionHistory history = cohesion_of(view.extra);
+    report.touches = history.joined > 0.0;
+    const CohesiveState state = report.touches ? contact.cohesive_state(overlap, h) : CohesiveState();
+    report.force = state.force;
+    report.elastic = state.energy;
+    report.adhesive_loss = history.lost;
+    const double reached = has_initial_dents ? std::max(view.reached, overlap) : h.peak;
+    report.peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
+  }
+  if (overlap > 0.0 || report.touches) report.force += viscous.force;
+  if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
 }
 
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
@@ -190,7 +208,8 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
     fresh.assign(contacts.n_extra, 0.0);
     view.extra = view.initial_extra = fresh.data();
   }
-  fill_report(report, p.contact, view, report.overlap > TouchingPairs::ROUNDING * p.radsum ? report.overlap : 0.0);
+  const bool near = p.contact.cohesive() || report.overlap > TouchingPairs::ROUNDING * p.radsum;
+  fill_report(report, p.contact, view, near ? report.overlap : 0.0);
   return report;
 }
 
@@ -249,6 +268,7 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
   sums.own_dissipated += report.share_i * report.dissipated;
   sums.frictional_loss += report.frictional_loss;
   sums.viscous_loss += report.viscous_loss;
+  sums.adhesive_loss += report.adhesive_loss;
   sums.rolling_loss += report.rolling_loss;
   sums.twisting_loss += report.twisting_loss;
   sums.yielded += report.yielded;

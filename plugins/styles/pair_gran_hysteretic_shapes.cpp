@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: special pairs, which are those of cylinders, and those whose force is a power of the overlap.
+/* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, and those whose force is a power of the
+   overlap.
 
    They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
    those of any batch, with the vector between the centers replaced by its part along the normal. */
@@ -26,7 +27,20 @@ double PairGranHysteretic::init_shape(int i, int j)
   const int n = atom_types + 1;
   const double radsum = largest_radius[i] + largest_radius[j];
   const bool shaped = cylinders && !(cylinders->shape(i).is_sphere() && cylinders->shape(j).is_sphere());
-  if (!shaped && !law(i, j).elastic()) return radsum + gap;
+  const bool sticks = bool(law(i, j).cohesion());
+  if (!shaped && !law(i, j).elastic() && !sticks) return radsum + gap;
+  if (sticks && shaped)
+    error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which is of spheres, found cylinders", i,
+               j);
+  if (sticks && radsum > 0.0) {
+    const double neck = ScaledLaw(law(i, j), effective_radius(largest_radius[i], largest_radius[j])).neck_length();
+    if (!(neck < gap))
+      error->all(
+          FLERR,
+          "Pair style gran/hysteretic: surfaces of types {} and {} are held together up to a gap of {:.3g}; expected a "
+          "gap of the pair style above it, found {:.3g}",
+          i, j, neck, gap);
+  }
   has_special = true;
   special_types[i * n + j] = special_types[j * n + i] = 1;
   if (!shaped) return radsum + gap;
@@ -154,7 +168,8 @@ void PairGranHysteretic::compute_special(Tally what)
       const CylinderPair::Separation found = separation(i, j);
       const bool touches =
           !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
-      if (!touches || found.beyond > 0.0) {
+      const bool sticks = has_cohesion && cohesion(k)->active();
+      if (!sticks && (!touches || found.beyond > 0.0)) {
         if (touches && c.peak[k] > 0.0)
           error->one(FLERR,
                      "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "

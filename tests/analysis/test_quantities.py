@@ -27,6 +27,7 @@ from tests.golden.outputs import FOLDER, SUMMARIES
 SHORT = {"run.end_time": 1e-6}
 BARS_AND_SENSORS = ("split-hopkinson", "composite-chain", "square-in-plane")
 RESISTANCE = {"contact.friction": 0.2, "contact.rolling": 0.01, "contact.twisting": "marshall"}
+COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy": 0.1}}
 CONTACT = {"sphere": {"radius": 0.005}, "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005}}
 
 
@@ -39,7 +40,7 @@ def summaries(tmp_path_factory):
     found += [run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS]
     crystal = {"packing.size": [3, 4], "run.end_time": 1e-4}
     found.append(run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary)
-    resisting = load_case("fcc-small", SHORT | RESISTANCE)
+    resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION)
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
     punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
     found.append(run_continuum(punch, place / "punch", figures=False))

@@ -45,6 +45,12 @@ def rubbed() -> str:
     return rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins)
 
 
+def jkr() -> str:
+    places, speeds, spins = packing(2)
+    law = f"{HERTZ} friction {MU} rolling sds mindlin 1.0 0.05 loss time 1e-7 cohesion jkr 100.0"
+    return rubbing(places, law, velocities=0.1 * speeds, spins=0.1 * spins)
+
+
 HOLDER = "fix holder all gran/holder z 0.3 9.81\nthermo_style custom step pe f_holder\ntimestep 1e-7"
 LOSSES = (
     f"comm_modify vel yes\nfix wall all wall/gran/hysteretic zplane NULL {5.0001 * R:.17g} {HERTZ} loss dashpot 0.2\n"
@@ -75,6 +81,18 @@ RUNS = {
     "rolling and twisting on a wall, with losses": (
         alone(f"{SKEW}fix floor all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.3 {RESISTS} loss time 1e-7\n"
               "thermo_style custom step f_floor[*]"), 2400, [f"f_floor[{n}]" for n in (4, 9, 16, 17, 18, 19, 20)],
+    ),
+    "necks of JKR, with friction, rolling and losses": (
+        jkr(), 6000, [f"c_en[{n}]" for n in (6, 7, 8, 10, 13)] + ["c_en"],
+    ),
+    "pull of DMT": (
+        script_of([(0, 0, -2e-8), (0, 0, 2 * R)], style=f"{BRASS} cohesion dmt 50.0", velocities=HEADS_ON, box=BOX,
+                  extra="comm_modify vel yes"), 2400, ["c_ep[1]"],
+    ),
+    "neck at a wall": (
+        alone(f"{SKEW}comm_modify vel yes\nfix floor all wall/gran/hysteretic zplane NULL {R} {HERTZ} friction 0.3 cohesion jkr 900.0\n"
+              "timestep 3e-8\nthermo_style custom step f_floor f_floor[*]", velocity=(0, 0, 0.1)), 2400,
+        ["f_floor", "f_floor[9]", "f_floor[21]"],
     ),
     "holder": (script_of(LINE, style=HERTZ, velocities=[(0, 0, 0.2)], box=BOX, extra=HOLDER), 6000, ["f_holder"]),
     "damping": (

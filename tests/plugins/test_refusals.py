@@ -105,6 +105,17 @@ REFUSED = {
         ("twisting sds 1e6 0 -0.1", "twisting coefficient must not be negative, found '-0.1'"),
         ("twisting sds 1 0 0.1 twisting marshall", "twisting is given twice"),
         ("twisting marshall", "give friction mu"),
+        ("cohesion 0.1 2", "cohesion must be jkr or dmt, found '0.1'"),
+        ("cohesion jkr", "'cohesion jkr' has no value"),
+        ("cohesion dmt much", "cohesion dmt must be a number, found 'much'"),
+        ("cohesion dmt -0.1", "cohesion dmt must not be negative, found '-0.1'"),
+        ("cohesion dmt 0.1 cohesion jkr 0.1", "cohesion is given twice"),
+        ("cohesion jkr 1e9\ncomm_modify vel yes\nrun 0", "held together up to a gap of .*; expected a gap of the pair style above it"),
+    ]),
+    "cohesion": (ONE, "pair_coeff * * {}", [
+        ("elastoplastic 115e9 0.3 550e6 cohesion jkr 0.1", "cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law 'elastoplastic'"),
+        ("power 115e9 0.3 constant 1e9 exponent 1.5 cohesion dmt 0.1", "has no contact circle, which cohesion needs"),
+        ("hertz 115e9 0.3 cohesion dmt 0.1\nfix c all gran/cylinder 1 0.01 0 1 0\ncomm_modify vel yes\nrun 0", "found cylinders"),
     ]),
     "rates": (ONE, "pair_coeff * * {}", [
         ("elastoplastic 115e9 0.3 550e6 rate 0.01", "rate needs C and a reference rate for each of the materials"),
@@ -119,6 +130,7 @@ REFUSED = {
         (script_of([*PAIR], style="elastoplastic 115e9 0.3 550e6 rate 0.01 1"),
          "with a yield strength that depends on the rate needs the velocities of ghost atoms"),
         (rubbing(PAIR), "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
+        (rubbing(PAIR).replace("friction 0.3", "cohesion jkr 1.0"), "with cohesion needs the velocities of ghost atoms"),
         (LOSSY, "needs the velocities of ghost atoms: use 'comm_modify vel yes'"),
     ]),
     "forgotten contacts": ("", "{}", [

@@ -8,8 +8,9 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.contact import LAWS, Cohesion, parse_cohesion
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
+from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -49,7 +50,8 @@ def law(options: argparse.Namespace) -> int:
         other = "takes all velocities: leave out --restitution" if rate else "matters to none: give --rate-sensitivity"
         raise InputError(f"--velocity: found {options.velocity:g}, which {other}")
     materials = [dataclasses.replace(material(name), rate_sensitivity=rate or None) for name in options.material]
-    spheres = contact_of(materials, options.radius, options.law, options.variant)
+    cohesion = _cohesion(options)
+    spheres = contact_of(materials, options.radius, options.law, options.variant, cohesion=cohesion)
     names = " on ".join(options.material)
     if not options.restitution:
         title = f"{names}, {options.velocity:g} m/s" if options.velocity else names
@@ -68,6 +70,26 @@ def law(options: argparse.Namespace) -> int:
         curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
     print(output)
     return 0
+
+
+def _cohesion(options: argparse.Namespace) -> Cohesion | None:
+    """Read ``--cohesion``; None without it."""
+    if not options.cohesion:
+        return None
+    kind, energy = options.cohesion
+    try:
+        found = parse_cohesion({"kind": kind, "energy": float(energy)})
+    except (ValueError, ValidationError):
+        raise InputError(
+            f"--cohesion: found {kind} {energy}, expected jkr or dmt, and the work of adhesion in J/m^2"
+        ) from None
+    if kind == "jkr" and LAWS[options.law].yields:
+        raise InputError(
+            f"--cohesion: found jkr with law {options.law}; it is of elastic spheres: take --law hertz, or dmt"
+        )
+    if options.restitution:
+        raise InputError("--cohesion: expected without --restitution")
+    return found
 
 
 def _at_most_two(options: argparse.Namespace) -> None:

@@ -288,6 +288,7 @@ COMMANDS = (
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
         _option("--variant", default="continuous", choices=["continuous", "published"],
                 help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),
+        _option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
         _option("--max-overlap", type=overlap, default=200.0, metavar="A",
                 help="largest overlap, in units of that at first yield (default: 200)"),
         _option("--rate-sensitivity", type=sensitivity, default=0.0, metavar="C",

@@ -47,12 +47,13 @@ def contact_force(
         mapping as the table ``[material]``. Planes and tubes without a material are rigid; ``"plane"`` is short for a
         rigid one.
     overlap
-        Of any shape, m; no force where it is negative.
+        Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion after JKR.
     peak_overlap
-        Largest overlap so far, m, for laws that leave a dent; by default the overlap is reached for the first time.
+        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap is reached for the
+        first time.
     options
         Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power,
-        ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law.
+        ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law; ``cohesion`` of spheres.
 
     Returns
     -------
@@ -65,7 +66,7 @@ def contact_force(
         A body, the law, an option or an overlap is wrong; the message has a line for each fault.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
-    return _given(np.where(now > 0, contact.force(now, peak), 0.0))
+    return _given(np.where(now > -contact.neck_length, contact.force(now, peak), 0.0))
 
 
 def contact_stiffness(
@@ -89,13 +90,15 @@ def contact_stiffness(
         As of `contact_force`.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
-    return _given(np.where(now > 0, contact.tangent_stiffness(now, peak), 0.0))
+    return _given(np.where(now > -contact.neck_length, contact.tangent_stiffness(now, peak), 0.0))
 
 
 def contact_energy(
     law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
 ) -> Values:
     """Return the energy that a contact stores, which unloading gives back; what yielding took is not in it.
+
+    With cohesion it is counted from surfaces apart, and may be negative.
 
     Parameters
     ----------
@@ -113,7 +116,7 @@ def contact_energy(
         As of `contact_force`.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
-    return _given(np.where(now > 0, contact.elastic_energy(now, peak), 0.0))
+    return _given(np.where(now > -contact.neck_length, contact.elastic_energy(now, peak), 0.0))
 
 
 def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **options: Any) -> Values:
@@ -151,7 +154,7 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
             break
         above = contact.loading_force(middle) >= wanted
         low, high = np.where(above, low, middle), np.where(above, middle, high)
-    found = np.where(wanted > 0, high, 0.0)
+    found = np.where(wanted > 0, high, contact.balanced_overlap)
     _warn_beyond(contact, law, found)
     return _given(found)
 
@@ -183,10 +186,10 @@ def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[flo
 def _at(
     law: str, bodies: Sequence[Body], overlap: ArrayLike, peak_overlap: ArrayLike | None, options: Mapping[str, Any]
 ) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the law, the overlaps, 0 where there are gaps, and the largest so far, of one shape."""
+    """Return the law, the overlaps, 0 or the end of a neck in gaps, and the largest so far, of one shape."""
     contact = contact_between_bodies(law, plain(bodies), plain(options))
-    now = np.maximum(_numbers("overlap", overlap, "m"), 0.0)
-    peak = now if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")
+    now = np.maximum(_numbers("overlap", overlap, "m"), -contact.neck_length)
+    peak = np.maximum(now, 0.0) if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")
     try:
         now, peak = np.broadcast_arrays(now, peak)
     except ValueError:
