@@ -327,6 +327,14 @@ COMMANDS = (
                 help="also check the profile of a cluster, on its login node"),
         _json("the findings"),
     )),
+    Command("selftest", _PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
+            "selftest.selftest", (
+        _option("--np", dest="ranks", type=positive, default=2, metavar="N",
+                help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
+        _option("--profile", type=input_name, metavar="FILE",
+                help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
+        _json("the checks"),
+    )),
     Command("bench", _PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "package.bench", (
         _option("--json", type=output_name, metavar="FILE", help="write the results there too"),
         _option("--repeats", type=positive, default=5, metavar="N", help="timings of each (default: 5)"),

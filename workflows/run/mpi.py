@@ -170,11 +170,20 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
-def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None, stderr: int | None = None) -> int:
+def launch(
+    n_ranks: int,
+    arguments: Sequence[str],
+    launcher: Sequence[str] = (),
+    *,
+    stdout: int | None = None,
+    stderr: int | None = None,
+) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
 
     Parameters
     ----------
+    launcher
+        As in `command`.
     stdout, stderr
         File descriptors that the ranks write to; by default those of this process.
 
@@ -188,7 +197,7 @@ def launch(n_ranks: int, arguments: Sequence[str], *, stdout: int | None = None,
     InputError
         There is no mpiexec.
     """
-    words = command(n_ranks, arguments)
+    words = command(n_ranks, arguments, launcher)
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
