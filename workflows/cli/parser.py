@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.schema import printable, show
 from granwave.workflows.cli.arguments import (
     BENCH_PARTS,
+    FILE_KINDS,
     bench_parts,
     count,
     frequencies,
@@ -174,7 +175,9 @@ COMMANDS = (
     Command("keys", _FIND, "keys of all files: unit, default, accepted values, example", "package.keys", (
         _option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
                 "of keys or descriptions (default: a list)"),
-        _json("the tables and their keys"),
+        [_json("the tables and their keys"),
+         _option("--schema", choices=FILE_KINDS, metavar="FILE",
+                 help=f"print the JSON Schema of a kind of files, for editors: {', '.join(FILE_KINDS)}")],
     )),
     Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "check.check", (
         _CASE, _SET, _RANKS, _json("the plan"),

@@ -54,7 +54,9 @@ def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
 
 
 def test_without_lammps_nothing_is_computed(monkeypatch, capsys):
-    parts = [dataclasses.replace(one, works=one.part != "lammps module", remedy="mend it") for one in selftest.examine()]
+    parts = [
+        dataclasses.replace(one, works=one.part != "lammps module", remedy="mend it") for one in selftest.examine()
+    ]
     monkeypatch.setattr(selftest, "examine", lambda: parts)
     monkeypatch.setattr(selftest, "run_case", None)
     assert main(["selftest"]) == 1
