@@ -44,6 +44,7 @@ from granwave.analysis.result.histories import Groups, line_groups, read_chain
 from granwave.analysis.result.sphere_tables import after_static_stage, periodic, write_tables
 from granwave.analysis.result.start import Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
+from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
@@ -109,7 +110,7 @@ def _write(file: h5py.File, directory: Path, at_once: int, scratch: list[FileIO]
     file.attrs["name"] = case.name
     file.attrs["case"] = text
     file.attrs["run"] = json.dumps(record)
-    versions = {"granwave": granwave.__version__} | record.get("versions", {})
+    versions = {"granwave": granwave.__version__} | record.get("versions", {}) | {RESULTS_FORMAT: str(files.FORMAT)}
     file.attrs["versions"] = json.dumps(versions)
     write_metadata(file, versions["granwave"])
 
