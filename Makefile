@@ -26,7 +26,7 @@ SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("pur
 OLD := .venv-2024
 # minor versions that are there, and the interpreter of one
 MINORS = $(foreach minor,3.11 3.12 3.13 3.14,$(if $(call python_of,$(minor)),$(minor)))
-python_of = $(firstword $(shell command -v python$(1)) $(sort $(wildcard $(HOME)/.pyenv/versions/$(1).*/bin/python$(1))))
+python_of = $(firstword $(shell python$(1) -c 'import sys; print(sys.executable)' 2>/dev/null) $(sort $(wildcard $(HOME)/.pyenv/versions/$(1).*/bin/python$(1))))
 TOOLS := .venv-release
 
 # after `make setup` the linked package, built anew where C++ changed; else the installed one
