@@ -92,9 +92,11 @@ wheels: wheel $(addprefix wheel-,$(MINORS))
 	@ls dist
 
 wheel-3.%: wheel
-	rm -rf build/wheel-3.$* && $(call python_of,3.$*) -m pip wheel --quiet --no-deps --wheel-dir build/wheel-3.$* dist/granwave-*.tar.gz
-	PATH=$(abspath $(TOOLS))/bin:$$PATH $(TOOLS)/bin/python -m auditwheel repair --exclude 'liblammps.so*' --exclude 'libmpi.so*' \
-	  --wheel-dir dist build/wheel-3.$*/*.whl
+	rm -rf build/wheel-3.$*
+	ls dist/granwave-*-cp3$*-*.whl 2>/dev/null || { \
+	  $(call python_of,3.$*) -m pip wheel --quiet --no-deps --wheel-dir build/wheel-3.$* dist/granwave-*.tar.gz && \
+	  PATH=$(abspath $(TOOLS))/bin:$$PATH $(TOOLS)/bin/python -m auditwheel repair --exclude 'liblammps.so*' --exclude 'libmpi.so*' \
+	    --wheel-dir dist build/wheel-3.$*/*.whl; }
 	$(call python_of,3.$*) -m venv --clear build/wheel-3.$*/env
 	build/wheel-3.$*/env/bin/python -m pip install --quiet --only-binary :all: dist/granwave-*-cp3$*-*.whl
 	build/wheel-3.$*/env/bin/granwave selftest

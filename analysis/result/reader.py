@@ -107,13 +107,13 @@ class Result:
             self.file.close()
             what = f"is of a {kind} run" if kind else "has no /spheres or no case"
             raise OutputFormatError(f"{self.path} {what}: expected the result.h5 of a run of spheres")
+        if damage := damage_of(self.file):
+            self.file.close()
+            raise OutputFormatError(self.damaged(damage))
         made = json.loads(self.file.attrs.get("versions", "{}"))
         if newer := newer_format(made.get(RESULTS_FORMAT), made.get("granwave")):
             self.file.close()
             raise OutputFormatError(f"{self.path}: {newer}")
-        if damage := damage_of(self.file):
-            self.file.close()
-            raise OutputFormatError(self.damaged(damage))
         self._read: dict[str, NDArray] = {}
         self._part: tuple[slice, dict[str, NDArray]] | None = None  # rows of some spheres, and what was read of them
 
