@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 17850, "lammps_inputs": 8285, "workflows": 9585}
+STATEMENTS = {"analysis": 17850, "lammps_inputs": 8286, "workflows": 9585}
 FILES = 300  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",

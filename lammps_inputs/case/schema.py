@@ -143,7 +143,8 @@ def number(
         return result
 
     bounds = zip(("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"), limits, strict=True)
-    json = {"type": "number"} | {keyword: limit for keyword, (limit, _) in bounds if math.isfinite(limit)}
+    json: dict[str, Any] = {"type": "number"}
+    json |= {keyword: limit for keyword, (limit, _) in bounds if math.isfinite(limit)}
     json = {"anyOf": [json, {"const": word}]} if word else json
     return _field(description, unit, default, parse, (word,) if word else None, json=json)
 
