@@ -41,8 +41,8 @@ def schema_of(file: str) -> Schema:
     for table in sorted((one for one in found if one.heading), key=lambda one: one.name.count(".")):
         _put(root, table, table.name.split("."))
     if "material" in root["properties"]:
-        table = next((one for one in tables() if one.file == file and one.name == "material"), None)
-        root["$defs"] = {"material": _object(table or next(one for one in tables() if one.name == "material"))}
+        of_material = [one for one in tables() if one.name == "material"]  # first that of cases, which others share
+        root["$defs"] = {"material": _object(next((one for one in of_material if one.file == file), of_material[0]))}
         root["properties"]["material"] = _MATERIAL
     if file == CASE:
         root["properties"][MATERIALS] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/material"}}

@@ -51,7 +51,7 @@ _LISTS_OF_VALUES = (
     "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
 )
 #: Values of all types, by which is found what a reader of its own accepts.
-_PROBES = (
+_PROBES: tuple[Any, ...] = (
     True, 1, 3, 0.5, "x", "z", "all", "auto", "centre", "mean", "none", "x.py", [], [1], [1, 2], [0.1, 1.0], [0, 0, 1],
     [1, 1], ["x"], [[1, 0.1]], [[0, 0], [1, 1]], [[0, 0, 1]], [{"sphere": 1}], {}, {"first": 1, "last": 2},
     {"material": "brass"},

@@ -155,8 +155,8 @@ def _run(scratch: Path, name: str, tables: dict[str, Any], **options: Any) -> tu
 
 def _number(what: str, unit: str, expected: float, found: float, digits: int = 5) -> Check:
     """Compare two numbers to some digits, shown with one more."""
-    shown = (f"{value:.{digits + 1}g} {unit}".strip() for value in (expected, found))
-    return Check(what, *shown, abs(found - expected) <= 0.5 * 10.0 ** (1 - digits) * abs(expected), _WRONG)
+    shown, got = (f"{value:.{digits + 1}g} {unit}".strip() for value in (expected, found))
+    return Check(what, shown, got, abs(found - expected) <= 0.5 * 10.0 ** (1 - digits) * abs(expected), _WRONG)
 
 
 def _pair_constants() -> tuple[float, float, float]:
