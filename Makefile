@@ -7,6 +7,7 @@
 # make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
 # make docs-links  links of the site to other sites; says so and passes where there is no network
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
+# make wheels    that for every Python found, 3.11 to 3.14, in PATH or pyenv: each is installed into an environment of its own, and passes selftest
 # make release-check  what a release must hold: versions, changelog, citation, both packages, an installation without a compiler, the site
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
@@ -23,6 +24,9 @@ DEMO := runs/fcc-impact
 CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
 SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 OLD := .venv-2024
+# minor versions that are there, and the interpreter of one
+MINORS = $(foreach minor,3.11 3.12 3.13 3.14,$(if $(call python_of,$(minor)),$(minor)))
+python_of = $(firstword $(shell python$(1) -c 'import sys; print(sys.executable)' 2>/dev/null) $(sort $(wildcard $(HOME)/.pyenv/versions/$(1).*/bin/python$(1))))
 TOOLS := .venv-release
 
 # after `make setup` the linked package, built anew where C++ changed; else the installed one
@@ -31,7 +35,7 @@ BUILD := build/linked
 TYPED := build/typed/granwave
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin demo test validate docs docs-links gallery results wheel release-check compat lint format coverage clean
+.PHONY: law setup plugin demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -83,6 +87,20 @@ wheel: $(TOOLS)/installed
 	PATH=$(abspath $(TOOLS))/bin:$$PATH $(TOOLS)/bin/python -m auditwheel repair --exclude 'liblammps.so*' --exclude 'libmpi.so*' \
 	  --wheel-dir dist build/packages/*.whl
 	@ls dist
+
+# each of the source distribution of `wheel`, with which they go into dist
+wheels: wheel $(addprefix wheel-,$(MINORS))
+	@ls dist
+
+wheel-3.%: wheel
+	rm -rf build/wheel-3.$*
+	ls dist/granwave-*-cp3$*-*.whl 2>/dev/null || { \
+	  $(call python_of,3.$*) -m pip wheel --quiet --no-deps --wheel-dir build/wheel-3.$* dist/granwave-*.tar.gz && \
+	  PATH=$(abspath $(TOOLS))/bin:$$PATH $(TOOLS)/bin/python -m auditwheel repair --exclude 'liblammps.so*' --exclude 'libmpi.so*' \
+	    --wheel-dir dist build/wheel-3.$*/*.whl; }
+	$(call python_of,3.$*) -m venv --clear build/wheel-3.$*/env
+	build/wheel-3.$*/env/bin/python -m pip install --quiet --only-binary :all: dist/granwave-*-cp3$*-*.whl
+	build/wheel-3.$*/env/bin/granwave selftest
 
 $(TOOLS)/installed: pyproject.toml
 	$(PYTHON) -m venv $(TOOLS)

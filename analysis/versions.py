@@ -7,12 +7,16 @@ from collections.abc import Iterable
 from importlib import metadata
 
 from granwave import __version__
+from granwave.lammps_inputs.run_directory import FORMAT
+
+RESULTS_FORMAT = "results_format"  # name of `FORMAT` among versions
 
 
 def versions_of(packages: Iterable[str], **others: str) -> dict[str, str]:
-    """Return the versions of granwave, Python, ``others`` and packages; "not installed" for missing ones."""
+    """Return the versions of granwave, its results, Python, ``others`` and packages, or "not installed"."""
     return {
         "granwave": __version__,
+        RESULTS_FORMAT: str(FORMAT),
         "python": platform.python_version(),
         **others,
         **{name: _version(name) for name in packages},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable
 
 
@@ -24,7 +25,8 @@ class InputError(GranwaveError, ValueError):
 
     @property
     def faults(self) -> list[str]:
-        """Former name of ``errors``, deprecated."""
+        """Former name of ``errors``, deprecated since 0.3."""
+        warnings.warn("InputError.faults is now called errors", DeprecationWarning, stacklevel=2)
         return self.errors
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:

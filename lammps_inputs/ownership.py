@@ -43,6 +43,11 @@ def read_marker(directory: Path) -> Marker | None:
     -------
     Marker or None
         None if granwave wrote nothing there.
+
+    Raises
+    ------
+    InputError
+        A later version wrote there, in a format that this one does not know.
     """
     path = directory / run_directory.MARKER
     if not path.is_symlink() and (found := read_json(path)) is not None:
@@ -50,7 +55,10 @@ def read_marker(directory: Path) -> Marker | None:
         digests, sums = (noted if isinstance(noted := found.get(one), dict) else {} for one in ("digests", "sums"))
         if isinstance(kind, str) and isinstance(case, str) and isinstance(files, dict):
             inside = {name: size for name, size in files.items() if _is_inside(name)}
-            return Marker(kind, str(found.get("version", "")), case, inside, digests, sums)
+            version, made = str(found.get("version", "")), found.get("format", 0)
+            if newer := run_directory.newer_format(made, version):
+                raise InputError(f"{directory}: {newer}")
+            return Marker(kind, version, case, inside, digests, sums, made)
     return recognise(directory)
 
 

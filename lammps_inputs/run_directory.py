@@ -23,6 +23,8 @@ from granwave import __version__
 from granwave.lammps_inputs.files import head, read_json, read_tables, replace_text
 
 MARKER, LOCK_FILE = ".granwave", ".granwave-lock"
+#: Of all results; it grows when earlier versions could not read what is written. Versions 0.1 and 0.2 gave none.
+FORMAT = 1
 
 # Of a run: deck, output of LAMMPS, and results of the analysis.
 CASE_FILE, DATA_FILE, SCRIPT_FILE = "case.toml", "data.granwave", "in.granwave"
@@ -106,6 +108,8 @@ class Marker:
         Digests of the files of the deck as granwave wrote them, by name.
     sums
         CRC-32 of finished files by name, as their sizes in ``files``.
+    format
+        Format of the results; 0 of versions that gave none.
     """
 
     kind: str
@@ -114,13 +118,30 @@ class Marker:
     files: dict[str, int | None] = dataclasses.field(default_factory=dict)
     digests: dict[str, str] = dataclasses.field(default_factory=dict)
     sums: dict[str, int] = dataclasses.field(default_factory=dict)
+    format: int = FORMAT
 
     def write(self, directory: Path) -> None:
         """Replace the marker in ``directory`` atomically."""
-        self.version = __version__
+        self.version, self.format = __version__, FORMAT
         self.digests = {name: digest for name, digest in self.digests.items() if name in self.files}
         self.sums = {name: one for name, one in self.sums.items() if self.files.get(name) is not None}
         replace_text(directory / MARKER, json.dumps(dataclasses.asdict(self), indent=1) + "\n")
+
+
+def newer_format(found: object, version: object) -> str:
+    """Describe why results cannot be read if their format is beyond `FORMAT`; empty if they can.
+
+    Parameters
+    ----------
+    found
+        Format of the results, a number or its digits; anything else counts as none.
+    version
+        Version of granwave that wrote them.
+    """
+    number = int(found) if isinstance(found, int) or (isinstance(found, str) and found.isdecimal()) else 0
+    if number <= FORMAT:
+        return ""
+    return f"found results of format {number}, of granwave {version}, expected at most {FORMAT}: install that version"
 
 
 def of_each_rank(name: str) -> str:

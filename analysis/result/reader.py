@@ -27,6 +27,7 @@ from granwave.analysis.errors import MissingDataError, MissingOutputError, Outpu
 from granwave.analysis.result.hdf5_file import AT_ONCE, rows_of, rows_of_all
 from granwave.analysis.result.not_a_run import damage_of, why_no_run
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
+from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -35,7 +36,7 @@ from granwave.lammps_inputs.files import read_tables
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
-from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE
+from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
 
 if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
@@ -109,6 +110,10 @@ class Result:
         if damage := damage_of(self.file):
             self.file.close()
             raise OutputFormatError(self.damaged(damage))
+        made = json.loads(self.file.attrs.get("versions", "{}"))
+        if newer := newer_format(made.get(RESULTS_FORMAT), made.get("granwave")):
+            self.file.close()
+            raise OutputFormatError(f"{self.path}: {newer}")
         self._read: dict[str, NDArray] = {}
         self._part: tuple[slice, dict[str, NDArray]] | None = None  # rows of some spheres, and what was read of them
 

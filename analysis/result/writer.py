@@ -41,6 +41,7 @@ from granwave.analysis.result.histories import Groups, line_groups, read_chain
 from granwave.analysis.result.sphere_tables import after_static_stage, dents_at_end, periodic, write_tables
 from granwave.analysis.result.start import Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
+from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
@@ -117,7 +118,7 @@ def _write(
     file.attrs["name"] = case.name
     file.attrs["case"] = text
     file.attrs["run"] = json.dumps(record)
-    versions = {"granwave": granwave.__version__} | record.get("versions", {})
+    versions = {"granwave": granwave.__version__} | record.get("versions", {}) | {RESULTS_FORMAT: str(files.FORMAT)}
     file.attrs["versions"] = json.dumps(versions)
     write_metadata(file, versions["granwave"])
 

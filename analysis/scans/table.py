@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,6 +26,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.files import replacing, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
@@ -128,6 +130,7 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
         clear(result.directory, [SCAN_MEANS])
     with new_hdf5(result.directory / SCAN_DATA) as file:
         file.attrs["name"], file.attrs["case"] = result.name, result.case_name
+        file.attrs["versions"] = json.dumps(versions_of(()))
         _write_group(file, table, result.units)
         if means:
             _write_group(file.create_group(MEAN_GROUP), means, result.units)

@@ -12,7 +12,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-import granwave
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.spectra.band_structure import BandStructure
@@ -20,6 +19,7 @@ from granwave.analysis.spectra.bands import Modes
 from granwave.analysis.spectra.network import FREEDOMS, Network
 from granwave.analysis.spectra.states import State
 from granwave.analysis.spectra.transmission import Transmission
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
 Table = Mapping[str, tuple[Any, str]]  # values and unit by name
@@ -35,7 +35,7 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
                 earlier |= _tables(file[kind])
     with new_hdf5(path) as file:
         file.attrs["name"], file.attrs["kind"], file.attrs["case"] = state.name, "spectra", text
-        file.attrs["versions"] = json.dumps({"granwave": granwave.__version__})
+        file.attrs["versions"] = json.dumps(versions_of(()))
         for group, table in (earlier | dict(tables)).items():
             for name, (values, unit) in table.items():
                 array = np.asarray(values)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +25,8 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library
-from granwave.workflows.cli.keys import CASE, Key, Table, state, tables
+from granwave.workflows.cli.json_schema import schema_name, schema_of
+from granwave.workflows.cli.keys import CASE, FILES, Key, Table, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 
 ROOT = Path(__file__).parents[2]
@@ -203,6 +205,16 @@ def copy_manual(app: Sphinx) -> None:
             page.write_text(text, encoding="utf-8")
 
 
+def write_schemas(app: Sphinx, error: Exception | None) -> None:
+    """Write the JSON Schemas of files that users write, for editors, into ``schemas`` of the site."""
+    if error is None and app.builder.name == "html":
+        folder = Path(app.outdir) / "schemas"
+        folder.mkdir(exist_ok=True)
+        for file in FILES:
+            text = json.dumps(schema_of(file), indent=1) + "\n"
+            (folder / schema_name(file)).write_text(text, encoding="utf-8")
+
+
 class LammpsLexer(TextLexer):
     """Plain text for input scripts of LAMMPS, which Pygments does not know."""
 
@@ -215,4 +227,5 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_lexer("LAMMPS", LammpsLexer)
     app.connect("builder-inited", copy_manual)
     app.connect("source-read", fill_in)
+    app.connect("build-finished", write_schemas)
     return {"parallel_read_safe": True}

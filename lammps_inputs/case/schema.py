@@ -1,9 +1,9 @@
 """Schema of TOML tables: types and bounds of their keys, and reading a table into a typed section.
 
 A section is a frozen dataclass whose fields are made by the functions below. The metadata of each field holds its
-``description``, its ``unit``, its ``options`` if it is one of some words, and the ``parse`` function that converts a
-TOML value to the value of the field or raises `ValidationError`. `read_table` applies them and collects all faults
-instead of stopping at the first.
+``description``, its ``unit``, its ``options`` if it is one of some words, the ``parse`` function that converts a
+TOML value to the value of the field or raises `ValidationError`, and ``json``, the JSON Schema of its TOML values (of
+`custom` fields none). `read_table` applies them and collects all faults instead of stopping at the first.
 """
 
 from __future__ import annotations
@@ -142,7 +142,11 @@ def number(
         refuse_if(not (above < result < below and at_least <= result <= at_most), expected)
         return result
 
-    return _field(description, unit, default, parse, (word,) if word else None)
+    bounds = zip(("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"), limits, strict=True)
+    json: dict[str, Any] = {"type": "number"}
+    json |= {keyword: limit for keyword, (limit, _) in bounds if math.isfinite(limit)}
+    json = {"anyOf": [json, {"const": word}]} if word else json
+    return _field(description, unit, default, parse, (word,) if word else None, json=json)
 
 
 def positive_or_auto(description: str, unit: Usual, *, default: float | str = "auto") -> Any:
@@ -159,7 +163,7 @@ def choice(description: str, options: tuple[Any, ...], *, default: Any = REQUIRE
             raise ValidationError(expected + did_you_mean(value, map(str, options)))
         return value
 
-    return _field(description, None, default, parse, options=options)
+    return _field(description, None, default, parse, options=options, json={"enum": list(options)})
 
 
 def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
@@ -175,7 +179,7 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
         refuse_if(not isinstance(value, str) or not value.strip(), "a string that is not empty")
         return value
 
-    return _field(description, None, default, parse)
+    return _field(description, None, default, parse, json={"type": "string", "pattern": r"\S"})
 
 
 def parse_label(value: Any) -> str:
@@ -210,7 +214,12 @@ def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGES
 def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
     """Field of a whole number within bounds."""
     expected = f"a whole number from {at_least} " + ("up" if at_most == LARGEST_COUNT else f"to {at_most}")
-    return _field(description, None, default, lambda value: whole(value, expected, at_least=at_least, at_most=at_most))
+    json = {"type": "integer", "minimum": at_least, "maximum": at_most}
+
+    def parse(value: Any) -> int:
+        return whole(value, expected, at_least=at_least, at_most=at_most)
+
+    return _field(description, None, default, parse, json=json)
 
 
 def numbers(n: int, expected: str, fits: Callable[..., bool] = lambda *_: True, otherwise: str = "") -> Parse:
@@ -244,7 +253,8 @@ def or_word(word: str, parse: Parse) -> Parse:
 
 def vector(description: str, unit: Usual) -> Any:
     """Field of three numbers, zero by default; unusual magnitudes give a warning."""
-    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit.unit}"))
+    json = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit.unit}"), json=json)
 
 
 def plain_name(value: Any) -> str:
@@ -391,11 +401,16 @@ def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList)
 
 
 def _field(
-    description: str, unit: str | Usual | None, default: Any, parse: Parse, options: tuple[Any, ...] | None = None
+    description: str,
+    unit: str | Usual | None,
+    default: Any,
+    parse: Parse,
+    options: tuple[Any, ...] | None = None,
+    json: Mapping[str, Any] | None = None,
 ) -> Any:
     usual = unit if isinstance(unit, Usual) else None
     metadata = {"description": description, "unit": unit_name(unit), "usual": usual, "parse": parse}
-    return dataclasses.field(default=default, metadata=metadata | {"options": options})
+    return dataclasses.field(default=default, metadata=metadata | {"options": options, "json": json})
 
 
 def unit_name(unit: str | Usual | None) -> str:

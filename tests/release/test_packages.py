@@ -122,6 +122,11 @@ def test_doctor(environment):
     assert f"granwave {VERSION}" in said and "lmp command" in said, said
 
 
+def test_selftest(environment):
+    said = environment("granwave", "selftest").stdout
+    assert "are as expected" in said and " NO" not in said, said
+
+
 def test_a_run_and_its_report(environment):
     """A small run on one rank and on two, its figures, and a report of both in all formats."""
     small = ["--set", "packing.size=[8,8,5]", "--set", "run.end_time=1e-4"]

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import numpy
     from numpy.typing import NDArray
 
+#: Kinds of files that a user writes.
+FILE_KINDS = ("case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference", "design")
 BENCH_PARTS = ("styles", "sizes", "ranks", "study")
 _MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4

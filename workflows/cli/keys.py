@@ -13,7 +13,7 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -22,8 +22,9 @@ from granwave.analysis.inference.case import InferCase
 from granwave.lammps_inputs.case.case import TABLES
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
-from granwave.lammps_inputs.case.schema import REQUIRED, accepted, key_fields, show
+from granwave.lammps_inputs.case.schema import REQUIRED, ValidationError, accepted, key_fields, show
 from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.cli.arguments import FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.design.keys import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
@@ -32,9 +33,7 @@ from granwave.workflows.scanning.header import Header, RanksBySize
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
-CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE, DESIGN = FILES = (
-    "case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference", "design",
-)  # fmt: skip
+CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE, DESIGN = FILES = FILE_KINDS
 #: What each kind of file is, and the command that reads it.
 TITLES = {
     CASE: "Case files (granwave run)",
@@ -51,6 +50,12 @@ _TABLE_OF_KEYS = "a table of dotted keys of the case"
 _LISTS_OF_VALUES = (
     "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
 )
+#: Values of all types, by which is found what a reader of its own accepts.
+_PROBES: tuple[Any, ...] = (
+    True, 1, 3, 0.5, "x", "z", "all", "auto", "centre", "mean", "none", "x.py", [], [1], [1, 2], [0.1, 1.0], [0, 0, 1],
+    [1, 1], ["x"], [[1, 0.1]], [[0, 0], [1, 1]], [[0, 0, 1]], [{"sphere": 1}], {}, {"first": 1, "last": 2},
+    {"material": "brass"},
+)  # fmt: skip
 _NOT_OF_A_PAIR = ("initial_overlap",)
 
 
@@ -68,6 +73,8 @@ class Key:
         Magnitudes outside which a warning is given; empty if there are none.
     example
         A value as in a file.
+    json
+        JSON Schema of its values, as far as the code that reads them tells it.
     """
 
     name: str
@@ -78,6 +85,7 @@ class Key:
     required: bool = False
     usual: str = ""
     example: str = ""
+    json: Mapping[str, Any] = dataclasses.field(default_factory=dict, compare=False)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -203,12 +211,35 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
             default=_default(field),
             required=field.default is REQUIRED and field.default_factory is REQUIRED,
             usual=_usual(field.metadata["usual"]),
+            json=_json_of(field),
         )
         for field in key_fields(section)
     ]
     if any("read" in field.metadata for field in dataclasses.fields(section)):
         found.append(Key("material", "material of this body; that of the case by default", _MATERIAL))
     return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
+
+
+def _json_of(field: dataclasses.Field[Any]) -> Mapping[str, Any]:
+    """Return the JSON Schema of a field; of one with a reader of its own the types of values that this accepts."""
+    if field.metadata["json"] is not None:
+        return field.metadata["json"]  # type: ignore[no-any-return]
+    found = {type_of(value) for value in _PROBES if _accepts(field.metadata["parse"], value)}
+    return {"type": sorted(found)} if found else {}
+
+
+def _accepts(parse: Callable[[Any], Any], value: Any) -> bool:
+    try:
+        parse(value)
+    except (ValidationError, TypeError, AttributeError, KeyError, IndexError):
+        return False
+    return True
+
+
+def type_of(value: Any) -> str:
+    """Return the name that JSON Schema has for the type of a TOML value."""
+    kinds = ((bool, "boolean"), (int | float, "number"), (str, "string"), (list | tuple, "array"))
+    return next((name for kind, name in kinds if isinstance(value, kind)), "object")
 
 
 def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> Table:

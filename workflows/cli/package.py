@@ -60,8 +60,12 @@ def show(options: argparse.Namespace) -> int:
 
 def keys(options: argparse.Namespace) -> int:
     """Execute ``granwave keys``."""
+    from granwave.workflows.cli.json_schema import schema_of
     from granwave.workflows.cli.keys import as_text, find, overview, tables
 
+    if options.schema:
+        print(json.dumps(schema_of(options.schema), indent=1))
+        return 0
     found = find(*options.table) if options.table else None
     if options.json:
         print_json([dataclasses.asdict(one) for one in found or tables()])

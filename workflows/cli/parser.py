@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.schema import printable, show
 from granwave.workflows.cli.arguments import (
     BENCH_PARTS,
+    FILE_KINDS,
     bench_parts,
     count,
     frequencies,
@@ -176,7 +177,9 @@ COMMANDS = (
     Command("keys", _FIND, "keys of all files: unit, default, accepted values, example", "package.keys", (
         _option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
                 "of keys or descriptions (default: a list)"),
-        _json("the tables and their keys"),
+        [_json("the tables and their keys"),
+         _option("--schema", choices=FILE_KINDS, metavar="FILE",
+                 help=f"print the JSON Schema of a kind of files, for editors: {', '.join(FILE_KINDS)}")],
     )),
     Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "check.check", (
         _CASE, _SET, _RANKS, _json("the plan"),
@@ -333,6 +336,14 @@ COMMANDS = (
         _option("--profile", type=input_name, metavar="FILE",
                 help="also check the profile of a cluster, on its login node"),
         _json("the findings"),
+    )),
+    Command("selftest", _PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
+            "selftest.selftest", (
+        _option("--np", dest="ranks", type=positive, default=2, metavar="N",
+                help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
+        _option("--profile", type=input_name, metavar="FILE",
+                help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
+        _json("the checks"),
     )),
     Command("bench", _PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "package.bench", (
         _option("--json", type=output_name, metavar="FILE", help="write the results there too"),

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
@@ -136,7 +137,7 @@ class Study:
 
     def write(self) -> None:
         """Write study.json and designs.csv."""
-        content = {"problem": self.problem.record, "exhausted": self.exhausted}
+        content = {"versions": versions_of(()), "problem": self.problem.record, "exhausted": self.exhausted}
         content["designs"] = [dataclasses.asdict(one) for one in self.designs]
         replace_text(self.directory / DESIGN_STUDY, json.dumps(content, indent=1) + "\n")
         replace_text(self.directory / DESIGN_TABLE, self._table())

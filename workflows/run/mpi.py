@@ -178,6 +178,7 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
 def launch(
     n_ranks: int,
     arguments: Sequence[str],
+    launcher: Sequence[str] = (),
     *,
     stdout: int | None = None,
     stderr: int | None = None,
@@ -187,6 +188,8 @@ def launch(
 
     Parameters
     ----------
+    launcher
+        As in `command`.
     stdout, stderr
         File descriptors that the ranks write to; by default those of this process.
     remedy
@@ -202,7 +205,7 @@ def launch(
     InputError
         There is no mpiexec.
     """
-    words = command(n_ranks, arguments)
+    words = command(n_ranks, arguments, launcher)
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
         environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}

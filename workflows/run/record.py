@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave import plugins
+from granwave import __version__, plugins
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.files import checksum, read_json, replace_text
@@ -138,7 +138,7 @@ def _checkpoint_of(directory: Path, restart: str, step: int, previous: dict[str,
     read = {name: (size, before[name]) for name, size in previous.get("sizes", {}).items() if name in before}
     sums = {name: checksum(directory / name, size, after=read.get(name, (0, 0))) for name, size in sizes.items()}
     sums |= {name: checksum(directory / name) for name in whole}
-    return {"file": restart, "step": step, "sizes": sizes, "whole": whole, "sums": sums}
+    return {"file": restart, "step": step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
 
 
 def keep_checkpoint(directory: Path, checkpoint: dict[str, Any] | None) -> None:
@@ -149,10 +149,14 @@ def keep_checkpoint(directory: Path, checkpoint: dict[str, Any] | None) -> None:
 
 
 def checkpoint_fault(directory: Path, checkpoint: dict[str, Any]) -> str:
-    """Describe why a run cannot go on from a checkpoint: a file that is not what the run wrote; empty if it can.
+    """Describe why a run cannot go on from a checkpoint; empty if it can.
 
-    Output files may have grown.
+    It is of another minor version, whose restart files may differ, or a file is not what the run wrote. Output files
+    may have grown.
     """
+    if (made := str(checkpoint.get("version", ""))).split(".")[:2] != __version__.split(".")[:2]:
+        found = f"of granwave {made}" if made else "of a version before 0.3"
+        return f"{directory}: its checkpoint is {found}, expected one of {__version__}"
     try:
         whole, sums = checkpoint["whole"], checkpoint.get("sums", {})
         for name, size in (whole | checkpoint["sizes"]).items():

@@ -18,6 +18,7 @@ from typing import Any
 
 from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
@@ -126,6 +127,7 @@ class Scan:
             "varied": list(self.varied),
             "study": list(self.study),
             "points": points,
+            "versions": versions_of(()),
         }
 
 

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -155,7 +156,8 @@ def run_suite(
             clear(directory)
         claim(directory, _FILES, kind=SUITE)
         replace_text(directory / SCAN_FILE, suite.text)
-        index = {"name": suite.name, "scans": [scan.name for scan in suite.scans], "study": list(suite.study)}
+        names = [scan.name for scan in suite.scans]
+        index = {"name": suite.name, "scans": names, "study": list(suite.study), "versions": versions_of(())}
         replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
         outcomes: list[ScanOutcome] = []
         options |= {"resume": resume, "force": force}

@@ -1,0 +1,182 @@
+"""What stays: results of 0.1 and 0.2 are read, names of 0.2 are there, results of later formats are refused.
+
+The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points; without dumps, decks and figures.
+`promised.json` has the names of 0.2: commands and options, keys, values of summary.json, data sets, columns, styles.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import shutil
+import tarfile
+from pathlib import Path
+
+import h5py
+import pytest
+
+import granwave as gw
+from granwave.analysis import Result
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import FORMAT, MARKER
+from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.main import main
+from granwave.workflows.cli.parser import make_parser
+from granwave.workflows.run import record
+
+HERE = Path(__file__).parent
+VERSIONS = ("0.1.0", "0.2.0")
+PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))
+KNOWN = {"run": "fcc", "chain": "chain"}
+SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
+
+
+@pytest.fixture(params=VERSIONS)
+def earlier(request, tmp_path) -> Path:
+    """Results of an earlier version."""
+    with tarfile.open(HERE / f"granwave-{request.param}.tar.xz") as archive:
+        archive.extractall(tmp_path, filter="data")
+    return tmp_path
+
+
+def test_runs_are_loaded(earlier):
+    for name, kind in KNOWN.items():
+        summary = json.loads((earlier / name / "summary.json").read_text(encoding="utf-8"))
+        run = gw.load(earlier / name)
+        assert run.case.packing.kind == kind and run["peak_force_N"] == summary["peak_force_N"] > 0
+        assert run["versions"]["granwave"] == summary["versions"]["granwave"] in VERSIONS
+        assert run.contacts["peak_force"].max() == pytest.approx(summary["peak_force_N"], rel=1e-9)
+        with Result(earlier / name) as result:
+            assert result["energy/dissipated"][-1] == pytest.approx(summary["energy_dissipated_J"], rel=1e-9)
+
+
+def test_scans_are_loaded(earlier):
+    table = gw.load(earlier / "scan").table
+    assert list(table["load.velocity"]) == [0.1, 1.0] and list(table["status"]) == ["done", "done"]
+    with (earlier / "scan" / "scan.csv").open(encoding="utf-8", newline="") as stream:
+        forces = [float(row["peak_force_N"]) for row in csv.DictReader(stream)]
+    assert list(table["peak_force_N"]) == pytest.approx(forces, rel=1e-9) and forces[0] < forces[1]
+
+
+def test_report_of_all(earlier):
+    report = earlier / "report.html"
+    assert main(["report", *(str(earlier / name) for name in (*KNOWN, "scan")), "-o", str(report)]) == 0
+    page = report.read_text(encoding="utf-8")
+    assert "impact velocity" in page and "chain of 6" in page and "could not be" not in page
+
+
+def test_figures_film_page_and_tables(earlier):
+    for name, film in (("run", "force"), ("chain", "velocity")):
+        place = earlier / name
+        assert main(["figures", str(place), "--only", "energies"]) == 0
+        assert (place / "figures" / "energies.png").stat().st_size > 5000
+        assert main(["film", str(place), "-o", str(earlier / f"{name}.gif"), "--quantity", film, "--width", "300"]) == 0
+        assert (earlier / f"{name}.gif").read_bytes()[:3] == b"GIF"
+        assert main(["export", str(place), "--to", "csv", "-o", str(earlier / f"{name}-csv")]) == 0
+    assert main(["view", str(earlier / "run"), "-o", str(earlier / "view.html")]) == 0
+
+
+def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
+    """Their files are known as granwave's own: refused without --force, a finished run is not computed again."""
+    case = str(earlier / "run" / "case.toml")
+    before = (earlier / "run" / "summary.json").read_bytes()
+    assert main(["run", case, "-o", str(earlier / "run"), "--no-figures"]) == 2
+    assert "already holds results" in capsys.readouterr().err
+    assert main(["run", case, "-o", str(earlier / "run"), "--no-figures", "--resume"]) == 0
+    assert (earlier / "run" / "summary.json").read_bytes() == before
+    assert main(["run", case, "-o", str(earlier / "run"), "--no-figures", "--force"]) == 0
+    now = json.loads((earlier / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert now["peak_force_N"] == pytest.approx(json.loads(before)["peak_force_N"], rel=1e-3)
+
+
+def test_commands_and_options_of_0_2():
+    (verbs,) = (one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction))
+    for name, promised in PROMISED["commands"].items():
+        actions = verbs.choices[name]._actions
+        found = {word for one in actions for word in (one.option_strings or [str(one.metavar or one.dest)])}
+        assert set(promised) <= found, name
+
+
+def test_keys_and_names_of_0_2():
+    keys = {f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys}
+    assert set(PROMISED["keys"]) <= keys
+    assert set(PROMISED["python"]) <= set(gw.__all__)
+
+
+def test_styles_of_0_2(lammps):
+    engine = lammps()
+    for kind, names in PROMISED["styles"].items():
+        assert all(engine.has_style(kind, name) for name in names), kind
+
+
+@pytest.fixture(scope="module")
+def now(tmp_path_factory) -> Path:
+    """A run and a scan of today, as those of the archives."""
+    place = tmp_path_factory.mktemp("now")
+    assert main(["run", "fcc-small", "-o", str(place / "run"), *SMALL, "--no-figures"]) == 0
+    chain = ["--set", "packing.size=6", "--set", "run.end_time=2e-5", "--set", "run.frames=2", "--no-figures"]
+    assert main(["run", "homogeneous-chain", "-o", str(place / "chain"), *chain]) == 0
+    (place / "pair.toml").write_text(
+        'case = "two-spheres"\nset = {run.end_time = 4e-5}\ngrid = {load.velocity = [0.1]}\n'
+    )
+    assert main(["scan", str(place / "pair.toml"), "-o", str(place / "scan"), "--jobs", "1"]) == 0
+    return place
+
+
+def test_values_data_sets_and_columns_of_0_2(now):
+    assert set(PROMISED["summary"]) <= set(json.loads((now / "run" / "summary.json").read_text(encoding="utf-8")))
+    found: dict[str, str] = {}
+    for name in KNOWN:
+        with h5py.File(now / name / "result.h5") as file:
+            file.visititems(lambda name, one: found.update({name: str(one.attrs.get("unit", ""))}))
+    assert PROMISED["result"].items() <= found.items()  # with their units
+    with (now / "scan" / "scan.csv").open(encoding="utf-8", newline="") as stream:
+        assert set(PROMISED["scan_csv"]) <= set(next(csv.reader(stream)))
+
+
+def test_every_file_tells_its_version(now):
+    expected = {"granwave": gw.__version__, "results_format": str(FORMAT)}
+    documents = [now / "run" / "summary.json", now / "run" / "run.json", now / "scan" / "scan.json"]
+    for path in documents:
+        assert expected.items() <= json.loads(path.read_text(encoding="utf-8"))["versions"].items(), path
+    for path in (now / "run" / "result.h5", now / "scan" / "scan.h5"):
+        with h5py.File(path) as file:
+            assert expected.items() <= json.loads(file.attrs["versions"]).items(), path
+    for name in ("run", "scan"):
+        marker = json.loads((now / name / MARKER).read_text(encoding="utf-8"))
+        assert (marker["version"], marker["format"]) == (gw.__version__, FORMAT)
+
+
+@pytest.mark.parametrize("command", ["report {} -o out.md", "analyse {}", "run fcc-small -o {} --force", "export {} --to csv"])  # fmt: skip
+def test_results_of_a_later_format_are_refused(now, tmp_path, monkeypatch, capsys, command):
+    monkeypatch.chdir(tmp_path)
+    place = shutil.copytree(now / "run", tmp_path / "later")
+    marker = json.loads((place / MARKER).read_text(encoding="utf-8"))
+    (place / MARKER).write_text(json.dumps(marker | {"format": FORMAT + 1, "version": "9.0"}))
+    before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+    assert main(command.format(place).split()) == 2
+    said = capsys.readouterr().err
+    assert f"found results of format {FORMAT + 1}, of granwave 9.0, expected at most {FORMAT}" in said
+    assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == before
+
+
+def test_a_result_alone_of_a_later_format_is_refused(now, tmp_path):
+    path = Path(shutil.copy(now / "run" / "result.h5", tmp_path))
+    with h5py.File(path, "a") as file:
+        made = json.loads(file.attrs["versions"]) | {"results_format": str(FORMAT + 1)}
+        file.attrs["versions"] = json.dumps(made)
+    with pytest.raises(gw.OutputFormatError, match="format 2"):
+        Result(path)
+
+
+@pytest.mark.parametrize(("version", "named"), [(None, "of a version before 0.3"), ("0.2.9", "of granwave 0.2.9")])
+def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, named):
+    checkpoint = {"file": "checkpoint-1.restart", "whole": {}, "sizes": {}}
+    assert record.checkpoint_fault(tmp_path, checkpoint | {"version": gw.__version__}) == ""
+    assert named in record.checkpoint_fault(tmp_path, checkpoint | ({"version": version} if version else {}))
+
+
+def test_a_deprecated_name_warns():
+    with pytest.warns(DeprecationWarning, match="is now called errors"):
+        assert InputError("wrong").faults == ["wrong"]

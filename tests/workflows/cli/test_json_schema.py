@@ -1,0 +1,131 @@
+"""JSON Schemas of the files of users: all that come with the package fit, wrong ones do not."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from granwave.workflows.cli import keys
+from granwave.workflows.cli.json_schema import schema_of
+from granwave.workflows.cli.main import main
+from tests.documents.pages import ROOT, blocks, pages
+
+FILES = sorted(path for folder in ("workflows/cases", "workflows/scans", "reproductions") for path in (ROOT / folder).rglob("*.toml"))  # fmt: skip
+OF_PAGES = {f"{page.name}: {block.caption}": block.text for page in pages() for block in blocks(page) if block.caption.endswith(".toml")}  # fmt: skip
+#: A table or key that only this kind of files has.
+MARKS = {
+    "scans": keys.SUITE, "case": keys.SCAN, "base": keys.DESIGN, "slurm": keys.PROFILE, "infer": keys.INFERENCE,
+    "block": keys.CONTINUUM, "punch": keys.CONTINUUM, "sphere": keys.SPHERE_CONTACT, "packing": keys.CASE,
+}  # fmt: skip
+GOOD: dict[str, Any] = {
+    "material": "brass",
+    "packing": {"kind": "fcc", "size": [4, 4, 3], "diameter": 0.01},
+    "load": {"velocity": 5.0},
+}
+WRONG = [
+    ({"pakcing": {}}, "pakcing"),
+    ({"load": {"velocty": 1.0}}, "velocty"),
+    ({"load": {"velocity": "fast"}}, "fast"),
+    ({"load": {"spheres": 2}}, "2"),
+    ({"load": 3}, "3"),
+    ({"packing": {"kind": "fcx", "size": [1, 1, 1], "diameter": 0.01}}, "fcx"),
+    ({"packing": {"kind": "fcc", "size": "large", "diameter": 0.01}}, "large"),
+    ({"packing": {"kind": "fcc", "size": [1, 1, 1], "diameter": -0.01}}, "-0.01"),
+    ({"run": {"end_time": "never"}}, "never"),
+    ({"run": {"timestep": 0}}, "0"),
+    ({"material": {"youngs_modulus": "soft"}}, "soft"),
+    ({"material": {"youngs": 1e9}}, "youngs"),
+    ({"materials": {"soft": {"density": True}}}, "True"),
+    ({"contact": {"law": "hooke"}}, "hooke"),
+    ({"boundary": {"bottom": {"plate": {"mass": 1.0}}}}, "plate"),
+    ({"boundary": {"bottom": "glass"}}, "glass"),
+    ({"replace": {"index": 1}}, "index"),
+    ({"replace": [{"index": 1, "colour": "red"}]}, "colour"),
+    ({"striker": [{"velocity": [0, 0, 1]}]}, "touches"),
+    ({"output": {"probes": 7}}, "7"),
+]
+
+
+def kind_of(data: dict[str, Any]) -> str:
+    return next(kind for mark, kind in MARKS.items() if mark in data)
+
+
+def faults(data: dict[str, Any], kind: str) -> list[str]:
+    return [f"{list(one.path)}: {one.message}" for one in Draft202012Validator(schema_of(kind)).iter_errors(data)]
+
+
+@pytest.mark.parametrize("kind", keys.FILES)
+def test_schemas_are_schemas_and_keep_their_own_examples(kind):
+    """Each key's example and default fit; the schema knows every key that `granwave keys` lists."""
+    schema = schema_of(kind)
+    Draft202012Validator.check_schema(schema)
+    for table in (table for table in keys.tables() if table.file == kind):
+        for key in table.keys:
+            assert f'"{key.name}": {{' in json.dumps(schema), key.name
+
+    def walk(part: Any) -> None:
+        for name, one in part.get("properties", {}).items():
+            walk(one)
+            for value in [*one.get("examples", []), *([one["default"]] if "default" in one else [])]:
+                whole = {**one, "$defs": schema.get("$defs", {})}
+                assert Draft202012Validator(whole).is_valid(value), (name, value)
+        for one in [*([part["items"]] if "items" in part else []), *part.get("anyOf", [])]:
+            walk(one)
+
+    walk(schema)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_files_that_are_there_fit(path: Path):
+    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    if not set(data) & set(MARKS):
+        pytest.skip("a table of numbers")
+    assert faults(data, kind_of(data)) == []
+
+
+@pytest.mark.parametrize("name", OF_PAGES)
+def test_files_of_the_pages_fit(name: str):
+    data = tomllib.loads(OF_PAGES[name])
+    if set(data) & set(MARKS):
+        assert faults(data, kind_of(data)) == []
+
+
+def test_case_that_a_run_writes_fits(tmp_path, capsys):
+    assert main(["write", "fcc-small", "-o", str(tmp_path / "deck"), "--set", "boundary.bottom={plate={mass=1,stiffness=1e6}}"]) == 0  # fmt: skip
+    data = tomllib.loads((tmp_path / "deck" / "case.toml").read_text(encoding="utf-8"))
+    assert faults(data, keys.CASE) == [] and "resolved" in data
+
+
+@pytest.mark.parametrize(("changes", "named"), WRONG, ids=lambda one: one if isinstance(one, str) else "")
+def test_wrong_cases_do_not_fit(changes, named):
+    assert faults(GOOD, keys.CASE) == []
+    found = faults(GOOD | changes, keys.CASE)
+    assert found and named in " ".join(found)
+
+
+@pytest.mark.parametrize(
+    ("data", "kind"),
+    [
+        ({"grid": {"load.velocity": [1]}}, keys.SCAN),  # no case
+        ({"case": "fcc-small", "replicates": 0}, keys.SCAN),
+        ({"case": "fcc-small", "gird": {}}, keys.SCAN),
+        ({"scans": "restitution"}, keys.SUITE),
+        ({"base": "fcc-small"}, keys.DESIGN),
+        ({"slurm": {"jobs": "many"}}, keys.PROFILE),
+    ],
+)
+def test_other_wrong_files_do_not_fit(data, kind):
+    assert faults(data, kind)
+
+
+def test_command(capsys):
+    assert main(["keys", "--schema", "scan"]) == 0
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(schema_of("scan")))
+    with pytest.raises(SystemExit, match="2"):
+        main(["keys", "--schema", "scam"])
+    assert "did you mean scan?" in capsys.readouterr().err
