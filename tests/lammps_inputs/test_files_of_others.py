@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -195,56 +194,6 @@ def test_a_fit_overwrites_no_others(says, tmp_path):
 
 
 # ---------------------------------------------------------------------- names
-
-
-@pytest.mark.parametrize("name", ["-rf", "--force", "..", ".hidden", "~", "~me", "a/b", "", " ", "a\nb", "ä" * 101])
-def test_names_that_are_no_directories_are_refused(says, tmp_path, name):
-    Path("my.toml").write_text(f"name = {json.dumps(name)}\n" + 'case = "two-spheres"\n[grid]\nload.velocity = [1]\n')
-    Path("mine.toml").write_text(
-        f'name = {json.dumps(name)}\nmaterial = "brass"\n[packing]\nkind = "chain"\nsize = 2\ndiameter = 0.01\n'
-    )
-    for command in (["run", "mine.toml"], ["write", "mine.toml", "-o", "d"], ["scan", "my.toml"]):
-        message = says(2, *command)
-        assert (
-            ": name: found " in message
-            and "expected a plain name" in message
-            and ("as of a directory" in message or "at most 200 bytes" in message)
-        )
-        assert len(message.splitlines()) == 1
-    assert sorted(files(tmp_path)) == ["mine.toml", "my.toml"]
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["run", "two-spheres", "-o", ""],
-        ["write", "two-spheres", "-o", ""],
-        ["scan", "restitution", "-o", ""],
-        ["continuum", "half-space", "-o", ""],
-        ["report", "r", "-o", ""],
-        ["export", "r", "--to", "csv", "-o", ""],
-        ["law", "-o", ""],
-        ["fit", "law.csv", "-o", ""],
-        ["bench", "--json", ""],
-        ["analyse", ""],
-        ["report", ""],
-        ["export", "", "--to", "csv"],
-        ["run", "two-spheres", "-o", "~/r"],
-    ],
-)
-def test_empty_names_are_refused(capsys, tmp_path, command):
-    with pytest.raises(SystemExit) as ended:
-        main(command)
-    message = capsys.readouterr().err.splitlines()[-1]
-    assert ended.value.code == 2 and ("empty name" in message or "the shell did not replace ~" in message)
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("place", ["/", Path.home()])
-@pytest.mark.parametrize("words", [[], ["--force"]])
-def test_the_root_and_the_home_are_no_places_for_results(says, place, words):
-    for command in (["run", *TINY], ["write", *TINY], ["continuum", "half-space"], ["scan", "restitution"]):
-        assert "choose a directory for the results alone" in says(2, *command, "-o", place, *words)
 
 
 # ---------------------------------------------------------------------- one at a time, and where nothing can be written

@@ -262,22 +262,6 @@ class TestLaws:
         assert peak > 5 * alone
         assert force == pytest.approx(float(law.loading_force(np.array([peak]))[0]), rel=1e-6)
 
-    @pytest.mark.parametrize(
-        ("sections", "message"),
-        [
-            ({"pair": [{"materials": ["brass", "stel"], "friction": 0.1}]},
-             r'pair.1.materials: found "stel", expected materials of the case: "brass", "rigid"'),
-            ({"pair": [{"materials": ["brass", "brass"], "friction": -0.1}]}, "pair.1.friction: found -0.1, expected .* at least 0"),
-            ({"pair": [{"materials": ["brass", "brass"], "pressure_limit": 0.1}]}, "pair.1.pressure_limit: no passive law"),
-            ({"contact": {"friction": -1}}, "contact.friction: found -1, expected a number at least 0"),
-            ({"boundary": {"friction": -1}}, "boundary.friction: found -1"),
-        ],
-    )  # fmt: skip
-    def test_refused(self, sections: dict, message: str) -> None:
-        with pytest.raises(InputError, match=message) as refused:
-            make(**sections)
-        assert len(refused.value.errors) == 1
-
     def test_only_who_yields_needs_a_strength(self) -> None:
         soft = {"name": "soft", "youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1e3}
         sections = {"replace": [{"index": 2, "material": soft}]}

@@ -14,7 +14,6 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
-from tests.helpers.small_cases import faults_of
 
 N, D = 5, 0.01
 CUBE = [[D * i, D * j, D * k] for k in range(N) for j in range(N) for i in range(N)]
@@ -96,26 +95,6 @@ def test_deck_of_a_direction(tmp_path: Path) -> None:
         assert words in scripts[n]
     assert "struck_velocity equal vcm(struck,x)" in scripts[2]
     assert "struck_velocity equal (0.7071067811865475*vcm(struck,x)+" in scripts[4]
-
-
-def test_wrong_directions() -> None:
-    force = LOADS["force"]
-    for found, says in (
-        ({**force, "direction": [0, 0, 0]}, "a vector of any length but 0"),
-        ({**force, "direction": [0, 1]}, "[x, y, z]"),
-        ({**force, "direction": [0, 0, "inf"]}, "[x, y, z]"),
-        ({"kind": "impact", "direction": [0, 0, 1]}, 'belongs to a load of kind "force" or "displacement"'),
-    ):
-        (fault,) = faults_of(load=found)
-        assert "load.direction" in fault
-        assert says in fault
-    (fault,) = faults_of(
-        packing={"kind": "chain", "size": 5, "diameter": D}, boundary={"bottom": "free"},
-        load={**force, "direction": [1, 0, 1]}, bar={"length": 0.5, "area": 1e-4, "elements": 100},
-    )  # fmt: skip
-    assert "beside a bar, which moves along z alone" in fault
-    (fault,) = faults_of(load={**force, "index": [7], "direction": [1, 0, 1]}, hold=[{"index": 7, "directions": "x"}])
-    assert "holds sphere 7 along x" in fault
 
 
 def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:

@@ -143,21 +143,6 @@ class TestRuns:
 
 
 class TestRefused:
-    @pytest.mark.parametrize(
-        ("contact", "message"),
-        [
-            ({"initial_overlap": 6e-4}, r"contact.initial_overlap: found a dent of 0.0006 m, expected at most 0.2 R\* = 0.0005 m"),
-            ({"initial_overlap": {"force": 1e5}}, r"found a dent of .* expected at most 0.2 R\*"),
-            ({"initial_overlap": 1e-6, "law": "hertz"}, 'contact.law = "hertz", which cannot yield'),
-            ({"initial_overlap": -1e-6}, "found -1e-06, expected .* not negative"),
-            ({"initial_overlap": {"overlap": -1e-6}}, "not negative"),
-        ],
-    )  # fmt: skip
-    def test_values(self, contact: dict, message: str) -> None:
-        with pytest.raises(InputError, match=message) as refused:
-            case_of(contact=contact)
-        assert len(refused.value.errors) == 1
-
     def test_results(self, tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"initial_overlap: .*none.h5: there is no such file"):
             write_deck(case_of(contact={"initial_overlap": str(tmp_path / "none.h5")}), tmp_path / "deck")
