@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,8 @@ import pytest
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: tests run side by side already
 from granwave.analysis.figures.side_by_side import PROCESSES
 
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # by a shell that starts the tests in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 BIN = Path(sys.prefix) / "bin"
 os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
 PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}

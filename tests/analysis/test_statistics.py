@@ -151,7 +151,7 @@ def summaries(tmp_path_factory):
     found += [run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS]
     crystal = {"packing.size": [3, 4], "run.end_time": 1e-4}
     found.append(run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary)
-    resisting = load_case("fcc-small", SHORT | RESISTANCE)
+    resisting = load_case("fcc-small", SHORT | RESISTANCE | {"packing.size": [4, 4, 3]})
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
     punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
     found.append(run_continuum(punch, place / "punch", figures=False))

@@ -195,20 +195,25 @@ class OverTime(BaseException):
 
 @contextlib.contextmanager
 def _within_bounds(seconds: float) -> Iterator[None]:
+    """Limit the time of the processor, that on a clock to ten times as much, and the memory."""
+
     def stop(*_: object) -> None:
         raise OverTime(f"longer than {seconds:g} s")
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    timers = {signal.SIGPROF: (signal.ITIMER_PROF, seconds), signal.SIGALRM: (signal.ITIMER_REAL, 10 * seconds)}
+    before = {name: signal.signal(name, stop) for name in timers}
+    for timer, limit in timers.values():
+        signal.setitimer(timer, limit)
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        for name, (timer, _) in timers.items():
+            signal.setitimer(timer, 0.0)
+            signal.signal(name, before[name])
 
 
 # ---------------------------------------------------------------------- judging

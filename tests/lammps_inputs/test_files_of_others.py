@@ -59,7 +59,7 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
     assert [path.read_text() for path in mine] == ["mine"] * 4 and not Path("r", "summary.json").exists()
 
 
-@pytest.mark.parametrize("words", [[], ["--force"], ["--resume"]])
+@pytest.mark.parametrize("words", [[], ["--force"]])
 @pytest.mark.parametrize(
     ("name", "command"),
     [
@@ -206,10 +206,7 @@ def test_one_process_at_a_time(says, tmp_path):
     with held(tmp_path / "r"):
         for command in (
             ["run", *QUICK, "-o", "r", "--force"],
-            ["run", *QUICK, "-o", "r", "--resume"],
-            ["write", *TINY, "-o", "r", "--force"],
             ["analyse", "r"],
-            ["continuum", "half-space", "-o", "r", "--force"],
             ["fit", "law.csv", "-o", "r"],
             ["export", "r", "--to", "csv", "-o", "r"],
         ):

@@ -29,12 +29,15 @@ from tests.helpers.synthetic_report import build, notes, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
 
 NAMES = ("energies", "impactor_velocity", "bottom_force")
-REASON = "ValueError: math domain error (test_failing_figures.py, line 29)"
-WORDS = f"figure energies could not be made: {REASON}"
 
 
 def fails(*_, **__):
     raise ValueError("math domain error")
+
+
+LINE = fails.__code__.co_firstlineno + 1
+REASON = f"ValueError: math domain error (test_failing_figures.py, line {LINE})"
+WORDS = f"figure energies could not be made: {REASON}"
 
 
 @pytest.mark.failing_figures

@@ -135,7 +135,12 @@ def runs_of(file: str) -> str:
 WRITTEN = [
     *(("contacts.dump", name) for name in (*OF_ROWS, *OF_DUMPS)),
     *(("energy.txt", name) for name in (*OF_ROWS, *OF_TABLES)),
-    *((file, name) for file in DUMPS if file != "contacts.dump" for name in ("nan", "one missing", "cut", "unknown id")),
+    *(
+        (file, name)
+        for file in DUMPS
+        if file != "contacts.dump"
+        for name in ("nan", "one missing", "cut", "unknown id")
+    ),
     *((file, name) for file in TABLES if file != "energy.txt" for name in ("nan", "one missing", "cut", "column")),
 ]
 

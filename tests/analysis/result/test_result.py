@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pickle
 import signal
-import warnings
 from pathlib import Path
 
 import h5py
@@ -387,12 +386,11 @@ def test_periodic_sides_give_dimensions(tmp_path):
     assert universe(tmp_path).dimensions[:2] == pytest.approx(assemble(case).lattice.lengths, rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore")
 def test_text_dump_opens_as_it_is(written):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        u = MDAnalysis.Universe(
-            str(written / "dumps" / "spheres.dump"), format="LAMMPSDUMP", topology_format="LAMMPSDUMP",
-            additional_columns=["ux", "peak_force"],
-        )  # fmt: skip
+    u = MDAnalysis.Universe(
+        str(written / "dumps" / "spheres.dump"), format="LAMMPSDUMP", topology_format="LAMMPSDUMP",
+        additional_columns=["ux", "peak_force"],
+    )  # fmt: skip
     assert u.trajectory.n_frames == 4 and u.atoms.n_atoms == 144
     assert np.allclose(u.trajectory[3].data["ux"], 3e-9 * np.arange(1, 145), rtol=1e-14)

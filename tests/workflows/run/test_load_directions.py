@@ -27,7 +27,7 @@ def run_of(directory: Path, load: dict[str, Any], boundary: dict[str, Any], rank
     rows = "x,y,z,diameter\n" + "".join(f"{x!r},{y!r},{z!r},{D}\n" for x, y, z in CUBE)
     case = case_from_dict({
         "name": "cube", "material": "brass", "packing": {"kind": "file", "grains": rows}, "contact": contact,
-        "boundary": boundary, "load": load, "run": {"end_time": 6e-5 if boundary["bottom"] == "free" else 1.6e-4, "timestep": 4e-8, "frames": 3},
+        "boundary": boundary, "load": load, "run": {"end_time": 6e-5 if boundary["bottom"] == "free" else 1.6e-4, "timestep": 8e-8, "frames": 3},
     })  # fmt: skip
     if ranks > 1:
         gw.run(case, directory=directory, ranks=ranks, figures=False, progress=False)

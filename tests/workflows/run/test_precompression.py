@@ -253,7 +253,7 @@ class TestContinuation:
         assert all(len(forces) and np.array_equal(forces, cut[name]) for name, forces in whole.items())
 
     def test_two_ranks(self, granwave, tmp_path: Path) -> None:
-        case = make("fcc", [6, 6, 4], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
+        case = make("fcc", [4, 4, 3], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
         (tmp_path / "case.toml").write_text(case.to_toml())
         for ranks in (1, 2):
             both = ["--np", 2, "--set", "output.parts=true"] * (ranks - 1)

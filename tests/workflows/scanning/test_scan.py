@@ -10,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import pytest
 from granwave.analysis.scans.table import read_scan, write_scan_table
 from granwave.workflows.cli.worker import _Worker
 from tests.conftest import PLAIN
+from tests.helpers.processes import alive, children, wait_for
 
 HEAD = """
 case = "fcc-small"
@@ -83,18 +83,6 @@ def start(tmp_path: Path) -> Iterator[Start]:
         wait_for(lambda: not (tmp_path / "out" / "unfinished").exists() or not any(map(alive, workers(tmp_path))), 30)
 
 
-def wait_for(condition: Callable[[], object], limit: float = 120, *, beside: subprocess.Popen[str] | None = None):
-    """Poll until the condition is true; returns its value."""
-    end = time.monotonic() + limit
-    while not (found := condition()):
-        if beside is not None:
-            assert beside.poll() is None, beside.communicate()
-        if time.monotonic() > end:
-            raise TimeoutError
-        time.sleep(0.02)
-    return found
-
-
 def rows(directory: Path) -> list[dict[str, str]]:
     with (directory / "scan.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -118,24 +106,9 @@ def tree(directory: Path) -> dict[str, int]:
     return {str(path): path.stat().st_mtime_ns for path in directory.rglob("*")}
 
 
-def children(process: int) -> list[int]:
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            if int(path.read_text().rpartition(")")[2].split()[1]) == process:
-                found.append(int(path.parent.name))
-    return found
-
-
 def workers(tmp_path: Path) -> set[int]:
     """Processes of the workers with a point in progress."""
     return {record(path.parent)["pid"] for path in tmp_path.glob("out/unfinished/*/point.json") if record(path.parent)}
-
-
-def alive(process: int) -> bool:
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    return False
 
 
 def growing(place: Path, since: int = 20_000) -> bool:
