@@ -63,19 +63,12 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
 @pytest.mark.parametrize(
     ("name", "command"),
     [
-        ("case.toml", ["run", *TINY]),
-        ("summary.json", ["run", *TINY]),
         ("log.lammps", ["run", *TINY]),
         ("figures/energies.csv", ["run", *TINY]),
         ("dumps/spheres.bin", ["run", *TINY]),
-        ("summary.json", ["continuum", "half-space"]),
-        ("figures/von_mises.png", ["continuum", "half-space"]),
         ("contact.csv", ["continuum", "sphere-contact"]),
-        ("scan.toml", ["scan", "restitution"]),
-        ("scan.csv", ["scan", "restitution"]),
         ("report.html", ["scan", "restitution"]),
         ("suite.json", ["scan", "protection"]),
-        ("scan.toml", ["scan", "protection"]),
     ],
 )
 def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
@@ -86,16 +79,6 @@ def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
     message = says(2, *command, "-o", "r", *words)
     assert f"{name} would be overwritten, and granwave did not write it" in message and "-o" in message
     assert len(message.splitlines()) == 1 and files(tmp_path) == before
-
-
-def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
-    """The case file is in the directory for the results."""
-    main(["show", "two-spheres"])
-    Path("case.toml").write_text(capsys.readouterr().out)
-    before = files(tmp_path)
-    for words in ([], ["--force"]):
-        assert "case.toml would be overwritten" in says(2, "run", "case.toml", "-o", ".", *words)
-    assert files(tmp_path) == before
 
 
 def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
@@ -182,15 +165,6 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
     says(0, "report", "r", "-o", "ours.md")
     left = set(files(tmp_path / "ours_files"))
     assert "mine.png" in left and len(pictures.keys() - left) == 1
-
-
-def test_a_fit_overwrites_no_others(says, tmp_path):
-    says(0, "law", "-o", "law.csv")
-    Path("fit").mkdir()
-    Path("fit", "fit.csv").write_text("mine")
-    for words in ([], ["--force"]):
-        assert "fit.csv would be overwritten" in says(2, "fit", "law.csv", *words)
-    assert files(tmp_path / "fit") == {"fit.csv": b"mine"}
 
 
 # ---------------------------------------------------------------------- names

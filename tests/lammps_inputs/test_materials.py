@@ -87,28 +87,6 @@ def test_changed_values_lose_their_source(tmp_path: Path) -> None:
     assert found.source is None
 
 
-@pytest.mark.parametrize(
-    ("table", "fault"),
-    [
-        ('preset = "brass"\nfile = "nowhere.toml"', "material.file: .*no such file"),
-        ('preset = "gold"\nfile = "mine.toml"', 'material.preset: found "gold", expected one of glass'),
-        ('file = "mine.toml"', "material.preset: missing"),
-        ("preset = 3", "material.preset: found 3"),
-        ('preset = "brass"\nfile = 3', "material.file: found 3"),
-        (
-            'preset = "brass"\nyoungs_module = 3',
-            "material.youngs_module: unknown key; did you mean youngs_modulus",
-        ),
-        ('preset = "brass"\nfile = "broken.toml"', "broken.toml: lead.density: missing"),
-    ],
-)
-def test_bad_material_tables(tmp_path: Path, table: str, fault: str) -> None:
-    write(tmp_path / "mine.toml", "[glass]\nyoungs_modulus = 70e9\npoisson_ratio = 0.22\ndensity = 2500\n")
-    write(tmp_path / "broken.toml", "[lead]\nyoungs_modulus = 16e9\npoisson_ratio = 0.44\n")
-    with pytest.raises(InputError, match=fault):
-        load_case(write(tmp_path / "c.toml", PACKING + "[material]\n" + table))
-
-
 def test_a_file_of_materials_reports_every_fault(tmp_path: Path) -> None:
     path = write(tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n")
     with pytest.raises(InputError) as caught:

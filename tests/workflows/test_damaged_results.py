@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis import OutputFormatError, analyse
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import checksum
@@ -98,32 +97,6 @@ def test_garbage_in_the_output_is_run_again(run, whole, name):
     assert resumed(run, whole) == "run"
 
 
-def test_missing_rows_are_no_result(run):
-    lines = (run / "dumps" / "energy.txt").read_text().splitlines(keepends=True)
-    (run / "dumps" / "energy.txt").write_text("".join(lines[:50] + lines[60:]))
-    with pytest.raises(OutputFormatError, match=r"energy\.txt lacks rows between the steps"):
-        analyse(run, figures=False)
-
-
-def test_files_of_somebody_else_stay_when_a_run_is_made_again(run, whole):
-    mine = [run / "notes.txt", run / "dumps" / "mine.txt", run / "figures" / "mine.png"]
-    (run / "figures").mkdir()
-    for path in mine:
-        path.write_text("mine")
-    cut(run / "dumps" / "energy.txt")
-    assert resumed(run, whole) == "run"
-    run_case(TWO_SPHERES, run, force=True, figures=False)
-    assert [path.read_text() for path in mine] == ["mine"] * 3
-
-
-def test_no_run_is_removed_that_its_own_dents_come_from(run):
-    again = load_case("two-spheres", {"contact.initial_overlap": str(run)})
-    before = summary(run)
-    with pytest.raises(InputError, match=r"initial_overlap: .* is among the results that would be replaced"):
-        run_case(again, run, force=True)
-    assert summary(run) == before and (run / "result.h5").exists()
-
-
 # ---------------------------------------------------------------------- a case that was edited
 
 
@@ -169,12 +142,6 @@ def test_comments_and_spaces_are_no_change(run, whole):
     assert {k: v for k, v in summary(run).items() if k not in CLOCK} == {
         k: v for k, v in summary(whole).items() if k not in CLOCK
     }
-
-
-def test_the_python_analysis_refuses_an_edited_case(run):
-    edit(run)
-    with pytest.raises(InputError, match="was changed after the run"):
-        analyse(run, figures=False)
 
 
 # ---------------------------------------------------------------------- a disk that becomes full
@@ -316,13 +283,6 @@ def test_damage_that_no_checksum_of_ours_tells_is_one_line(run, capsys, place):
     if status := main(["view", str(run), "-o", str(run.parent / "v.html")]):
         (line,) = capsys.readouterr().err.strip().splitlines()
         assert status == 2 and line.startswith(f"granwave: {run}")
-
-
-def test_a_summary_that_changed_is_no_line_of_a_report(run, capsys):
-    text = (run / "summary.json").read_text()
-    (run / "summary.json").write_text(text.replace('"peak_force_N": ', '"peak_force_N": 1'))
-    assert main(["report", str(run), "-o", str(run.parent / "r.md")]) == 2
-    assert "summary.json: is not what the run wrote" in capsys.readouterr().err
 
 
 @pytest.fixture

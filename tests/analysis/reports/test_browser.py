@@ -241,15 +241,6 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def test_output_that_cannot_be_written(runs, tmp_path):
-    (tmp_path / "d.html").mkdir()
-    assert "is a directory" in refused(runs, tmp_path / "d.html")[0]
-    assert "no suffix" in refused(runs, tmp_path / "report")[0]
-    (tmp_path / "r_files").write_text("mine")
-    assert "is a file, but pictures" in refused(runs, tmp_path / "r.md")[0]
-    assert "no directory was given" in refused([], tmp_path / "r.html")[0]
-
-
 def test_unfinished_run_and_damaged_scans(runs, tmp_path):
     (runs[0] / "summary.json").unlink()
     write_json(runs[0] / "run.json", {"state": "interrupted"})

@@ -70,28 +70,6 @@ def test_files_of_all_three_share_a_directory(row, capsys):
     assert main(["bands", "row.toml", "-o", "out", "--force", "--no-figures"]) == 0
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["bands", "fcc-small"], "precompression: missing"),
-        (["bands", "row.toml", "--path", "G-Q"], "--path: found the point Q, expected one of G, X"),
-        (["bands", "row.toml", "--directions", "w"], '--directions: found "w"'),
-        (["bands", "row.toml", "--plane", "zz"], '--plane: found "zz"'),
-        (["bands", "row.toml", "--set", "precompression.force=-1"], "precompression.force"),
-        (["bands", "precompressed-fcc"], "the static state is not rigid: 1 of 3 modes"),
-        (["bands", "row.toml", "--set", "packing.seed=1", "--set", "packing.diameter_scatter=1e-6"], "repeat no seq"),
-        (["modes", "row.toml", "--directions", "x"], "found no grain that can move"),
-        (["transmission", "row.toml", "--drive", "99", "--sensor", "2", "--frequencies", "100"], "--drive: found 99"),
-        (["run", "row.toml", "--set", "boundary.bottom=periodic"], "an endless packing has bands"),
-    ],
-)
-def test_wrong_input(row, capsys, words, message):
-    assert main(words) == 2
-    err = capsys.readouterr().err
-    assert message in err and len(err.splitlines()) == 1
-    assert [one.name for one in row.iterdir()] == ["row.toml"]
-
-
 def test_python_gives_datasets(row):
     bands = gw.bands("row.toml", path=[[0, 0, 0], [0, 0, 314.159265]], points=3)
     assert bands.frequency.dims == ("point", "band") and bands.frequency.attrs["units"] == "Hz"
