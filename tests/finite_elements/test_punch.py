@@ -20,10 +20,17 @@ from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh, cont
 from granwave.workflows.finite_elements.punch.run import BlockRun, run_continuum
 from granwave.workflows.finite_elements.punch.solver import Solver, library_basis
 from granwave.workflows.finite_elements.runner import advance, digits_of
-from tests.helpers.punch import values_of
 
 BRASS = Elastoplastic(115e9, 0.30, 8500.0, 550e6)
 ELASTIC = Elastoplastic(115e9, 0.30, 8500.0, math.inf)
+
+
+def values_of(changes=None, **run):
+    """Summary of a case from its tables, without writing files."""
+    tables = {"name": "case", "material": "brass"} | (changes or {})
+    run = BlockRun(ContinuumCase.from_dict(tables | {"run": tables.get("run", {}) | run}))
+    run.integrate()
+    return run.summarise(1.0)
 
 
 def graded(n_r=7, n_z=9):
@@ -382,7 +389,7 @@ def test_taper_does_not_matter():
     assert np.ptp(volumes) < 0.05 * np.mean(volumes)
 
 
-def test_command_line(granwave, tmp_path, monkeypatch, capsys):
+def test_command_line(granwave, tmp_path, monkeypatch, capfd):
     words = ["continuum", "half-space", "-o", "out", "--set", "run.elements=500"]
     done = granwave(*words, cwd=tmp_path)
     assert done.returncode == 0 and "plastically" in done.stdout, done.stderr
@@ -391,8 +398,8 @@ def test_command_line(granwave, tmp_path, monkeypatch, capsys):
     for refused in (words, ["continuum", "fcc-small"], ["run", "half-space"], wrong):
         assert main(refused) == 2
     assert main([*words, "--resume"]) == main(["report", "out", "-o", "page.md"]) == 0
-    capsys.readouterr()
-    assert main(["check", "half-space", "--set", "run.elements=500"]) == 0 and "elements" in capsys.readouterr().out
+    capfd.readouterr()
+    assert main(["check", "half-space", "--set", "run.elements=500"]) == 0 and "elements" in capfd.readouterr().out
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "page.md"] or (tmp_path / "page_files").is_dir()
 
 

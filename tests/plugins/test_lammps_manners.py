@@ -255,11 +255,9 @@ def test_oblique_impact(lammps, tangential, steps, velocity, spin):
     assert lmp.numpy.extract_atom("omega")[0, 1] == pytest.approx(spin, rel=3e-3)
 
 
-CLOSING = [(0, 0, 1.0), (0, 0, -1.0)]
 ALONE = [*PAIR, (0.1, 0, 0)]  # the third has no other sphere within reach
 ROUGH = {"style": "elastoplastic 115e9 0.3 550e6 friction 0.3", "extra": "comm_modify vel yes"}
 BAD = "variable bad equal exp(1000)-exp(1000)\n"  # NaN: not a valid word in LAMMPS
-CHAIN = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R)]
 
 
 def foreign(text: str) -> str:

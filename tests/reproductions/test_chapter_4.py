@@ -81,7 +81,7 @@ def test_critical_duration(pulses: list[gw.Run]) -> None:
     assert second[[0, 1, 3, 4]].max() < 0.01 < second[[2, 5]].min()
 
 
-@pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value")  # no long pulse is among these runs
+@pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:No artists")  # no long pulse
 def test_all_pulses_on_one_curve(pulses: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_4/pulses.py", pulses)
     assert row(study, "Short pulses").ours == pytest.approx(0.0755, rel=2e-3)
