@@ -1,8 +1,9 @@
-"""Fixtures: LAMMPS with the plugin in this process, and the command line and other programs in processes of their own."""
+"""Fixtures: LAMMPS with the plugin and the command line in this process, and programs in processes of their own."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,8 @@ import pytest
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: tests run side by side already
 from granwave.analysis.figures.side_by_side import PROCESSES
 
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # by a shell that starts the tests in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 BIN = Path(sys.prefix) / "bin"
 os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
 PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}
@@ -48,14 +51,25 @@ def lammps():
 
 
 @pytest.fixture
-def granwave():
+def granwave(capfd):
+    """Run the command line in the process of the test."""
+    from tests.helpers.command import command
+
+    def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+        done = command(list(map(str, arguments)), cwd or Path.cwd(), capfd)
+        assert "could not be made" not in done.stderr, done.stderr
+        return done
+
+    return run
+
+
+@pytest.fixture
+def process():
     """Run the command line in a process of its own."""
 
     def run(*arguments: object, cwd: Path | None = None, timeout: float = 300) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "granwave.workflows", *map(str, arguments)]
-        done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
-        assert "could not be made" not in done.stderr, done.stderr
-        return done
+        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
 
     return run
 

@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
+import json
 import math
+import sys
+import types
+import warnings
+from fnmatch import fnmatchcase
 
 import numpy as np
 import pytest
 from scipy import stats
 from scipy.special import gammaln
 
+from granwave.analysis.formatting.numbers import interval, tick, with_interval
+from granwave.analysis.formatting.values import as_label, shown_unit, unique_labels
+from granwave.analysis.progress_bar import in_notebook, progress_bar
+from granwave.analysis.quantities import (
+    CONTINUUM_ROWS,
+    ENTRIES,
+    QUANTITIES,
+    REPORT_COLUMNS,
+    RUN_ROWS,
+    SCAN_COLUMNS,
+    SCAN_FIGURES,
+    quantity,
+)
 from granwave.analysis.statistics import (
     Estimate,
     crossing,
@@ -19,6 +37,12 @@ from granwave.analysis.statistics import (
     half_width,
     seeds_needed,
 )
+from granwave.workflows import load_case, run_case
+from granwave.workflows.finite_elements.punch import ContinuumCase
+from granwave.workflows.finite_elements.punch.run import run_continuum
+from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
+from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact
+from tests.golden.outputs import FOLDER, SUMMARIES
 
 
 @pytest.mark.parametrize("n", [2, 3, 5, 20])
@@ -110,3 +134,162 @@ def test_confidence_converges_with_the_root_of_the_seeds() -> None:
 def test_crossing_is_the_first(y: list[float], expected: float | None) -> None:
     found = crossing([0.0, 1.0, 2.0], y, 0.9)
     assert found == (None if expected is None else pytest.approx(expected))
+
+
+SHORT = {"run.end_time": 1e-6}
+BARS_AND_SENSORS = ("split-hopkinson", "composite-chain", "square-in-plane")
+RESISTANCE = {"contact.friction": 0.2, "contact.rolling": 0.01, "contact.twisting": "marshall"}
+COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy": 0.1}}
+CONTACT = {"sphere": {"radius": 0.005}, "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005}}
+
+
+@pytest.fixture(scope="module")
+def summaries(tmp_path_factory):
+    """Summaries of runs of all kinds; most granular ones are golden, and held against runs there."""
+    place = tmp_path_factory.mktemp("runs")
+    common = {"name": "small", "material": "brass"}
+    found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())
+    found += [run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS]
+    crystal = {"packing.size": [3, 4], "run.end_time": 1e-4}
+    found.append(run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary)
+    resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION | {"packing.size": [4, 4, 3]})
+    found.append(run_case(resisting, place / "resisting", figures=False).summary)
+    punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
+    found.append(run_continuum(punch, place / "punch", figures=False))
+    contact = SphereContactCase.from_dict(common | CONTACT)
+    found.append(run_sphere_contact(contact, place / "contact", figures=False))
+    return found
+
+
+def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
+    keys = {key for summary in summaries for key in summary}
+    assert sorted(key for key in keys if not any(fnmatchcase(key, name) for name in QUANTITIES)) == []
+    assert sorted(name for name in QUANTITIES if not any(fnmatchcase(key, name) for key in keys)) == []
+
+
+def test_values_are_shown_with_their_digits(summaries):
+    """A number with decimals has a format where it is shown at the terminal."""
+    for entry in (*RUN_ROWS, *CONTINUUM_ROWS, *SCAN_COLUMNS):
+        assert entry.digits or not any(isinstance(summary.get(entry.name), float) for summary in summaries), entry.name
+
+
+def test_what_is_shown_has_one_entry():
+    assert len(ENTRIES) == len(QUANTITIES)
+    assert set(REPORT_COLUMNS) <= set(QUANTITIES)
+    assert all(QUANTITIES[name].axis for name in SCAN_FIGURES.values())
+
+
+def test_names_end_in_units():
+    capitals = [entry for entry in ENTRIES if not entry.name.rpartition("_")[2].islower()]
+    assert len(capitals) > 20 and [entry.name for entry in capitals if not entry.unit] == []
+    names = ("wave_speed_m_s", "sensor_A_peak_acceleration_m_s2", "peak_reduction_per_kg", "packing_mass_kg", "n_steps")
+    assert [quantity(name).unit for name in names] == ["m/s", "m/s^2", "1/kg", "kg", ""]
+
+
+def test_value_without_an_entry_is_called_by_its_name():
+    found = quantity("largest_spin_per_s")
+    assert (found.label, found.unit, found.heading) == ("Largest spin", "1/s", "largest spin (1/s)")
+    assert quantity("sensor_A_peak_force_N").label == "Sensor A peak force"
+
+
+@pytest.fixture
+def ipython(monkeypatch):
+    """Stand-in for IPython, whose configuration tells what runs in it."""
+    module, shell = types.ModuleType("IPython"), types.SimpleNamespace(config={})
+    module.get_ipython = lambda: shell
+    monkeypatch.setitem(sys.modules, "IPython", module)
+    return shell
+
+
+def test_no_terminal_no_bar():
+    assert not in_notebook()
+    assert progress_bar(True, total=2).disable and progress_bar(False, total=2).disable
+
+
+def test_a_notebook_has_a_bar_without_a_terminal(ipython):
+    assert not in_notebook()  # IPython at a terminal
+    ipython.config["IPKernelApp"] = {}
+    assert in_notebook()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of tqdm, that ipywidgets are missing
+        bar = progress_bar(True, total=2, leave=False)
+    assert not bar.disable
+    bar.close()
+    assert progress_bar(False, total=2).disable
+
+
+def test_outside_of_ipython_nothing_is_a_notebook(ipython):
+    sys.modules["IPython"].get_ipython = lambda: None
+    assert not in_notebook()
+
+
+@pytest.mark.parametrize(
+    ("mean", "half_width", "text"),
+    [
+        (0.901453, 0.00131, "0.9015 ± 0.0013"),
+        (0.7, 0.2484, "0.70 ± 0.25"),
+        (1232.8, 38.2, "1233 ± 38"),
+        (1020.0, 182.0, "1020 ± 180"),
+        (4.623e-4, 7.6e-6, "(4.623 ± 0.076)e-4"),
+        (0.5, 0.0996, "0.50 ± 0.10"),  # two digits after rounding, no more
+        (0.0, 0.5, "0.00 ± 0.50"),
+        (-3.0, 20.0, "-3 ± 20"),
+        (2.5e7, 1.2e5, "(2.500 ± 0.012)e7"),
+        (0.9, 1e-12, "0.9 ± 1.0e-12"),
+    ],
+)
+def test_a_mean_has_the_digits_that_its_interval_allows(mean, half_width, text):
+    assert interval(mean, half_width) == text
+
+
+def test_intervals_of_estimates():
+    assert with_interval(estimate([0.6, 0.7, 0.8]), unit="N") == "0.70 ± 0.25 N"  # 4.303 x 0.1 / sqrt 3
+    assert with_interval(exactly(1234.5)) == "1230"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0, "0"),
+        (20000, "20000"),
+        (1e5, "1e5"),
+        (2.5e5, "2.5e5"),
+        (0.0042, "0.0042"),
+        (1.3e-5, "1.3e-5"),
+        (-3.5, "-3.5"),
+    ],
+)
+def test_ticks(value, text):
+    assert tick(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        ({"plate": {"mass": 5, "stiffness": 5e9}}, "plate mass=5 stiffness=5e9"),
+        ('{"half_space": {}, "material": {"name": "concrete", "density": 2447}}', "half_space, concrete"),
+        ('{"bar": {"length": 0.5, "area": 0.0125}, "material": "steel"}', "bar length=0.5 area=0.0125, steel"),
+        ({"material": {"name": "steel"}}, "wall, steel"),
+        ('{"preset": "steel", "yield_strength": 21000000.0}', "steel yield_strength=2.1e7"),
+        ('[{"index": 2, "material": "steel"}, {"index": 3}]', "index=2, steel; index=3"),
+        ('{"force": 300}', "force=300"),
+        ("[24, 24, 6]", "[24, 24, 6]"),
+        ("{broken", "{broken"),
+        ("wall", "wall"),
+        ("", "none"),
+    ],
+)
+def test_tables_of_cases_in_words(value, words):
+    assert as_label(value) == words
+
+
+def test_different_tables_have_different_words():
+    first, second = '{"name": "a", "density": 1}', '{"name": "a", "density": 2}'
+    assert unique_labels([first, second, first, "", "a (2)"]) == ["a", "a (2)", "a", "none", "a (2) (2)"]
+
+
+def test_units_within_a_bottom():
+    assert shown_unit("boundary.bottom.plate.stiffness") == "N/m"
+    assert shown_unit("boundary.bottom.bar.area") == "m²"
+    assert shown_unit("boundary.bottom.material.density") == "kg/m³"
+    assert shown_unit("boundary.bottom") == ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fcntl
-import subprocess
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,10 +20,6 @@ class Slurm:
     partition: str = cluster.PARTITION
     nodes: tuple[str, ...] = cluster.NODES
     cpus: int = cluster.CPUS  # of a node
-
-    def cancel_all(self) -> None:
-        """Remove all jobs from the queue, for tests that leave some."""
-        subprocess.run(["scancel", f"--partition={self.partition}"], check=True)
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import logging
 import os
 import re
 import resource
@@ -12,10 +11,8 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import tomllib
 import unicodedata
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
@@ -23,8 +20,8 @@ from typing import Any
 
 import pytest
 
-from granwave.workflows.cli.main import main
 from tests.conftest import BIN, PLAIN
+from tests.helpers.command import command
 from tests.hostile.powers import without_power_over_files
 
 TABLE = Path(__file__).with_name("inputs.toml")
@@ -104,9 +101,9 @@ def _rows(kind: str, entry: dict[str, Any]) -> Iterator[Row]:
         if isinstance(entry.get(name), str):
             entry[name] = [entry[name]]
     commands = entry.pop("granwave", "")
-    for command in [commands] if isinstance(commands, str) else commands:
-        what = entry["what"] if isinstance(commands, str) else f"{entry['what']}: {command}"
-        yield Row(kind=kind, **{**entry, "what": what, "granwave": command})
+    for line in [commands] if isinstance(commands, str) else commands:
+        what = entry["what"] if isinstance(commands, str) else f"{entry['what']}: {line}"
+        yield Row(kind=kind, **{**entry, "what": what, "granwave": line})
 
 
 def _with_repeats(value: Any) -> Any:
@@ -162,22 +159,11 @@ def run_here(
     seconds: float = SECONDS,
 ) -> Answer:
     """Run the command line in this process, from ``folder``, with limits of time and memory."""
-    capfd.readouterr()
-    with (
-        pytest.MonkeyPatch.context() as patch,
-        _as_if_started_anew(),
-        _within_bounds(seconds),
-        without_power_over_files(),
-    ):
-        patch.chdir(folder)
+    with pytest.MonkeyPatch.context() as patch, _within_bounds(seconds), without_power_over_files():
         for name, value in env.items():
             patch.setenv(name, value)
-        try:
-            status = main(words)
-        except SystemExit as leaving:
-            status = leaving.code if isinstance(leaving.code, int) else 1
-    said = capfd.readouterr()
-    return Answer(status, said.out, said.err)
+        done = command(words, folder, capfd)
+    return Answer(done.returncode, done.stdout, done.stderr)
 
 
 def run_shell(line: str, folder: Path, env: Mapping[str, str]) -> Answer:
@@ -203,50 +189,31 @@ def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer
     return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
 
 
-@contextlib.contextmanager
-def _as_if_started_anew() -> Iterator[None]:
-    """Send log messages and warnings to standard error, as in a separate process."""
-    root, ours = logging.getLogger(), logging.getLogger("granwave")
-    handlers, level, own_level = root.handlers[:], root.level, ours.level
-    root.handlers[:] = []
-    try:
-        with warnings.catch_warnings():
-            warnings.resetwarnings()
-            warnings.simplefilter("ignore", DeprecationWarning)
-            warnings.simplefilter("ignore", PendingDeprecationWarning)
-            warnings.simplefilter("ignore", ResourceWarning)
-            warnings.showwarning = _print_warning
-            yield
-    finally:
-        root.handlers[:] = handlers
-        root.setLevel(level)
-        ours.setLevel(own_level)
-
-
-def _print_warning(message: Warning | str, category: type[Warning], name: str, line: int, *_: Any) -> None:
-    print(warnings.formatwarning(message, category, name, line), file=sys.stderr)
-
-
 class OverTime(BaseException):
     """Exceeded time limit of a row; not caught by error handlers."""
 
 
 @contextlib.contextmanager
 def _within_bounds(seconds: float) -> Iterator[None]:
+    """Limit the time of the processor, that on a clock to ten times as much, and the memory."""
+
     def stop(*_: object) -> None:
         raise OverTime(f"longer than {seconds:g} s")
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    timers = {signal.SIGPROF: (signal.ITIMER_PROF, seconds), signal.SIGALRM: (signal.ITIMER_REAL, 10 * seconds)}
+    before = {name: signal.signal(name, stop) for name in timers}
+    for timer, limit in timers.values():
+        signal.setitimer(timer, limit)
     resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + MEMORY, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        for name, (timer, _) in timers.items():
+            signal.setitimer(timer, 0.0)
+            signal.signal(name, before[name])
 
 
 # ---------------------------------------------------------------------- judging

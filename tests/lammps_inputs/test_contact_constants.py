@@ -172,21 +172,6 @@ def test_wall(lammps):
     assert value(lmp, "c_ke+f_floor[4]+f_floor[5]") == pytest.approx(0.5 * mass * 4, rel=1e-7)
 
 
-AGAIN = "fix motion all nve\ncompute ep all pair gran/hysteretic\nthermo_style custom step pe c_ep[1]\nrun 19200"
-
-
-@pytest.mark.parametrize("style", [STYLE, "elastoplastic 115e9 0.3 550e6"])
-def test_restart(lammps, tmp_path, style):
-    """Constants are stored."""
-    lmp = lammps()
-    collide(lmp, steps=800, style=style)
-    lmp.command(f"write_restart {tmp_path}/half.restart")
-    lmp.command("run 19200")
-    again = lammps(f"newton off\nread_restart {tmp_path}/half.restart\nneighbor 1e-3 bin\n{AGAIN}")
-    for formula in ("vz[1]", "vz[2]", "c_ep[1]"):
-        assert value(again, formula) == value(lmp, formula)
-
-
 def test_mixing_wants_equal_constants(lammps):
     first, second = (f"pair_coeff {n} {n} elastoplastic 115e9 0.3 550e6" for n in (1, 2))
     for words, fits in ((f"{second} area_slope 2.2", False), (second, True)):

@@ -229,25 +229,6 @@ def script(tmp_path: Path, **sections: Any) -> str:
 
 
 class TestScript:
-    def test_commands_of_the_reference(self, tmp_path: Path) -> None:
-        text = script(tmp_path, run={"timestep": 1e-7})
-        for line in [
-            r"^newton +off$",
-            r"^boundary +m m m$",
-            r"^pair_style +gran/hysteretic 0.001 forgotten list",
-            r"^pair_coeff +1 1 elastoplastic 1.15e\+11 0.3 5.5e\+08 variant continuous yield_factor 1.6$",
-            r"^fix +bottom all wall/gran/hysteretic zplane NULL 0.029\d+ elastoplastic 1.15e\+11 0.3 ",
-            r"^fix +motion all nve$",
-            r"^velocity +hit set 0.0 0.0 5 units box$",
-            r"^run +10000$",
-        ]:
-            assert re.search(line, text, re.M), line
-
-    def test_laws(self, tmp_path: Path) -> None:
-        assert re.search(r"^pair_coeff +1 1 hertz 1.15e\+11 0.3$", script(tmp_path, contact={"law": "hertz"}), re.M)
-        bilinear = script(tmp_path, contact={"law": "bilinear", "beta": 0.7})
-        assert re.search(r"^pair_coeff +1 1 bilinear 1.15e\+11 0.3 5.5e\+08 beta 0.7$", bilinear, re.M)
-
     def test_fixed_bottom_and_periodic_sides(self, tmp_path: Path) -> None:
         text = script(tmp_path, boundary={"bottom": "fixed", "sides": "periodic"})
         assert re.search(r"^boundary +p p m$", text, re.M)
@@ -262,9 +243,6 @@ class TestScript:
         assert re.search(r"^variable +yhi equal f_yhi\[2\]$", text, re.M)
         assert 'title2 "# step time xlo xhi ylo yhi"' in text
 
-    def test_no_walls_no_wall_file(self, tmp_path: Path) -> None:
-        assert "walls.txt" not in script(tmp_path, boundary={"bottom": "free"})
-
     def test_probes(self, tmp_path: Path) -> None:
         text = script(tmp_path, output={"probes": [{"sphere": 15}, {"contact": [15, 51]}]})
         assert re.search(r"^compute +probe2 all gran/hysteretic/contact 15 51$", text, re.M)
@@ -274,10 +252,6 @@ class TestScript:
     def test_a_name_cannot_break_the_script(self, tmp_path: Path) -> None:
         case = case_from_dict({**make().to_dict(), "name": 'caf\u00e9 """ &'})
         assert write_deck(case, tmp_path).script.read_text().startswith("# caf? ??? ?\n# Impact")
-
-    def test_seven_struck(self, tmp_path: Path) -> None:
-        deck = write_deck(make((8, 8, 3), load={"spheres": 7}), tmp_path)
-        assert f"group           hit id {' '.join(map(str, deck.struck))}\n" in deck.script.read_text()
 
     def test_frame_formula_steps_through_the_list(self, tmp_path: Path) -> None:
         text = script(tmp_path, run={"timestep": 1e-7, "frames": [1e-5 * n * n for n in range(1, 10)]})
@@ -310,9 +284,6 @@ class TestHolder:
     """Friction of the holder of a chain: after all forces, on beads that move freely, in the energy ledger."""
 
     CHAIN: ClassVar[dict[str, Any]] = {"size": 6, "kind": "chain"}
-
-    def test_none_without_friction(self, tmp_path: Path) -> None:
-        assert "holder" not in script(tmp_path, **self.CHAIN)
 
     def test_it_is_the_last_that_applies_a_force(self, tmp_path: Path) -> None:
         load = {"kind": "force", "shape": "half-sine", "amplitude": 10.0, "duration": 1e-5}

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import pytest
-
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.planning.schedule import make_schedule
 from tests.helpers.synthetic import make_case
@@ -34,32 +31,6 @@ def test_values_and_their_way_through_a_file():
 def test_a_case_without_the_table_has_none():
     assert "figures" not in case_from_dict(BASE).to_dict()
     assert case_from_dict(BASE).figures == Figures()
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"colour_map": "viridi"}, "colour_map: found \"viridi\", expected the name of a colour map .* mean viridis"),
-        ({"colour_map": 3}, "colour_map: found 3, expected the name of a colour map"),
-        ({"plane": "w"}, 'plane: found "w", expected "x", "y" or "z"'),
-        ({"plane": {"normal": [0, 0, 0]}}, r"a normal that is not \[0, 0, 0\]"),
-        ({"plane": {"normal": [1, 0]}}, "plane: found"),
-        ({"plane": {"norml": [1, 0, 0]}}, "plane: found"),
-        ({"only": ["energie"]}, 'there is no "energie"; did you mean energies'),
-        ({"only": "energies"}, "expected a list of names of figures"),
-        ({"force_limits": [2, 1]}, "two rising numbers above 0"),
-        ({"dissipation_limits": [0, 1]}, "two rising numbers above 0"),
-        ({"width": 3.4}, r"width: found 3\.4, expected a number at least 0\.05 and at most 0\.5 \(m\)"),
-        ({"formats": ["pdff"]}, "formats: .* did you mean pdf"),
-        ({"film": "mp5"}, "film: .* did you mean mp4"),
-        ({"view": "yes"}, "view: found \"yes\", expected one of true, false"),
-        ({"colour": "viridis"}, "unknown key; did you mean colour_map"),
-    ],
-)  # fmt: skip
-def test_faults(table, message):
-    with pytest.raises(InputError, match=message) as error:
-        case_of(**table)
-    assert len(error.value.errors) == 1 and "\n" not in error.value.errors[0]
 
 
 def test_a_film_has_enough_frames_unless_they_are_given():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
@@ -60,23 +59,16 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
     assert [path.read_text() for path in mine] == ["mine"] * 4 and not Path("r", "summary.json").exists()
 
 
-@pytest.mark.parametrize("words", [[], ["--force"], ["--resume"]])
+@pytest.mark.parametrize("words", [[], ["--force"]])
 @pytest.mark.parametrize(
     ("name", "command"),
     [
-        ("case.toml", ["run", *TINY]),
-        ("summary.json", ["run", *TINY]),
         ("log.lammps", ["run", *TINY]),
         ("figures/energies.csv", ["run", *TINY]),
         ("dumps/spheres.bin", ["run", *TINY]),
-        ("summary.json", ["continuum", "half-space"]),
-        ("figures/von_mises.png", ["continuum", "half-space"]),
         ("contact.csv", ["continuum", "sphere-contact"]),
-        ("scan.toml", ["scan", "restitution"]),
-        ("scan.csv", ["scan", "restitution"]),
         ("report.html", ["scan", "restitution"]),
         ("suite.json", ["scan", "protection"]),
-        ("scan.toml", ["scan", "protection"]),
     ],
 )
 def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
@@ -87,16 +79,6 @@ def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
     message = says(2, *command, "-o", "r", *words)
     assert f"{name} would be overwritten, and granwave did not write it" in message and "-o" in message
     assert len(message.splitlines()) == 1 and files(tmp_path) == before
-
-
-def test_a_case_file_of_that_name_is_not_overwritten(says, tmp_path, capsys):
-    """The case file is in the directory for the results."""
-    main(["show", "two-spheres"])
-    Path("case.toml").write_text(capsys.readouterr().out)
-    before = files(tmp_path)
-    for words in ([], ["--force"]):
-        assert "case.toml would be overwritten" in says(2, "run", "case.toml", "-o", ".", *words)
-    assert files(tmp_path) == before
 
 
 def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
@@ -185,66 +167,7 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
     assert "mine.png" in left and len(pictures.keys() - left) == 1
 
 
-def test_a_fit_overwrites_no_others(says, tmp_path):
-    says(0, "law", "-o", "law.csv")
-    Path("fit").mkdir()
-    Path("fit", "fit.csv").write_text("mine")
-    for words in ([], ["--force"]):
-        assert "fit.csv would be overwritten" in says(2, "fit", "law.csv", *words)
-    assert files(tmp_path / "fit") == {"fit.csv": b"mine"}
-
-
 # ---------------------------------------------------------------------- names
-
-
-@pytest.mark.parametrize("name", ["-rf", "--force", "..", ".hidden", "~", "~me", "a/b", "", " ", "a\nb", "ä" * 101])
-def test_names_that_are_no_directories_are_refused(says, tmp_path, name):
-    Path("my.toml").write_text(f"name = {json.dumps(name)}\n" + 'case = "two-spheres"\n[grid]\nload.velocity = [1]\n')
-    Path("mine.toml").write_text(
-        f'name = {json.dumps(name)}\nmaterial = "brass"\n[packing]\nkind = "chain"\nsize = 2\ndiameter = 0.01\n'
-    )
-    for command in (["run", "mine.toml"], ["write", "mine.toml", "-o", "d"], ["scan", "my.toml"]):
-        message = says(2, *command)
-        assert (
-            ": name: found " in message
-            and "expected a plain name" in message
-            and ("as of a directory" in message or "at most 200 bytes" in message)
-        )
-        assert len(message.splitlines()) == 1
-    assert sorted(files(tmp_path)) == ["mine.toml", "my.toml"]
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        ["run", "two-spheres", "-o", ""],
-        ["write", "two-spheres", "-o", ""],
-        ["scan", "restitution", "-o", ""],
-        ["continuum", "half-space", "-o", ""],
-        ["report", "r", "-o", ""],
-        ["export", "r", "--to", "csv", "-o", ""],
-        ["law", "-o", ""],
-        ["fit", "law.csv", "-o", ""],
-        ["bench", "--json", ""],
-        ["analyse", ""],
-        ["report", ""],
-        ["export", "", "--to", "csv"],
-        ["run", "two-spheres", "-o", "~/r"],
-    ],
-)
-def test_empty_names_are_refused(capsys, tmp_path, command):
-    with pytest.raises(SystemExit) as ended:
-        main(command)
-    message = capsys.readouterr().err.splitlines()[-1]
-    assert ended.value.code == 2 and ("empty name" in message or "the shell did not replace ~" in message)
-    assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize("place", ["/", Path.home()])
-@pytest.mark.parametrize("words", [[], ["--force"]])
-def test_the_root_and_the_home_are_no_places_for_results(says, place, words):
-    for command in (["run", *TINY], ["write", *TINY], ["continuum", "half-space"], ["scan", "restitution"]):
-        assert "choose a directory for the results alone" in says(2, *command, "-o", place, *words)
 
 
 # ---------------------------------------------------------------------- one at a time, and where nothing can be written
@@ -257,10 +180,7 @@ def test_one_process_at_a_time(says, tmp_path):
     with held(tmp_path / "r"):
         for command in (
             ["run", *QUICK, "-o", "r", "--force"],
-            ["run", *QUICK, "-o", "r", "--resume"],
-            ["write", *TINY, "-o", "r", "--force"],
             ["analyse", "r"],
-            ["continuum", "half-space", "-o", "r", "--force"],
             ["fit", "law.csv", "-o", "r"],
             ["export", "r", "--to", "csv", "-o", "r"],
         ):

@@ -36,12 +36,6 @@ def case_of(text: str = ROW, **changes: Any) -> dict[str, Any]:
     return {"packing": packing, "material": "brass"} | changes
 
 
-def faults_of(text: str = ROW, **changes: Any) -> list[str]:
-    with pytest.raises(InputError) as caught:
-        case_from_dict(case_of(text, **changes), "my.toml")
-    return caught.value.errors
-
-
 def test_columns_in_any_order_and_comments() -> None:
     grains = parse_grains("# mine\nz, diameter, x, y, material\n0, 1e-2, 1, 2, steel\n\n3, 2e-2, 4, 5,\n", None)
     assert grains.position.tolist() == [[1, 2, 0], [4, 5, 3]]
@@ -176,70 +170,6 @@ def test_wrong_tables(tmp_path: Path, text: str, line: str) -> None:
     assert fault.startswith(f"my.toml: packing.file: {tmp_path}/wrong.csv: {line}")
 
 
-HELD = {"hold": [{"index": 3}]}
-HELD_TOP = {"hold": [{"index": 1}], "load": {"index": [2]}}
-
-
-@pytest.mark.parametrize(
-    ("changes", "fault"),
-    [
-        ({"text": ROW + "0,0,0,0.01\n"}, "packing.grains: found grains 1 and 4 at one place; expected places"),
-        ({"text": ROW + "0,0,-0.009,0.01\n"}, "found grains 1 and 4, which overlap by 0.001 m; move them apart"),
-        ({"text": "x,y,z,diameter,material\n0,0,0,1,gum\n"}, 'found material "gum" of grain 1, expected a preset'),
-        ({"packing": {"size": 3}}, "packing.size: does not belong to packing.kind"),
-        ({"packing": {"file": "a.csv"}}, "packing.file: found beside packing.grains"),
-        ({"boundary": {"sides": "periodic"}}, "packing.period: missing"),
-        ({"boundary": {"sides": "periodic"}, "packing": {"period": [0.03, 0.1]}}, "expected at least 0.0375 m"),
-        ({"boundary": {"sides_touch": {"group": "row"}}}, "boundary.sides_touch: found it without walls"),
-        ({"boundary": {"x": "wall", "sides_touch": {"group": "row"}}}, 'sides_touch.group: found "row", expected none'),
-        ({"boundary": {"x": "wall", "sides_touch": {"material": "steel"}}}, 'expected one of "brass"'),
-        ({"boundary": {"x": "wall", "sides_touch": {}}}, "boundary.sides_touch: found {}, expected a table"),
-        ({"replace": [{"index": 1, "material": "steel"}]}, "replace: found with packing.kind"),
-        (
-            {"precompression": {"kind": "uniform", "pressure": 1e4}},
-            'precompression.kind: found "uniform" with packing.kind = "file"',
-        ),
-        ({"precompression": {"kind": "walls", "x_force": 5.0}}, "precompression.x_force: found 5 N, but there is no"),
-        (
-            {"precompression": {"kind": "walls", "x": 1e-6, "x_force": 5.0}, "boundary": {"x": "wall"}},
-            "precompression.x: found beside x_force",
-        ),
-        ({"precompression": {"kind": "uniaxial", "force": 5.0}} | HELD_TOP, "force: acts on grain 1, the uppermost"),
-        ({"precompression": {"kind": "uniaxial", "force": 5.0}, "boundary": {"bottom": "free"}}, "which nothing bears"),
-        ({"precompression": {"kind": "uniaxial", "pressure": 5e3}}, "which have no face; give a force"),
-        ({"guide": [{"index": 4, "free": "z"}]}, "guide.1.index: found 4, expected ids from 1 to 3"),
-        ({"guide": [{"free": "xyz"}]}, "guide.1.free: found"),
-        ({"precompression": {"kind": "walls"}}, 'precompression: found kind = "walls" and no wall that moves'),
-        (
-            {"precompression": {"kind": "walls", "tube": 1e-6}},
-            "precompression.tube: found 1e-06 m, but there is no such",
-        ),
-        ({"precompression": {"kind": "walls", "x": 1e-6}}, 'expected boundary.x = "wall"'),
-        ({"precompression": {"kind": "walls", "x": 2e-3}, "boundary": {"x": "wall"}}, "expected at most"),
-        (
-            {"precompression": {"kind": "walls", "x": 1e-4}, "boundary": {"x": "wall"}},
-            "precompression.x: found 0.0001 m, by which contacts yield before the load",
-        ),
-        ({"boundary": {"sides": {"tube": {"radius": 0.006}}}}, "sphere 3 reaches 0.0075 m from the axis"),
-        ({"boundary": {"sides": {"tube": {}}}}, "boundary.sides.tube.radius: missing"),
-        ({"boundary": {"sides": {"pipe": 1}}}, "boundary.sides.pipe: unknown key"),
-        ({"load": {"index": [4]}}, "load.index: found 4, expected an id from 1 to 3"),
-        ({"load": {"index": [1], "spheres": 1}}, "load.index: found beside load.spheres"),
-        ({"load": {"index": [1, 1]}}, "load.index: found [1, 1], expected each id once"),
-        ({"load": {"kind": "grains"}}, 'load.kind: found "grains", but no grain has a velocity'),
-        ({"hold": [{}]}, "hold.1: found neither index nor group"),
-        ({"hold": [{"group": "end"}]}, 'hold.1.group: found "end", expected index: no grain has a group'),
-        ({"hold": [{"index": 9}]}, "hold.1.index: found 9, expected ids from 1 to 3"),
-        ({"hold": [{"index": 1, "directions": "xq"}]}, "hold.1.directions: found"),
-        ({"hold": [{"index": 1, "directions": "none", "rotation": False}]}, "hold.1: holds nothing"),
-        ({"load": {"index": [3]}} | HELD, "hold.1: holds sphere 3 along z, in which the load moves it"),
-        ({"materials": {"soft": {"youngs_modulus": 1e9}}}, "materials.soft.poisson_ratio: missing"),
-    ],
-)
-def test_wrong_cases(changes: dict[str, Any], fault: str) -> None:
-    assert any(fault in line for line in faults_of(**changes)), faults_of(**changes)
-
-
 @pytest.mark.parametrize(
     ("rows", "fault"),
     [
@@ -293,25 +223,6 @@ def test_a_material_of_added_grains_by_value() -> None:
     case = case_from_dict({"packing": packing, "material": "brass", "grains": grains}, "mine")
     assert assemble(case).material_of(3).youngs_modulus == SOFT["youngs_modulus"]
     assert [one.name for one in case.materials] == ["grains"]
-
-
-@pytest.mark.parametrize(
-    ("packing", "entry", "fault"),
-    [
-        ({}, {"diameter": 0.003}, "grains.1: found neither at nor ring"),
-        ({}, RINGS[0] | {"at": [[0, 0, 0]]}, "grains.1: found both at and ring"),
-        ({}, {"at": [[0, 0]], "diameter": 0.003}, "grains.1.at: found [[0, 0]], expected places, [x, y, z] in m each"),
-        ({}, {"ring": {"n": 6}, "diameter": 0.003}, "grains.1.ring: found"),
-        ({}, RINGS[0] | {"repeat": {"times": 0, "step": [0, 0, 1]}}, "grains.1.repeat: found"),
-        ({}, {"at": [[0, 0, 0]], "diameter": 0.003}, "found grains 1 and 5 at one place"),
-        ({"diameter_scatter": 1e-6}, RINGS[0], "packing.diameter_scatter: found beside [[grains]]"),
-    ],
-)
-def test_wrong_added_grains(packing: dict[str, Any], entry: dict[str, Any], fault: str) -> None:
-    packing = {"kind": "chain", "size": 4, "diameter": 0.01} | packing
-    with pytest.raises(InputError) as caught:
-        case_from_dict({"packing": packing, "material": "brass", "grains": [entry]}, "mine")
-    assert any(fault in line for line in caught.value.errors), caught.value.errors
 
 
 def test_check_tells_the_coordination_found() -> None:

@@ -54,30 +54,12 @@ def _refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize(
     ("case", "override", "expected"),
     [
-        ("fcc-small", "run.frames=1000000000000", "run.frames: found 1000000000000, expected at most 34545: one at the start"),
-        ("fcc-small", "run.frames=34546", "run.frames: found 34546, expected at most 34545"),
-        ("fcc-small", "run.frames=20000", "found 20000, expected at most 10000 where they do not divide the 34544 steps"),
-        ("two-spheres", "run.frames=1000000000", "run.frames: found 1000000000, expected at most 28601"),
-        ("elastic-impact", "output.history=1000000000000", "output.history: found 1000000000000, expected at most 49197"),
         ("fcc-small", "packing.size=[1000000,1000000,1000000]", "packing.size: found [1000000, 1000000, 1000000], expected"),
         ("fcc-small", "packing.size=[1000,1000,1000]", "packing.size: 1000000000 spheres need about"),
         ("fcc-small", "packing.size=[1,1,2000000000]", "packing.size: 2000000000 spheres need about"),
         ("fcc-small", "packing.size=[40000,40000,1]", "packing.size: found [40000, 40000, 1]: 1600000000 spheres need"),
         ("elastic-impact", "packing.size=2000000000", "packing.size: 2000000000 spheres need about"),
-        ("fcc-small", 'replace=[{index={first=1,last=1000000000000},material="steel"}]', "replace.1.index: found"),
-        ("fcc-small", 'replace=[{index={first=1,last=2000000000},material="steel"}]', "expected at most 10000000 ids"),
-        ("fcc-small", "striker=[{touches={first=1,last=2000000000}}]", "expected at most 10000000 ids"),
-        ("fcc-small", "packing.vacancies=[99999999999]", "packing.vacancies: found [99999999999], expected at most"),
-        ("split-hopkinson", "bar.elements=1000000000000", "bar.elements: found 1000000000000, expected at most 10000000"),
-        ("fcc-small", 'boundary.bottom={bar={length=1,area=1,elements=1000000000},material="steel"}',
-         "boundary.bottom.bar.elements: found 1000000000, expected at most 10000000"),
-        ("half-space", "run.elements=1000000000000", "run.elements: found 1000000000000, expected at most 1000000000"),
         ("half-space", "run.elements=1000000000", "run.elements: 1000000000 elements need about"),
-        ("half-space", "run.timestep=1e-17", "run.end_time: 0.005 s in steps of 1e-17 s are more than 2e+09 steps"),
-        ("half-space", "run.end_time=1e8", "run.end_time: 1e+08 s in steps of"),
-        ("sphere-contact", "run.elements=1000000000000", "run.elements: found 1000000000000, expected at most 1000000000"),
-        ("sphere-contact", "run.unloadings=1000000000000", "run.unloadings: found 1000000000000, expected at most 1000"),
-        ("sphere-contact", "run.speed=1e-300", "run.speed: found 1e-300, which takes"),
     ],
 )  # fmt: skip
 def test_large_counts(case: str, override: str, expected: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -322,49 +304,6 @@ def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
 
 
 # ---------------------------------------------------------------------- studies and words of the command line
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["run", "half-space"], "half-space: is a continuum case, expected a granular case: granwave continuum half-space"),
-        (["write", "half-space", "-o", "x"], "expected a granular case: granwave continuum half-space"),
-        (["run", "sphere-contact"], "is a continuum case, expected a granular case: granwave continuum sphere-contact"),
-        (["continuum", "fcc-small"], "fcc-small: is a granular case, expected a continuum case: granwave run fcc-small"),
-        (["scan", "fcc-small"], "fcc-small: is a case, expected a scan: granwave run fcc-small"),
-        (["scan", "half-space"], "half-space: is a case, expected a scan: granwave continuum half-space"),
-        (["run", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
-        (["check", "velocity-fcc"], "velocity-fcc: is a scan, expected a case: granwave scan velocity-fcc"),
-        (["continuum", "protection"], "protection: is a scan, expected a case: granwave scan protection"),
-        (["run", "my-scan.toml"], "my-scan.toml: is a scan, expected a case: granwave scan my-scan.toml"),
-        (["run", "suite.toml"], "suite.toml: is a scan, expected a case: granwave scan suite.toml"),
-        (["scan", "my-case.toml"], "my-case.toml: is a case, expected a scan: granwave run my-case.toml"),
-        (["scan", "of-scan.toml"], "of-scan.toml: case: my-scan.toml: is a scan, expected a case"),
-        (["run", "FCC-small"], "FCC-small: neither a file nor a built-in case; did you mean fcc-small?"),
-        (["run", "fcc_small"], "did you mean fcc-small?"),
-        (["run", "results"], "results: found a directory, expected a case file; its case is results/case.toml"),
-        (["run", "empty"], "empty: found a directory, expected a case file; granwave cases lists the built-in ones"),
-        (["run", ""], "(empty)"),
-        (["run", "a\0b"], "neither a file nor a built-in case"),
-    ],
-)  # fmt: skip
-def test_the_word_that_runs_a_study_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], expected: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    case = 'material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\n'
-    (tmp_path / "my-case.toml").write_text(case, encoding="utf-8")
-    (tmp_path / "my-scan.toml").write_text('case = "fcc-small"\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
-    (tmp_path / "of-scan.toml").write_text('case = "my-scan.toml"\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
-    (tmp_path / "suite.toml").write_text('scans = ["my-scan.toml"]\n', encoding="utf-8")
-    for name in ("results", "empty", "fcc-small", "half-space"):
-        (tmp_path / name).mkdir()  # results of that name exist
-    (tmp_path / "results" / "case.toml").write_text(case, encoding="utf-8")
-    before = sorted(tmp_path.rglob("*"))
-    assert main(words) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1 and expected in error
-    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_files_with_similar_names_are_named_before_studies(tmp_path: Path) -> None:

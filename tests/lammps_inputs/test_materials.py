@@ -87,28 +87,6 @@ def test_changed_values_lose_their_source(tmp_path: Path) -> None:
     assert found.source is None
 
 
-@pytest.mark.parametrize(
-    ("table", "fault"),
-    [
-        ('preset = "brass"\nfile = "nowhere.toml"', "material.file: .*no such file"),
-        ('preset = "gold"\nfile = "mine.toml"', 'material.preset: found "gold", expected one of glass'),
-        ('file = "mine.toml"', "material.preset: missing"),
-        ("preset = 3", "material.preset: found 3"),
-        ('preset = "brass"\nfile = 3', "material.file: found 3"),
-        (
-            'preset = "brass"\nyoungs_module = 3',
-            "material.youngs_module: unknown key; did you mean youngs_modulus",
-        ),
-        ('preset = "brass"\nfile = "broken.toml"', "broken.toml: lead.density: missing"),
-    ],
-)
-def test_bad_material_tables(tmp_path: Path, table: str, fault: str) -> None:
-    write(tmp_path / "mine.toml", "[glass]\nyoungs_modulus = 70e9\npoisson_ratio = 0.22\ndensity = 2500\n")
-    write(tmp_path / "broken.toml", "[lead]\nyoungs_modulus = 16e9\npoisson_ratio = 0.44\n")
-    with pytest.raises(InputError, match=fault):
-        load_case(write(tmp_path / "c.toml", PACKING + "[material]\n" + table))
-
-
 def test_a_file_of_materials_reports_every_fault(tmp_path: Path) -> None:
     path = write(tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n")
     with pytest.raises(InputError) as caught:
@@ -261,22 +239,6 @@ class TestLaws:
         assert alone == pytest.approx(law.yield_overlap)
         assert peak > 5 * alone
         assert force == pytest.approx(float(law.loading_force(np.array([peak]))[0]), rel=1e-6)
-
-    @pytest.mark.parametrize(
-        ("sections", "message"),
-        [
-            ({"pair": [{"materials": ["brass", "stel"], "friction": 0.1}]},
-             r'pair.1.materials: found "stel", expected materials of the case: "brass", "rigid"'),
-            ({"pair": [{"materials": ["brass", "brass"], "friction": -0.1}]}, "pair.1.friction: found -0.1, expected .* at least 0"),
-            ({"pair": [{"materials": ["brass", "brass"], "pressure_limit": 0.1}]}, "pair.1.pressure_limit: no passive law"),
-            ({"contact": {"friction": -1}}, "contact.friction: found -1, expected a number at least 0"),
-            ({"boundary": {"friction": -1}}, "boundary.friction: found -1"),
-        ],
-    )  # fmt: skip
-    def test_refused(self, sections: dict, message: str) -> None:
-        with pytest.raises(InputError, match=message) as refused:
-            make(**sections)
-        assert len(refused.value.errors) == 1
 
     def test_only_who_yields_needs_a_strength(self) -> None:
         soft = {"name": "soft", "youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1e3}

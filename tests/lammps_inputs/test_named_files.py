@@ -106,37 +106,6 @@ def test_points_of_a_load(places: tuple[Path, Path]) -> None:
         assert load_case(folder / "my.toml", overrides).load.largest == 1e11
 
 
-@pytest.mark.parametrize(
-    ("content", "expected"),
-    [
-        ("0 0\n1e-5 x\n", 'found "1e-5 x" in line 2; expected two columns of numbers'),
-        ("0 0 0\n", 'found "0 0 0" in line 1; expected two columns'),
-        ("0,0\n1,1\n", 'found "0,0" in line 1; expected two columns'),
-        ("", "found [], expected rows [time in s, value], at least two"),
-        ("0 0\n1e-5 nan\n", "found [[0.0, 0.0], [1e-05, nan]], expected rows"),
-        ("1e-5 0\n0 1\n", "expected rows [time in s, value], at least two, times rising from 0 on"),
-        ("0 0\n1 0\n", "expected a value other than zero"),
-        (b"\xff\xfe\x00", "bytes that are not UTF-8"),
-    ],
-)
-def test_damaged_points_of_a_load(places: tuple[Path, Path], content: str | bytes, expected: str) -> None:
-    folder, _ = places
-    path = folder / "pulse.txt"
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    (folder / "my.toml").write_text(CHAIN + '[load]\nkind = "force"\nfile = "pulse.txt"\n', encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        load_case(folder / "my.toml")
-    (fault,) = caught.value.errors
-    assert fault.startswith(f"{folder / 'my.toml'}: load.file: {path}: ") and expected in fault
-
-
-def test_a_file_of_points_for_an_impact_names_the_key_that_was_written(places: tuple[Path, Path]) -> None:
-    with pytest.raises(InputError) as caught:
-        load_case("fcc-small", ["load.file=pulse.txt"])
-    (fault,) = caught.value.errors
-    assert 'load.file: belongs to a load of kind "force" or "displacement"' in fault
-
-
 def test_dents_of_an_earlier_run(places: tuple[Path, Path]) -> None:
     folder, here = places
     (folder / "my.toml").write_text(SMALL + '[contact]\ninitial_overlap = "first"\n', encoding="utf-8")
@@ -251,9 +220,7 @@ def _words(tmp_path: Path, folder: Path) -> list[list[str]]:
     (folder / "scan.toml").write_text('case = "my.toml"\n[grid]\nload.velocity = [1, 2]\n', encoding="utf-8")
     return [
         ["check", str(folder / "my.toml")],
-        ["run", str(folder / "my.toml"), "-o", str(tmp_path / "out")],
         ["write", str(folder / "my.toml"), "-o", str(tmp_path / "out")],
-        ["scan", str(folder / "scan.toml"), "-o", str(tmp_path / "out"), "--plan"],
         ["scan", str(folder / "scan.toml"), "-o", str(tmp_path / "out")],
     ]
 

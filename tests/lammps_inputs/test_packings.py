@@ -10,7 +10,6 @@ import pytest
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.script import input_script
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -194,7 +193,6 @@ def test_walls_touch_the_outermost_spheres() -> None:
 DISC = 0.0127
 SOFT = {"name": "soft", "youngs_modulus": 70e6, "poisson_ratio": 0.48, "density": 1130}
 PLATE = {"kind": "plate", "mass": 0.5, "velocity": 6.0}
-PRECOMPRESSION = {"kind": "walls", "x": 1e-5}
 
 
 def crystal(kind: str = "centred-square", size: tuple[int, int] = (6, 16), **changes: Any) -> Case:
@@ -275,36 +273,6 @@ def test_other_lines() -> None:
     assert diagonal == (1, 5, 9, 13, 17)[: len(diagonal)] and len(diagonal) == 5
     assert some == (5, 3, 9) and everything == tuple(range(1, 19))
     assert left_out(assembly, case.line[1]) == 1
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"size": (1, 5)}, "short rows would be empty"),
-        ({"packing": {"kind": "fcc", "size": [3, 3, 3], "top_row": "short"}, "boundary": {}}, "packing.top_row"),
-        ({"boundary": {"sides": "periodic"}}, 'expected "equal"'),
-        ({"load": {"kind": "plate"}}, "load.mass: missing"),
-        ({"load": {"kind": "impact", "mass": 1.0}}, 'belongs to a load of kind "plate"'),
-        ({"boundary": {"sides": "free", "side_gap": 1e-4}}, "there are no side walls"),
-        ({"boundary": {"sides": "wall", "side_gap": -0.01}}, "the walls press at most"),
-        ({"boundary": {"sides": "wall", "side_gap": -1e-5}, "precompression": {"kind": "gravity"}}, "take one of them"),
-        ({"precompression": {"kind": "uniaxial", "pressure": 1e3}}, "a crystal in the plane, which has no face"),
-        ({"precompression": {"kind": "uniaxial", "force": 1.0}}, "would bear any other load"),
-        ({"striker": [{"touches": [1], "velocity": [0, 0, 1]}]}, "covers the whole top"),
-        ({"line": [{"name": "a", "start": 999}]}, "line.1.start: found 999"),
-        ({"line": [{"name": "a", "direction": [0, 0, -1]}]}, "found 1 grain along"),
-        ({"line": [{"name": "a", "direction": [0, 0, 0]}]}, "line.1.direction"),
-        ({"line": [{"name": "a", "index": [1, 1]}]}, "expected each id once"),
-        ({"line": [{"name": "a", "index": [1, 2], "start": 1}]}, "give one of them"),
-        ({"line": [{"name": "a"}, {"name": "a"}]}, "line.2.name"),
-        ({"line": [{"name": "a b"}]}, "letters, digits"),
-    ],
-)
-def test_what_cannot_be(changes: dict[str, Any], said: str) -> None:
-    size = changes.pop("size", (6, 6))
-    with pytest.raises(InputError) as found:
-        crystal(size=size, **changes)
-    assert any(said in line for line in found.value.errors), found.value.errors
 
 
 def test_a_cylinder_that_strikes_lies_as_those_of_the_packing() -> None:

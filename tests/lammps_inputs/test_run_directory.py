@@ -130,14 +130,6 @@ def test_an_analysis_leaves_files_of_somebody_else(tmp_path, caplog):
     ]  # fmt: skip
 
 
-def test_a_summary_of_somebody_else_is_not_overwritten(tmp_path):
-    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
-    fill(tmp_path, "summary.json")
-    with pytest.raises(InputError, match=r"summary\.json would be overwritten"):
-        analyse(tmp_path, figures=False)
-    assert (tmp_path / "summary.json").read_text() == "mine"
-
-
 # ---------------------------------------------------------------------- results of version 0.1.0
 
 

@@ -109,45 +109,6 @@ def test_without_scatter_a_tilt_changes_nothing() -> None:
     np.testing.assert_array_equal(tilted.positions(), plain.positions())
 
 
-@pytest.mark.parametrize(
-    ("strikers", "packing", "message"),
-    [
-        (
-            [EDGE[0], EDGE[1] | {"offset": [0, 0.011, 0]}],
-            {},
-            r"striker 2: shifted by 0\.011 m across its way it misses",
-        ),
-        (
-            [EDGE[0], EDGE[1] | {"misalignment": [0, -1e-3, 0]}],
-            {},
-            r"striker\.2\.misalignment: .* none of them negative",
-        ),
-        ([EDGE[0], EDGE[1] | {"offset": [1e-3, 0, 0]}], {}, r"striker\.2\.offset: .* along its way"),
-        ([EDGE[0] | {"offset": [1e-3, 0, 0]}, EDGE[1]], {}, r"striker 1: its shift along its way has no effect"),
-        (EDGE, {"tilt": [1, 0]}, r"packing\.tilt: found \[1, 0\], expected \[1, 1\]"),
-        (
-            EDGE,
-            {"kind": "fcc", "size": [5, 6, 1], "tilt": [1, 1]},
-            r"packing\.tilt: found with packing\.kind = \"fcc\"",
-        ),
-        (EDGE, {"tilt": [1, 1], "vacancies": 0.1}, r"packing\.vacancies: found beside packing\.tilt"),
-    ],
-)
-def test_bad_input_is_one_clear_line(strikers: list[dict[str, Any]], packing: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message) as error:
-        square(strikers, packing)
-    assert len(error.value.errors) == 1, error.value.errors
-
-
-def test_a_tilt_needs_a_corner_of_equal_or_smaller_spheres_without_a_static_stage() -> None:
-    with pytest.raises(InputError, match=r"precompression: found beside packing\.tilt"):
-        square(EDGE, {"tilt": [1, 1]}, precompression={"kind": "gravity"})
-    with pytest.raises(InputError, match=r"replace\.1\.diameter: found 0\.011 .* packing\.tilt"):
-        square(EDGE, {"tilt": [1, 1]}, replace=[{"index": 3, "diameter": 0.011}])
-    with pytest.raises(InputError, match=r"boundary\.sides: found \"periodic\" beside packing\.tilt"):
-        square(EDGE, {"tilt": [1, 1]}, boundary={"sides": "periodic"})
-
-
 CHAIN = {"kind": "chain", "size": 3, "diameter": 0.01}
 SMALL = {"shape": "cylinder", "diameter": 0.006, "length": 0.01, "material": "steel"}
 BESIDE = 0.5 * math.sqrt(0.016**2 - 0.01**2)
@@ -197,30 +158,6 @@ def test_packings_of_cylinders(tmp_path, kind, size, axis):
     row = (tmp_path / "data").read_text().splitlines()[-1].split()
     assert float(row[3]) * math.pi / 6 * 0.01**3 == pytest.approx(mass)
     assert "line plane-strain" in "".join(wall_commands(made))
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        ({"packing": CHAIN | {"shape": "cylinder"}}, "packing.length: missing"),
-        ({"packing": CHAIN | {"length": 0.01}}, 'packing.length: found without shape = "cylinder"'),
-        ({"packing": CHAIN | {"shape": "cylinder", "length": 1.0, "axis": "z"}}, "a direction across all contacts of chain"),
-        ({"packing": CHAIN | {"shape": "cylinder", "length": 1.0, "axis": [0, 0, 0]}}, "packing.axis: found \\[0, 0, 0\\]"),
-        ({"packing": {"kind": "sc", "size": [2, 2, 2], "diameter": 0.01, "shape": "cylinder", "length": 1.0}},
-         "expected a packing in a plane"),
-        ({"grains": [beside(length=-1)]}, "grains.1.length: found -1"),
-        ({"grains": [beside(at=[[0, 0, 0]])]}, "grains 1 and 4 at one place"),
-        ({"grains": [beside(at=[[0.9 * BESIDE, 0, 0.005]])]}, "grains 1 and 4, which overlap by"),
-        ({"grains": [beside(at=[[0.0, 0.0095, 0.0]])]}, "grains 1 and 4, which touch at the end of a cylinder"),
-        ({"grains": [beside(at=[[0.1, 0, 0]], axis=[1, 0, 1])], "boundary": {"x": "wall"}}, "oblique to the wall across x"),
-        ({"grains": [beside()], "boundary": {"bottom": "free", "sides": {"tube": {"radius": 0.1}}}}, "a tube holds spheres"),
-        ({"contact": {"law": "power", "constant": 1e7}}, "contact.exponent: missing"),
-        ({"pair": [{"materials": ["brass", "brass"], "law": "hertz", "exponent": 2.0}]}, 'belongs to law = "power"'),
-    ],
-)  # fmt: skip
-def test_faults(words, expected):
-    with pytest.raises(InputError, match=expected):
-        case(**words)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,20 +43,13 @@ def blocks() -> dict[str, tuple[str, str]]:
 EXAMPLES = blocks()
 
 
-def table(path: Path) -> np.ndarray:
-    """Last snapshot of a dump."""
-    last = path.read_text(encoding="utf-8").rpartition("ITEM: TIMESTEP")[2].splitlines()
-    start = next(k for k, line in enumerate(last) if line.startswith(("ITEM: ATOMS", "ITEM: BONDS")))
-    return np.array([[float(word) for word in line.split()] for line in last[start + 1 :]])
-
-
 @pytest.fixture
 def example(lmp, tmp_path):
     """Run a complete example in a separate directory."""
 
-    def run(name: str, ranks: int = 1) -> Log:
+    def run(name: str) -> Log:
         (tmp_path / f"in.{name}").write_text(EXAMPLES[name][1], encoding="utf-8")
-        done = lmp(tmp_path / f"in.{name}", ranks=ranks)
+        done = lmp(tmp_path / f"in.{name}")
         log = tmp_path / "log.lammps"
         tail = log.read_text(encoding="utf-8")[-1000:] if log.exists() else ""
         assert done.returncode == 0, done.stdout + done.stderr + tail
@@ -111,62 +103,6 @@ def test_unlike_spheres_all_touch_and_yield(example):
     assert run["PotEng"][-1] == 0.0  # separated
 
 
-def test_restart_repeats_the_run(example):
-    log = example("restart")
-    straight, repeated = log.runs[1], log.runs[2]
-    assert straight["f_top[5]"][-1] > 0 and straight["PotEng"][0] > 0  # the file was written during a collision
-    for column, values in straight.items():
-        assert repeated[column] == pytest.approx(values, rel=1e-10, abs=1e-12), column
-    for what in ("dissipated energy", "wall dissipation", "rebound speed"):
-        assert abs(log.printed(f"change of {what}")) < 1e-10
-
-
-def test_losses_give_the_restitution_of_the_series(example):
-    log = example("losses")
-    assert log.printed("restitution") == pytest.approx(log.printed("series"), abs=2e-4)
-    assert np.abs(log.runs[0]["v_balance"]).max() < 3e-6 and log.runs[0]["c_contact[8]"][-1] > 0
-
-
-def test_walls_take_the_momentum_and_keep_the_dents(example, tmp_path):
-    run = example("between_walls").runs[0]
-    assert run["f_floor[6]"][-1] == run["f_ceiling[6]"][-1] == 1
-    lost = run["f_floor[5]"] + run["f_ceiling[5]"]
-    # after the first impact on each, dissipation is due only to the effect of the timestep on the overlap
-    assert lost[-1] == pytest.approx(lost[len(lost) // 2], rel=1e-6) and lost[-1] > 0
-    _, floor, ceiling, momentum = np.loadtxt(tmp_path / "impulse.txt").T
-    assert floor.min() < 0 < ceiling.max() and floor.max() <= 0 <= ceiling.min()
-    given = np.sum((floor + ceiling)[:-1] + (floor + ceiling)[1:]) / 2 * 1e-8
-    assert given == pytest.approx(momentum[0] - momentum[-1], abs=1e-9 * abs(momentum[0]))
-    changes = np.diff(np.sign(momentum[np.abs(momentum) > 0.1 * abs(momentum[0])]))
-    assert np.count_nonzero(changes) >= 4  # impacts
-    state = table(tmp_path / "state.dump")[0]
-    assert state[5] == pytest.approx(run["f_floor[5]"][-1], rel=1e-12)
-    assert 0 < state[6] < state[8] < state[7] < state[14]  # touch, yield and peak on the floor, then the ceiling
-
-
-def test_spheres_share_the_loss(example, tmp_path):
-    run = example("per_sphere").runs[0]
-    grains = table(tmp_path / "grains.dump")
-    assert grains[:, 4].sum() == pytest.approx(run["c_lost[1]"][-1], rel=1e-12)
-    assert grains[:, 2].max() == pytest.approx(run["c_lost[5]"][-1], rel=1e-12)
-    assert grains[:, 5].tolist() == [1, 2, 2, 1]
-    assert np.all(grains[:, 7] <= grains[:, 9]) and np.all(grains[:, 9] <= grains[:, 8])  # touch, yield, peak
-    assert np.all(np.diff(grains[1:, 7]) > 0)  # the wave arrives in order
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_contacts_of_a_packing_on_any_number_of_processors(example, tmp_path, ranks):
-    run = example("per_contact", ranks).runs[0]
-    dents = table(tmp_path / "dents.dump")
-    dents = dents[np.lexsort((dents[:, 1], dents[:, 0]))]
-    assert np.abs(run["v_balance"]).max() < 1e-6
-    assert dents[:, 7].sum() == pytest.approx(run["c_lost[1]"][-1], rel=1e-10)
-    assert np.count_nonzero(dents[:, 10] >= 0) == run["c_lost[2]"][-1]
-    assert np.all(dents[:, 0] < dents[:, 1])
-    assert len(np.unique(dents[:, :2], axis=0)) == len(dents)  # each dent once
-    assert dents[:3, 0].tolist() == [1, 1, 1] and dents[:, 5].max() == pytest.approx(run["c_lost[5]"][-1], rel=1e-12)
-
-
 def test_loop_area_is_the_dissipated_energy(example, tmp_path):
     run = example("probe").runs[0]
     overlap, force, peak, stored, lost = np.loadtxt(tmp_path / "contact.txt")[:, 1:].T
@@ -183,13 +119,6 @@ def test_half_the_sum_is_the_force_passed_on(example):
     walls = np.abs(run["f_low[3]"]) + np.abs(run["f_high[3]"])
     assert walls.max() > 0
     assert run["c_total"] == pytest.approx(4 * run["c_left[2]"] + walls, rel=1e-9, abs=1e-6)
-
-
-def test_energies_summed_when_asked_for_are_those_of_the_tally(example):
-    run = example("energy").runs[0]
-    for number in ("", *(f"[{n}]" for n in range(1, 6))):
-        assert run[f"c_now{number}"].tolist() == run[f"c_tallied{number}"].tolist()
-    assert run["c_now[1]"][-1] > 0
 
 
 def test_the_cylinder_that_slid_rolls(example):

@@ -142,25 +142,6 @@ def test_softer_sphere_gets_all_the_loss(lammps, mixed):
     assert value(lmp, "c_ep[1]") == pytest.approx(law.dissipated_energy(by_id[0, 2]), rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        "hertz 115e9 0.3",
-        "bilinear 115e9 0.3 550e6 beta 0.7",
-        "thornton 115e9 0.3 550e6",
-        "elastoplastic 115e9 0.3 550e6 variant published",
-    ],
-)
-def test_every_law_balances(lammps, law):
-    lmp = lammps()
-    places = [(0, 0, 2 * R * k) for k in range(5)]
-    lmp.commands_string(script_of(places, velocities=[(0, 0, 5.0)], style=law))
-    lmp.command("run 0")
-    start = value(lmp, "c_ke")
-    lmp.command("run 15000")
-    assert value(lmp, "c_ke+pe+c_ep[1]") == pytest.approx(start, rel=1e-5)
-
-
 def test_energy_per_atom_and_virial(lammps):
     lmp = lammps()
     extra = "compute pea all pe/atom\ncompute sum all reduce sum c_pea\ncompute vir all pressure NULL virial\nthermo_style custom step pe c_sum c_vir[3]\nthermo 1"

@@ -1,14 +1,18 @@
-"""Benchmarks of others: oblique impacts, and the integration with partial slip that stands beside them."""
+"""Benchmarks and chains of others, losses, and the contact law beside finite elements: small and made-up runs against their rows."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import granwave as gw
 from granwave.analysis.studies.registry import load_study
+from tests.helpers.scripts import columns, row, study_of
+from tests.helpers.synthetic_contact import RADIUS, write_contact
 
 FOLDER = Path(__file__).parents[2] / "reproductions" / "benchmarks"
 OXIDE = {"youngs_modulus": 3.8e11, "poisson_ratio": 0.23, "density": 4000}
@@ -52,3 +56,96 @@ def test_runs_with_partial_slip_follow_it(tmp_path: Path, angle: float, loss: ob
     _, across, spin = one.with_partial_slip()
     assert one.spin_after == pytest.approx(spin, rel=0.01)
     assert one.across_after == pytest.approx(across, rel=3e-3)
+
+
+SHORT = {"run.end_time": 3e-4, "run.frames": 2, "output.history": 1000}
+
+
+def test_tapered_chain_hands_on_less_than_hard_spheres(tmp_path: Path) -> None:
+    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would hand on."""
+    shrinking = [{"index": [n], "diameter": 0.00952 * 0.9 ** (n - 1)} for n in range(2, 21)]
+    runs = [
+        gw.run("elastic-impact", SHORT | {"packing.size": 20} | more, directory=tmp_path / f"{k}", progress=False)
+        for k, more in enumerate(({"run.end_time": 6e-4}, {"replace": shrinking}))
+    ]
+    study = study_of("benchmarks/chains_tapered.py", runs)
+    last = [row for row in study.rows if row.quantity.startswith("Energy of the last bead")]
+    assert [row.theory for row in last] == [1.0, pytest.approx(0.6234, abs=1e-3)]
+    like, tapered = (row.ours or 0.0 for row in last)
+    assert like > 0.95 and 0.2 < tapered < 0.35
+    assert len(study.pictures) == 1
+
+
+LOSSES = ({"time": 3e-7}, {"restitution": 0.9, "velocity": 1.0}, {"dashpot": {"restitution": 0.9}})
+PAIR = {"packing.size": 2, "run.end_time": 2e-4, "run.frames": 2}
+CHAIN = {"packing.size": 30, "run.end_time": 7e-4, "output.history": 1000, "run.frames": 2}
+
+
+@pytest.mark.validation
+def test_restitution_and_decay(tmp_path: Path) -> None:
+    """Restitution is that of the formulas; F^(-1/6), or ln F of a dashpot, is linear along a chain."""
+    runs = [
+        gw.run("elastic-impact", changes | {"contact.loss": loss}, directory=tmp_path / f"{k}{n}", progress=False)
+        for k, loss in enumerate(LOSSES)
+        for n, changes in enumerate((PAIR | {"load.velocity": 0.1}, PAIR | {"load.velocity": 1.0}, CHAIN))
+    ]
+    study = study_of("losses/loss.py", runs)
+    checked = [one for one in study.rows if one.verification]
+    assert len(checked) == 8
+    for one in checked:
+        assert one.ours == pytest.approx(one.theory, abs=1e-3)
+    for kind, law in (("time", "F^(-1/6)"), ("restitution", "F^(-1/6)"), ("dashpot", "ln F")):
+        (decay,) = [
+            one for one in study.rows if one.quantity.startswith("Largest force") and f", {kind} " in one.quantity
+        ]
+        assert decay.ours is not None and 0.6 < decay.ours < 0.95
+        assert law in decay.remark and float(decay.remark.partition("to ")[2].partition(" %")[0]) < 2
+    assert columns(study)["time_restitution"].shape == (2,)
+
+
+SCRIPT = "thesis/chapter_3/sphere_contact.py"
+
+
+def contact(folder: Path, **changes: Any) -> gw.Run:
+    return gw.Run(write_contact(folder, **changes))
+
+
+def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
+    unlike = {"name": "steel", "yield_strength": 1100e6}
+    study = study_of(SCRIPT, [
+        contact(tmp_path / "alike"), contact(tmp_path / "radii", difference=-0.09, partner=9.52e-3),
+        contact(tmp_path / "unlike", material=unlike),
+    ])  # fmt: skip
+    assert row(study, "Finite elements over the law at 3 alpha_y, brass, like").ours == pytest.approx(15)
+    worst = row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass, like radii")
+    assert (worst.source, worst.ours) == (6, pytest.approx(15))
+    for name, ours in (("like radii", -5), ("radii 2 to 1", -14)):
+        least = row(study, f"Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, {name}")
+        assert (least.source, least.ours) == (-6, pytest.approx(ours)), "the source has one law for all radii"
+    assert row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass and steel").source is None
+    deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")
+    assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
+    assert row(study, "Smallest unloading exponent, brass, radii 2 to 1").source == 1.3
+    assert row(study, "Share of the energy of yielding").ours == pytest.approx(0.3 / (0.3 + 2 * 0.1))
+
+
+def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> None:
+    before, after = (study_of(SCRIPT, [contact(tmp_path / f"{force:g}", force=force)]).rows for force in (1.0, 1.1))
+    measured = [pair for pair in zip(before, after, strict=True) if pair[0].quantity.startswith("Finite elements over")]
+    assert len(measured) == 6
+    for first, second in measured:
+        assert 1 + second.ours / 100 == pytest.approx(1.1 * (1 + first.ours / 100))
+
+
+def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> None:
+    study = study_of(SCRIPT, [contact(tmp_path / "alike")])
+    assert row(study, "Largest pressure over the yield strength").ours == pytest.approx(1.6 * 16 / 15)
+    assert row(study, "Largest pressure over Thornton's").ours == pytest.approx(1.6)
+    assert row(study, "Contact area over Thornton's").ours == pytest.approx(2)
+    force, overlap = row(study, "Force over that of Thornton's"), 0.19 * RADIUS
+    law = 5e9 * overlap**1.2 / (16 / 15 * 550e6 * np.pi * RADIUS * overlap)
+    assert (force.source, force.ours, force.theory) == (
+        4.7,
+        pytest.approx(0.95 * law, rel=1e-3),
+        pytest.approx(law, rel=1e-3),
+    )

@@ -37,11 +37,11 @@ from tests.helpers.twins.twin import Network
 pytestmark = pytest.mark.validation
 
 
-def test_reference_study(granwave, tmp_path):
+def test_reference_study(process, tmp_path):
     """155 520 brass spheres, 5 m/s, 1 ms; reference values from an independent network solution."""
     ranks = min(2, os.cpu_count() or 1)
     begin = time.monotonic()
-    done = granwave("run", "fcc-impact", "-o", tmp_path / "r", "--np", ranks, timeout=1200)
+    done = process("run", "fcc-impact", "-o", tmp_path / "r", "--np", ranks, timeout=1200)
     wall = time.monotonic() - begin
     assert done.returncode == 0, done.stderr
     values = json.loads((tmp_path / "r" / "summary.json").read_text())
@@ -59,11 +59,11 @@ def test_reference_study(granwave, tmp_path):
         assert rays(result).max_difference < 1e-7
 
 
-def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
+def test_same_bits_on_any_number_of_ranks(process, tmp_path):
     """Complete impact: all fields of all contacts, spheres and snapshots."""
     words = ["--set", "packing.size=[16,16,10]", "--set", "run.end_time=2e-4"]
     for ranks in (1, 2, 3, 4):
-        done = granwave("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
+        done = process("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
         assert done.returncode == 0, done.stderr
     with Result(tmp_path / "1") as one:
         fields = [f"{group}/{name}" for group in ("contacts", "spheres", "wall_contacts") for name in one.names(group)]
@@ -82,7 +82,7 @@ def test_same_bits_on_any_number_of_ranks(granwave, tmp_path):
 
 
 @pytest.mark.parametrize(("velocity", "normalised"), [(4, 37.9), (10, 94.9), (40, 379)])
-def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
+def test_normalised_velocities(process, tmp_path, velocity, normalised):
     sets = [
         "--set",
         f"load.velocity={velocity}",
@@ -93,7 +93,7 @@ def test_normalised_velocities(granwave, tmp_path, velocity, normalised):
         "--set",
         "run.frames=2",
     ]
-    assert granwave("run", "fcc-small", "-o", tmp_path / "r", *sets).returncode == 0
+    assert process("run", "fcc-small", "-o", tmp_path / "r", *sets).returncode == 0
     assert json.loads((tmp_path / "r" / "summary.json").read_text())["velocity_normalised"] == pytest.approx(
         normalised, rel=2e-3
     )

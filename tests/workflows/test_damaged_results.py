@@ -1,4 +1,4 @@
-"""Results that were truncated, lost or edited after the run: regenerated with --resume, or an error, never mixed."""
+"""Files that are not what the run wrote, truncated, lost or edited: refused, or made again with --resume, never mixed."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis import OutputFormatError, analyse
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.files import checksum
 from granwave.lammps_inputs.ownership import read_marker
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
+from granwave.workflows.run import driver
 from tests.helpers.small_cases import TWO_SPHERES
 
 CLOCK = ("wall_time_s", "sphere_steps_per_s")
@@ -89,38 +90,11 @@ def test_what_was_lost_is_made_again_where_it_is_needed(run, whole, lost, way):
 
 
 @pytest.mark.parametrize("name", ["spheres.bin", "energy.txt", "contacts.dump"])
-@pytest.mark.parametrize("garbage", [b"\0" * 400, bytes(range(256)) * 2])
-def test_garbage_in_the_output_is_run_again(run, whole, name, garbage):
+def test_garbage_in_the_output_is_run_again(run, whole, name):
     with (run / "dumps" / name).open("r+b") as file:
-        file.write(garbage)
+        file.write(bytes(range(256)) * 2)
     (run / "summary.json").unlink()
     assert resumed(run, whole) == "run"
-
-
-def test_missing_rows_are_no_result(run):
-    lines = (run / "dumps" / "energy.txt").read_text().splitlines(keepends=True)
-    (run / "dumps" / "energy.txt").write_text("".join(lines[:50] + lines[60:]))
-    with pytest.raises(OutputFormatError, match=r"energy\.txt lacks rows between the steps"):
-        analyse(run, figures=False)
-
-
-def test_files_of_somebody_else_stay_when_a_run_is_made_again(run, whole):
-    mine = [run / "notes.txt", run / "dumps" / "mine.txt", run / "figures" / "mine.png"]
-    (run / "figures").mkdir()
-    for path in mine:
-        path.write_text("mine")
-    cut(run / "dumps" / "energy.txt")
-    assert resumed(run, whole) == "run"
-    run_case(TWO_SPHERES, run, force=True, figures=False)
-    assert [path.read_text() for path in mine] == ["mine"] * 3
-
-
-def test_no_run_is_removed_that_its_own_dents_come_from(run):
-    again = load_case("two-spheres", {"contact.initial_overlap": str(run)})
-    before = summary(run)
-    with pytest.raises(InputError, match=r"initial_overlap: .* is among the results that would be replaced"):
-        run_case(again, run, force=True)
-    assert summary(run) == before and (run / "result.h5").exists()
 
 
 # ---------------------------------------------------------------------- a case that was edited
@@ -170,12 +144,6 @@ def test_comments_and_spaces_are_no_change(run, whole):
     }
 
 
-def test_the_python_analysis_refuses_an_edited_case(run):
-    edit(run)
-    with pytest.raises(InputError, match="was changed after the run"):
-        analyse(run, figures=False)
-
-
 # ---------------------------------------------------------------------- a disk that becomes full
 
 
@@ -209,12 +177,12 @@ def test_an_analysis_on_a_full_disk_can_be_resumed(run, whole, small_disk, left)
     assert resumed(there, whole) == "analysed"
 
 
-def test_a_full_disk_is_told_with_the_file_and_no_crash(granwave, run, small_disk):
+def test_a_full_disk_is_told_with_the_file_and_no_crash(process, run, small_disk):
     """HDF5 causes a segmentation fault if it cannot close a file."""
     there = shutil.copytree(run, small_disk / "r")
     before = (there / "result.h5").read_bytes()
     fill_up(small_disk, 32768)
-    done = granwave("analyse", there, "--no-figures")
+    done = process("analyse", there, "--no-figures")
     assert done.returncode == 1, done.stderr
     assert done.stderr.splitlines() == [f"granwave: {there / 'result.h5'}: No space left on device"]
     assert (there / "result.h5").read_bytes() == before
@@ -263,3 +231,131 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
     for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
         assert two[key] == pytest.approx(one[key], rel=1e-9)
     assert not [name for name in read_marker(tmp_path / "r").files if name.startswith("checkpoint")]
+
+
+READERS = ("report {} -o {}.md", "film {} -o {}.gif", "figures {}", "export {} --to csv", "view {}", "infer {}")
+
+
+def damage(path: Path, share: float = 0.6) -> None:
+    """Change one byte to a digit that it is not."""
+    content = bytearray(path.read_bytes())
+    place = int(share * len(content))
+    content[place] = ord("7") if content[place] != ord("7") else ord("8")
+    path.write_bytes(content)
+
+
+def values(directory: Path) -> dict:
+    summary = json.loads((directory / "summary.json").read_text())
+    return {key: value for key, value in summary.items() if key not in CLOCK}
+
+
+@pytest.mark.parametrize("name", ["contacts.dump", "spheres.bin", "energy.txt"])
+def test_a_dump_that_changed_is_refused_and_computed_again(run, whole, capsys, name):
+    path = run / "dumps" / name
+    damage(path, 0.95)
+    results = [(run / one).read_bytes() for one in ("result.h5", "summary.json")]
+    assert main(["analyse", str(run), "--no-figures"]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert str(path) in line and "--resume" in line
+    assert [(run / one).read_bytes() for one in ("result.h5", "summary.json")] == results
+    assert run_case(TWO_SPHERES, run, resume=True, figures=False).state == "finished"
+    assert path.read_bytes() == (whole / "dumps" / name).read_bytes() and values(run) == values(whole)
+
+
+@pytest.mark.parametrize("command", READERS)
+@pytest.mark.parametrize("name", ["result.h5"])
+def test_a_result_that_changed_is_refused(run, capsys, command, name):
+    damage(run / name)
+    assert main(command.format(run, run.parent / "out").split()) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert f"{run / name}: is not what the run wrote" in line and f"granwave analyse {run}" in line
+    assert main(["analyse", str(run), "--no-figures"]) == 0
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("place", range(0, 800, 96))
+def test_damage_that_no_checksum_of_ours_tells_is_one_line(run, capsys, place):
+    """The beginning of the file has checksums of HDF5 itself, whose errors are KeyErrors."""
+    (run / MARKER).unlink()
+    content = bytearray((run / "result.h5").read_bytes())
+    content[place] ^= 0xFF
+    (run / "result.h5").write_bytes(content)
+    if status := main(["view", str(run), "-o", str(run.parent / "v.html")]):
+        (line,) = capsys.readouterr().err.strip().splitlines()
+        assert status == 2 and line.startswith(f"granwave: {run}")
+
+
+@pytest.fixture
+def interrupted(tmp_path: Path, monkeypatch) -> Path:
+    """Run that stopped with a checkpoint."""
+    looks = iter(range(1000))
+    with monkeypatch.context() as patched:
+        patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
+        patched.setattr(driver, "_PIECE", 1e-3)
+        assert run_case(TWO_SPHERES, tmp_path / "r", figures=False).state == "interrupted"
+    return tmp_path / "r"
+
+
+@pytest.mark.parametrize("name", ["", "dumps/energy.txt"])
+def test_a_checkpoint_that_changed_is_not_gone_on_with(interrupted, whole, caplog, name):
+    saved = json.loads((interrupted / "run.json").read_text())["checkpoint"]
+    name = name or saved["file"]
+    damage(interrupted / name)
+    assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
+    assert f"{interrupted / name}: is not what the run wrote" in caplog.text and "begins again" in caplog.text
+    assert values(interrupted) == values(whole)
+
+
+def test_a_whole_checkpoint_is_gone_on_with_and_analysed(interrupted, caplog):
+    assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
+    assert "begins again" not in caplog.text and "read_restart" in (interrupted / "log.lammps").read_text()
+    assert main(["analyse", str(interrupted), "--no-figures"]) == 0
+
+
+def test_checksums_of_parts(tmp_path):
+    path = tmp_path / "dump"
+    path.write_bytes(os.urandom(3_000_000))
+    half = checksum(path, 1_000_001)
+    assert checksum(path, 2_500_000, after=(1_000_001, half)) == checksum(path, 2_500_000)
+    assert checksum(path) == checksum(path, 3_000_000) != half
+
+
+# ---------------------------------------------------------------------- points of a scan
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory) -> Path:
+    """Folder of a finished scan of two points."""
+    folder = tmp_path_factory.mktemp("scan")
+    text = 'case = "two-spheres"\n[set]\nrun.frames = 2\n[grid]\nload.velocity = [1.0, 2.0]\n'
+    (folder / "s.toml").write_text(text)
+    assert main(["scan", str(folder / "s.toml"), "-o", str(folder / "scan"), "--jobs", "1"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize("way", ["directories", "runs in them"])
+def test_swapped_points_are_refused(scan, tmp_path, capsys, way):
+    shutil.copytree(scan, tmp_path / "here")
+    place = tmp_path / "here" / "scan"
+    one, two = sorted((place / "points").iterdir())
+    if way == "directories":
+        one.rename(place / "x")
+        two.rename(one)
+        (place / "x").rename(two)
+        message = f"{one}: holds the point {two.name}"
+    else:
+        for path in (*two.iterdir(), two / MARKER):
+            if path.is_file() and path.name not in ("point.json", "point.toml"):
+                shutil.copy(path, one / path.name)
+        message = f"{one}: holds a run of another case"
+    for words in (
+        ["report", place, "-o", tmp_path / "r.md"],
+        ["scan", tmp_path / "here/s.toml", "-o", place, "--resume"],
+    ):
+        assert main([str(word) for word in words]) == 2
+        assert message in capsys.readouterr().err
+    shutil.rmtree(one)
+    if way != "directories":
+        assert main(["scan", str(tmp_path / "here/s.toml"), "-o", str(place), "--resume"]) == 0
+        table = (place / "scan.csv").read_text()
+        assert table.count("done") == 2, table

@@ -14,7 +14,7 @@ from granwave.lammps_inputs.directories import check_disk, decide, output_path, 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear
-from granwave.lammps_inputs.run_directory import RUN, SCAN
+from granwave.lammps_inputs.run_directory import RUN
 
 RESULTS = ("case.toml", "summary.json", "figures/a.png", "log")
 CASE = {"name": "a", "load": {"velocity": 5.0}}
@@ -37,14 +37,6 @@ def filled(tmp_path):
     return directory
 
 
-@pytest.mark.parametrize("words", [{}, {"resume": True}, {"force": True}])
-def test_where_nothing_is_a_start_is_allowed(tmp_path, words):
-    (tmp_path / "notes.txt").write_text("mine")
-    for directory in (tmp_path, tmp_path / "new"):
-        assert ask(directory, **words) is False
-    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
-
-
 def test_results_are_refused_resumed_or_replaced(filled):
     with pytest.raises(InputError) as caught:
         ask(filled)
@@ -61,23 +53,10 @@ def test_results_are_refused_resumed_or_replaced(filled):
     ]
 
 
-def test_another_case_is_not_resumed(filled):
-    other = {"name": "a", "load": {"velocity": 6.0}, "run": {}}
-    with pytest.raises(InputError, match=r"holds another case \(different: load, run\); --force replaces it"):
-        ask(filled, resume=True, case=other)
-    assert ask(filled, force=True, case=other) is False
-
-
 def test_results_whose_case_is_known_to_nobody_are_not_resumed(filled):
     claim(filled, [], case="")
     with pytest.raises(InputError, match="already holds results"):
         ask(filled, resume=True)
-
-
-def test_a_scan_is_not_replaced_by_a_run(filled):
-    for force in (False, True):
-        with pytest.raises(InputError, match="holds a run, expected a scan or nothing"):
-            ask(filled, force=force, kind=SCAN)
 
 
 @pytest.mark.parametrize("words", [{}, {"resume": True}, {"force": True}])
@@ -91,13 +70,6 @@ def test_files_of_somebody_else_are_never_overwritten(tmp_path, words):
         f"{tmp_path}: summary.json, figures/a.png would be overwritten, and granwave did not write them; "
         "move them away, or choose another directory with -o"
     )
-
-
-def test_words_and_places_that_make_no_sense(filled):
-    with pytest.raises(InputError, match="exclude each other"):
-        ask(filled, resume=True, force=True)
-    with pytest.raises(InputError, match="is a file, expected a directory"):
-        ask(filled / "log", force=True)
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,10 @@
-"""Files of the working directory that are named as modules or settings: no command takes code or settings from them."""
+"""Files of the working directory that are named as modules or settings, and Python without assertions and docstrings."""
 
 from __future__ import annotations
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -53,7 +54,7 @@ def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
     do(place, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")
     assert (place / "out" / "summary.json").is_file()
     elsewhere = tmp_path_factory.mktemp("elsewhere")
-    do(elsewhere, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")
+    do(elsewhere, "run", "fcc-small", *TINY, "-o", "out")
     for figure in (elsewhere / "out" / "figures").glob("*.png"):
         assert figure.read_bytes() == (place / "out" / "figures" / figure.name).read_bytes(), figure.name
     do(place, "report", "out", "-o", "page.html")
@@ -77,3 +78,31 @@ def test_settings_of_the_user(place, tmp_path):
     (place / "settings").write_bytes(SETTINGS)
     do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "settings"), MPLCONFIGDIR=str(tmp_path))
     assert not os.path.exists(place / "law.taken")
+
+
+IMPORTS = """
+import granwave.analysis.figures.run_figures, granwave.analysis.exports.export, granwave.analysis.reports.report
+import granwave.workflows.run.driver, granwave.workflows.cli.scan
+try:
+    from granwave.analysis.result import universe
+except ImportError as error:
+    print(error)
+"""
+
+
+def _run(*words: str) -> subprocess.CompletedProcess[str]:
+    environment = {**PLAIN, "PYTHONOPTIMIZE": "2", "PYTHONDONTWRITEBYTECODE": "1"}
+    return subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=300, env=environment)
+
+
+def test_what_runs_and_draws_needs_no_docstrings_and_what_does_says_so() -> None:
+    done = _run("-c", IMPORTS)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == (
+        "granwave.analysis.universe: MDAnalysis needs docstrings, which python -OO (PYTHONOPTIMIZE=2) drops; use -O\n"
+    )
+
+
+def test_bad_input_is_refused_all_the_same(tmp_path: os.PathLike[str]) -> None:
+    done = _run("-m", "granwave.workflows", "run", "fcc-small", "-o", f"{tmp_path}/r", "--set", "load.velocity=-1")
+    assert done.returncode == 2 and "load.velocity: found -1" in done.stderr and "Traceback" not in done.stderr

@@ -329,14 +329,3 @@ def test_every_fault_of_a_file_is_named_up_to_five(tmp_path):
         read_curve(tmp_path / "c.csv")
     assert [f"line {n}:" in line for n, line in zip(range(2, 7), refused.value.errors, strict=False)] == [True] * 5
     assert refused.value.errors[5].endswith("and 3 more") and len(refused.value.errors) == 6
-
-
-@pytest.mark.parametrize("content", [None, b"\xff\xfe\x00"])
-def test_files_that_are_none(tmp_path, content):
-    path = tmp_path / "c.csv"
-    if content:
-        path.write_bytes(content)
-    with pytest.raises(InputError, match=r"no such file|not UTF-8"):
-        read_curve(path)
-    with pytest.raises(InputError, match="a directory"):
-        read_curve(tmp_path)

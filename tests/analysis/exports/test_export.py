@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.exports.export import FORMATS, export, staged
+from granwave.analysis.exports.export import export, staged
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from tests.helpers import synthetic_scan
@@ -23,40 +23,6 @@ def run(tmp_path_factory):
 def scan(tmp_path_factory):
     points = synthetic_scan.grid(load__velocity=[1, 2.5], material=["brass", "steel"])
     return synthetic_scan.write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4])
-
-
-@pytest.mark.parametrize("to", ["vtp", "ovito"])
-def test_scan_in_space_is_refused(scan, tmp_path, to):
-    with pytest.raises(InputError, match=f"is a scan, and --to {to} shows a single run.*points/ID.*csv or netcdf"):
-        export(scan, to, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize(
-    "to, hint", [("vtk", "did you mean vtp?"), ("CSV", "did you mean csv?"), ("x", "expected one of")]
-)
-def test_unknown_form_is_refused(run, tmp_path, to, hint):
-    with pytest.raises(InputError) as error:
-        export(run, to, tmp_path / "out")
-    assert hint in str(error.value) and not (tmp_path / "out").exists()
-
-
-@pytest.mark.parametrize("to", FORMATS)
-def test_directory_without_result_is_refused(tmp_path, to):
-    with pytest.raises(InputError, match=r"data\.granwave" if to == "ovito" else "is no run: it is empty"):
-        export(tmp_path, to)
-    assert not list(tmp_path.iterdir())
-    with pytest.raises(InputError, match="no such directory"):
-        export(tmp_path / "nowhere", to)
-
-
-@pytest.mark.parametrize("to", FORMATS)
-def test_unwritable_output_is_refused(run, tmp_path, to):
-    (tmp_path / "file").write_text("mine")
-    for output in (tmp_path / "file", tmp_path / "file" / "below"):
-        with pytest.raises(InputError, match=r"(is a file|Not a directory).*-o"):
-            export(run, to, output)
-    assert (tmp_path / "file").read_text() == "mine" and len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.parametrize("to, module", [("vtp", "vtkmodules.vtkIOXML"), ("netcdf", "h5netcdf")])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from granwave.analysis import MissingOutputError, Result, analyse, write_result
+from granwave.analysis import Result, analyse, write_result
 from granwave.analysis.figures import histories, packing3d, sections, sphere_renderer
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.target import unprotected
@@ -102,24 +102,10 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
     assert not list((tmp_path / "figures").glob("bottom_force.*"))
 
 
-def test_a_lost_file_is_an_error(tmp_path):
-    synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
-    (tmp_path / "dumps" / "walls.txt").unlink()
-    with pytest.raises(MissingOutputError, match=r"walls.txt"):
-        analyse(tmp_path)
-
-
 def test_progress_names_every_part(tmp_path):
     parts: list[str] = []
     analyse(synthetic.write_run(tmp_path, synthetic.make_case("chain", 3)), parts.append)
     assert parts == ["result.h5", "summary.json", *FIGURES]
-
-
-def test_unfinished_run_is_told_apart(tmp_path):
-    synthetic.write_run(tmp_path, synthetic.make_case())
-    (tmp_path / "dumps" / "contacts.dump").unlink()
-    with pytest.raises(MissingOutputError, match=r"contacts\.dump is missing: the run did not get as far"):
-        analyse(tmp_path)
 
 
 def test_data_beside_a_figure(tmp_path):

@@ -160,13 +160,6 @@ def test_wrong_options(packing, tmp_path, options, message):
     assert not list(tmp_path.iterdir())
 
 
-def test_files_of_others_stay(packing, tmp_path):
-    (tmp_path / "a.gif").write_text("mine")
-    with pytest.raises(InputError, match="granwave did not write it"):
-        write_film(packing, tmp_path / "a.gif")
-    assert (tmp_path / "a.gif").read_text() == "mine"
-
-
 def test_view_that_a_packing_has_not(packing, chain):
     assert "chain" in VIEWS
     with Result(chain) as result, pytest.raises(InputError, match=r"no orthogonal plane; take --view 3d or chain"):

@@ -1,12 +1,22 @@
-"""Measures along lines of grains: first pulses, decay in two regions, where crystals part, distributions."""
+"""Measures along lines and rows of grains: first pulses, decay, neighbours, precompressed chains."""
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+import granwave as gw
+from granwave.analysis.measures import geometry as module
+from granwave.analysis.measures.geometry import nearest
 from granwave.analysis.measures.lines import LineRecord, fit_decay, parted_at
 from granwave.analysis.result.histories import first_pulses
+from granwave.measures import Chain, GrainRow, decay_rate, first_peak, long_wave_speed, power_law, speed_along_layers
+from granwave.theory import crest_force, crest_speed, crest_times, discrete_speed, lattice_speed, precompressed_line
+from granwave.workflows import load_case
 
 TIME = np.linspace(0, 10e-3, 4001)
 
@@ -73,3 +83,136 @@ def test_front_speed_and_distribution() -> None:
     assert spread is not None and spread.mean == pytest.approx(speeds.mean()) and 0 < spread.normal_p < 1
     crooked = LineRecord("b", x, x / 120.0, x, x, np.exp(-2 * x), speeds, x, 0, straight=False)
     assert crooked.front_speed is None and crooked.decay is None and crooked.distribution is not None
+
+
+def test_row_in_a_tube(tmp_path: Path) -> None:
+    """Contacts of the beads alone, from 1; rings between wall and beads in balance."""
+    changes = {
+        "packing.size": 16, "grains.1.repeat.times": 15, "hold.1.index": [1, 16], "load.index": [3],
+        "precompression": {"kind": "walls", "tube": 1.425e-5}, "run.end_time": 1.2e-4,
+        "output.probes": [{"contact": [5, 6]}, {"sphere": 5}],
+    }  # fmt: skip
+    run = gw.run("confined-row", changes, directory=tmp_path, progress=False)
+    row = GrainRow(run)
+    assert list(row.ids) == list(range(1, 17)) and len(row.beside) == 15 * 8 and row.struck == 3
+    peak, when = row.of_contacts("peak_force"), row.of_contacts("time_peak")
+    ((contact, force),) = row.contact_forces.items()
+    assert contact == 5 and force.max() == pytest.approx(peak[4], rel=0.02)
+    assert 3 < row.passed < 15 and (np.diff(when[2 : row.passed]) > 0).all()
+    small, big, inner = 0.005147186258 / 2, 0.0075, 0.009298716066 - 1.425e-5
+    modulus, ring = 115e9 / (1 - 0.3**2), 0.006725122938 - row.inward
+    overlap = big + small - np.hypot(ring, big)
+    push = 4 / 3 * modulus / 2 * np.sqrt(big * small / (big + small)) * 2 * overlap**1.5 * ring / np.hypot(ring, big)
+    push += (
+        4 / 3 * modulus / 2 * np.sqrt(small / 2) * 2 * np.sin(np.pi / 8) * (2 * row.inward * np.sin(np.pi / 8)) ** 1.5
+    )
+    wall = 4 / 3 * modulus * np.sqrt(gw.theory.elliptic_radius(1 / small, 1 / small - 1 / inner))
+    assert push == pytest.approx(wall * (ring + small - inner) ** 1.5, rel=1e-3)
+
+
+def test_rate_of_a_decay() -> None:
+    x = np.arange(60, 201)
+    assert decay_rate(x, 7 * np.exp(-2e-3 * x)) == pytest.approx(2e-3)
+    assert np.isnan(decay_rate(x, x - 60.0)) and np.isnan(decay_rate([1], [1]))
+
+
+@pytest.mark.parametrize("by_tree", [0, 10**9])
+@pytest.mark.parametrize("n_places", [1, 3, 700])
+def test_as_a_tree(monkeypatch, by_tree, n_places):
+    monkeypatch.setattr(module, "_BY_TREE", by_tree)
+    monkeypatch.setattr(module, "_BLOCK", 1000)  # several blocks
+    generator = np.random.default_rng(5)
+    points, places = generator.normal(size=(430, 3)), generator.normal(size=(n_places, 3))
+    distance, row = nearest(points, places)
+    expected, rows = cKDTree(places).query(points)
+    assert distance == pytest.approx(expected, rel=1e-14) and np.array_equal(row, rows)
+
+
+def test_of_equal_distances_the_first():
+    """Struck spheres lie in symmetric groups: a sphere between them belongs to the first, with a tree or without."""
+    _, row = nearest(np.zeros((2, 3)), np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]))
+    assert row.tolist() == [0, 0]
+
+
+EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)
+
+
+def test_long_waves_of_a_chain() -> None:
+    case = load_case("precompressed-chain", {"precompression.force": 7.0})
+    modulus = case.material.youngs_modulus / (1 - case.material.poisson_ratio**2)
+    unit = (4 * modulus**2 * 7.0 / (case.packing.diameter**2 * case.material.density**3)) ** (1 / 6)
+    assert precompressed_line(case).speed / unit == pytest.approx(EXACT_FACTOR)
+
+
+def test_lattice_waves_lie_between_small_pulses_and_the_uncompressed_chain() -> None:
+    """Nesterenko's wave of a continuum has the speed sqrt(8/15) f^(1/6) over c0 for large f = F_m/F0."""
+    assert lattice_speed(np.array([1.0, 1.01])) == pytest.approx([1, 1 + 0.01 / 18], rel=2e-4)
+    over = lattice_speed(np.array([1e5]))[0] / (math.sqrt(8 / 15) * 1e5 ** (1 / 6))
+    assert over == pytest.approx(discrete_speed(), rel=2e-3)
+
+
+def test_crests_of_a_struck_linear_line() -> None:
+    """Closed form against integrated equations of motion (k = m = v = 1)."""
+    n, dt = 40, 2e-3
+    u, v = np.zeros(n), np.zeros(n)
+    v[0] = 1.0
+    times = np.arange(1, 12_000) * dt
+    speeds, forces = np.empty((len(times), n)), np.empty((len(times), n - 1))
+    for k in range(len(times)):
+        u += dt * v / 2
+        force = u[:-1] - u[1:]
+        v[:-1] -= dt * force
+        v[1:] += dt * force
+        u += dt * v / 2
+        speeds[k], forces[k] = v, u[:-1] - u[1:]
+    chosen = np.array([3, 8, 15])
+    assert 2 * times[speeds.argmax(axis=0)[chosen - 1]] == pytest.approx(crest_times(chosen), rel=1e-3)
+    assert forces.max(axis=0)[chosen - 1] == pytest.approx(crest_force(chosen), rel=1e-4)
+
+
+def test_contact_force_of_a_packing_is_that_of_its_mean_stress() -> None:
+    """Force f = p D^2/(2 sqrt 2): uniaxial by equilibrium of a layer, uniform by the virial; flattened by fixed sides."""
+    pressure = 1e4
+    for kind, sides in (("uniaxial", "periodic"), ("uniform", "free")):
+        case = load_case("precompressed-fcc", {"precompression.kind": kind, "precompression.pressure": pressure,
+                                               "boundary.sides": sides})  # fmt: skip
+        line = precompressed_line(case)
+        assert line.force == pytest.approx(pressure * case.packing.diameter**2 / math.sqrt(8), rel=1e-4)
+        stiffness = 2 * 1.5 * line.force / line.overlap
+        assert line.speed == pytest.approx(line.spacing * math.sqrt(stiffness / case.sphere_mass), rel=1e-4)
+
+
+def test_chains_follow_the_formulas(tmp_path: Path) -> None:
+    """Steel chains of 80 beads: small pulses at three forces, of the linear chain; an impact, of the lattice."""
+    points = [(1.0, 2e-4, 3.0e-3), (10.0, 1.4e-3, 2.1e-3), (100.0, 9e-3, 1.4e-3), (10.0, 20.0, 9e-4)]
+    speeds, keys = [], {"packing__size": 80, "output__history": 700, "material": "steel", "run__frames": 2}
+    for n, (force, velocity, end) in enumerate(points):
+        where = {"precompression__force": force, "load__velocity": velocity, "run__end_time": end}
+        run = gw.run("precompressed-chain", directory=tmp_path / f"{n}", progress=False, **keys, **where)
+        chain, line = Chain(run), precompressed_line(run.case)
+        added, passed, numbers = chain.force - line.force, np.arange(30, 60), np.arange(10, 60)
+        crests = np.array([first_peak(chain.time, added[:, k], floor=0.5) for k in passed])
+        speed = line.spacing / np.polyfit(passed, crests[:, 0], 1)[0]
+        if velocity < 0.1:
+            times = [first_peak(chain.time, chain.velocity[:, k - 1], floor=0.5)[0] for k in numbers]
+            speeds.append(long_wave_speed(line, numbers, np.array(times)))
+            assert speeds[-1] == pytest.approx(line.speed, rel=2e-3)
+            assert speed == pytest.approx(crest_speed(line, passed + 1), rel=2e-3)
+        else:
+            ratio = 1 + crests[:, 1].mean() / line.force
+            assert speed == pytest.approx(line.speed * lattice_speed(np.array(ratio)), rel=2e-3)
+    assert power_law(np.array([1.0, 10.0, 100.0]), np.array(speeds)).exponent == pytest.approx(1 / 6, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "how", "sides", "size"),
+    [("fcc", "uniaxial", "periodic", [4, 4, 16]), ("hcp", "uniaxial", "periodic", [4, 4, 16]),
+     ("fcc", "uniform", "free", [14, 16, 9])],
+)  # fmt: skip
+def test_speed_of_small_waves_in_packings(tmp_path: Path, kind: str, how: str, sides: str, size: list[int]) -> None:
+    changes = {"packing.kind": kind, "precompression.kind": how, "boundary.sides": sides, "packing.size": size,
+               "run.end_time": 2.3e-4 if how == "uniaxial" else 1.2e-4, "run.frames": 50}  # fmt: skip
+    run = gw.run("precompressed-fcc", changes, directory=tmp_path / "run", progress=False)
+    assert run["precompression_residual"] < 1e-6
+    line = precompressed_line(run.case)
+    assert speed_along_layers(run.result, line) == pytest.approx(line.speed, rel=3e-3)

@@ -1,15 +1,32 @@
-"""Report in a browser: no error messages, no network requests, and sortable tables."""
+"""Reports in a browser and on paper, without duplicates, and refused inputs and places."""
 
 from __future__ import annotations
 
+import json
 import shutil
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import pytest
 from PIL import Image
 
+from granwave.analysis import analyse
+from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Report, Table
+from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
+from granwave.analysis.reports.studies import studies_of
+from granwave.analysis.scans.figures import draw_scan_figures
+from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.studies.study import draw_studies
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
+from granwave.workflows import run_case
+from tests.helpers import synthetic
 from tests.helpers.chromium import Browser
-from tests.helpers.synthetic_report import nasty_inputs, write_inputs, write_run
+from tests.helpers.small_cases import PULSE, case_of
+from tests.helpers.synthetic_report import build, nasty_inputs, write_inputs, write_run
+from tests.helpers.synthetic_scan import grid, write_json, write_scan
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
@@ -102,3 +119,153 @@ def test_the_browser_test_would_notice(tmp_path):
         assert browser.evaluate("document.documentElement.scrollWidth") > 390
         assert any("nope" in complaint for complaint in browser.complaints())
         assert any("127.0.0.1:9" in url for url in browser.requests())
+
+
+@pytest.fixture(scope="module")
+def tolerances(tmp_path_factory) -> Path:
+    """Scan with the files written by the driver: packings hit at two velocities, with friction and without."""
+    points = grid(load__velocity=[2.0, 5.0], contact__friction=[0.0, 0.1, 0.2])
+    scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points, study=["tolerance"])
+    for point in ScanResult(scan).points:
+        path, values = scan / "points" / point.id / "summary.json", (float(v) for v in point.labels.values())
+        velocity, friction = values
+        force = {"wall_peak_force_N": 300 * velocity * (1 - friction * velocity / 10)}
+        path.write_text(json.dumps(json.loads(path.read_text()) | force))
+    draw_scan_figures(ScanResult(scan), pdf=False)
+    draw_studies(studies_of(read_inputs([scan], scan)), scan)
+    assert len(list((scan / FIGURES_DIRECTORY).glob("tolerances*.png"))) == 2
+    return scan
+
+
+@pytest.fixture(scope="module")
+def kinds(tmp_path_factory) -> list[Path]:
+    """Packing with its figures, chain with a bar, target below a packing."""
+    folder = tmp_path_factory.mktemp("runs")
+    packing = synthetic.write_run(folder / "packing", synthetic.make_case())
+    analyse(packing)
+    bar = {"length": 0.4, "area": 127e-6, "elements": 20, "material": "steel"}
+    run_case(case_of(6, load=PULSE, bar=bar, run={"end_time": 4e-5, "frames": 3}), folder / "chain", figures=False)
+    plate = {"bottom": {"plate": {"mass": 0.5, "stiffness": 1e8}, "material": "steel"}}
+    target = synthetic.make_case(boundary=plate, run={"end_time": 1e-4, "frames": 3})
+    run_case(target, folder / "target", figures=False)
+    return [folder / name for name in ("packing", "chain", "target")]
+
+
+def parts(blocks: Sequence[Block]) -> Iterator[Block | Figure]:
+    """Blocks and figures, including those of groups."""
+    for block in blocks:
+        yield block
+        if isinstance(block, Group):
+            yield from parts(block.blocks)
+        elif isinstance(block, Gallery):
+            yield from block.figures
+
+
+def twice(found: Sequence[object]) -> list[object]:
+    return [one for one, n in Counter(found).items() if n > 1]
+
+
+def repeated(report: Report) -> dict[str, list[object]]:
+    everything = [part for section in report.sections for part in parts(section.blocks)]
+    figures = [part for part in everything if isinstance(part, Figure)]
+    tables = [part for part in everything if isinstance(part, Table)]
+    headings = [section.title for section in report.sections]
+    headings += [part.title for part in everything if isinstance(part, Group)]
+    headings += [part.caption for part in tables if part.captioned]
+    verdicts = [section for section in report.sections if section.slug == "verdict"]
+    said = {id(part) for section in verdicts for part in parts(section.blocks)}  # one per packing
+    notes = [part.text for part in everything if isinstance(part, Note) and id(part) not in said]
+    assert figures and tables and notes
+    return {
+        "pictures": twice([figure.png for figure in figures]),
+        "data of pictures": twice([figure.data.href for figure in figures if figure.data]),
+        "captions": twice([figure.caption for figure in figures]),
+        "headings": twice(headings),
+        "tables": twice([(table.columns, table.rows) for table in tables]),
+        "notes": twice(notes),
+    }
+
+
+def test_report_of_a_scan(tolerances):
+    """Figures of studies are files, too; the studies show them with the packing that they belong to."""
+    report = build([tolerances], tolerances)
+    assert not any(repeated(report).values()), repeated(report)
+    figures = [part for section in report.sections for part in parts(section.blocks) if isinstance(part, Figure)]
+    against = [figure for figure in figures if figure.caption.startswith("Against friction coefficient")]
+    assert [figure.caption.partition(" (")[2][:6] for figure in against] == ["2 m/s)", "5 m/s)"]
+    assert all(figure.data for figure in against)
+
+
+def test_report_of_everything(tolerances, kinds, tmp_path):
+    inputs = [*kinds, tolerances, next((tolerances / "points").iterdir())]
+    report = build(inputs, tmp_path)
+    assert {"Verdict", "Studies", "Figures"} <= {section.title for section in report.sections}
+    assert not any(repeated(report).values()), repeated(report)
+
+
+def refused(directories, output) -> list[str]:
+    with pytest.raises(InputError) as error:
+        write_report(directories, output)
+    return error.value.errors
+
+
+def test_studies_that_do_not_exist(runs, tmp_path):
+    with pytest.raises(InputError, match=r"--study: found tolerence, expected one of: .*tolerance") as error:
+        write_report(runs, tmp_path / "r.md", ["tolerence", "protected-height"])
+    assert len(error.value.errors) == 1
+    assert not list(tmp_path.glob("r*"))
+
+
+def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "notes.txt").write_text("x")
+    (runs[1] / "summary.json").unlink()
+    (runs[0] / "summary.json").write_text("{")
+    before = sorted(tmp_path.rglob("*"))
+    given = [tmp_path / "nowhere", tmp_path / "empty", tmp_path / "other", *runs[:2], tmp_path, runs[0] / "case.toml"]
+    errors = refused(given, tmp_path / "there" / "r.doc")
+    assert len(errors) == 9
+    for part in (
+        "found the suffix .doc, expected .html, .pdf or .md",
+        "there is no directory",
+        "nowhere: no such directory",
+        "empty: is neither a run nor a scan: it is empty",
+        "it holds notes.txt; expected summary.json or scan.json",
+        f"cannot be read (Expecting property name enclosed in double quotes: line 1 column 2 (char 1)); make it anew with  granwave analyse {runs[0]}",
+        f"a run without summary.json; make it with  granwave analyse {runs[1]}",
+        "but holds some (first, scan, second); give those",
+        "is a file, expected the directory",
+    ):
+        assert any(part in fault for fault in errors), part
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_unfinished_run_and_damaged_scans(runs, tmp_path):
+    (runs[0] / "summary.json").unlink()
+    write_json(runs[0] / "run.json", {"state": "interrupted"})
+    assert "--resume" in refused([runs[0]], tmp_path / "r.html")[0]
+    for content in ("{", "[]", '{"name": "a", "case": "b", "varied": [], "points": [{}]}', '{"name": 1}'):
+        (runs[2] / "scan.json").write_text(content)
+        assert "scan.json" in refused([runs[2]], tmp_path / "r.html")[0]
+
+
+def test_failure_while_writing_keeps_the_old_report(runs, tmp_path, monkeypatch):
+    output = write_report(runs[:1], tmp_path / "r.html")
+    before = output.read_bytes()
+
+    def full(self, content):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(RunError, match="No space left"):
+        write_report(runs, output)
+    monkeypatch.undo()
+    assert output.read_bytes() == before
+    assert not list(tmp_path.glob(".r.html*"))
+
+
+def test_a_report_of_runs_that_share_nothing_is_written_anew(runs, tmp_path):
+    report = tmp_path / "r.md"
+    report.write_text("# Report: bar, chain, driven and 5 more\n\n8 runs.\n\n")
+    assert "8 runs." not in write_report(runs, report).read_text()

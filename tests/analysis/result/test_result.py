@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import pickle
+import signal
+from pathlib import Path
+
 import h5py
+import MDAnalysis
 import numpy as np
 import pytest
 
-from granwave.analysis import MissingOutputError, OutputFormatError, Result, write_result
+from granwave.analysis import MissingOutputError, OutputFormatError, Result, universe, write_result
 from granwave.analysis.lammps_output.dumps import read_contacts
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result import contacts
 from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, pair_laws, touching_pairs
+from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing
 from granwave.lammps_inputs.contact.law import pair_contact
@@ -312,3 +318,79 @@ def test_search_finds_what_touches_a_large_sphere():
     i, j = np.nonzero(np.triu(gaps <= 1e-4, 1))
     assert len(i) > 50
     assert np.array_equal(touching_pairs(ids, places, radii, 1e-4), np.stack([ids[i], ids[j]], axis=1))
+
+
+def test_ctrl_c_waits_for_the_file_and_keeps_the_old_one(tmp_path: Path) -> None:
+    """An error that leaves a write within HDF5 ends the program by a signal."""
+    path, written = tmp_path / "x.h5", False
+    with new_hdf5(path) as file:
+        file["a"] = 1
+    with pytest.raises(KeyboardInterrupt), new_hdf5(path) as file:
+        signal.raise_signal(signal.SIGINT)
+        file["b"] = 2
+        written = True
+    assert written and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with h5py.File(path) as file:
+        assert list(file) == ["a"]
+    assert [one.name for one in tmp_path.iterdir()] == ["x.h5"]
+
+
+@pytest.fixture
+def written(tmp_path):
+    synthetic.write_run(tmp_path, synthetic.make_case())
+    write_result(tmp_path)
+    return tmp_path
+
+
+def test_universe_of_a_directory_and_of_a_file(written):
+    for source in (written, written / "result.h5"):
+        u = universe(source)
+        assert u.atoms.n_atoms == 144 and u.trajectory.n_frames == 4
+        assert np.array_equal(u.atoms.ids, np.arange(1, 145))
+        assert np.allclose(u.atoms.radii, 0.005)
+        assert u.atoms.masses.sum() == pytest.approx(144 * 8500 * np.pi / 6 * 1e-6, rel=1e-12)
+
+
+def test_frames_in_any_order(written):
+    u = universe(written)
+    ids = np.arange(1, 145)
+    start = build_packing(synthetic.make_case()).positions
+    for m in (2, 0, 3, 1):
+        ts = u.trajectory[m]
+        assert (ts.frame, ts.time) == (m, pytest.approx([0, 2.5e-5, 5e-5, 1e-4][m]))
+        assert ts.data["displacement"].dtype == np.float64
+        assert np.array_equal(ts.data["displacement"][:, 0], m * ids * 1e-9)
+        assert np.allclose(u.atoms.positions, start, atol=1e-6)  # metres, single precision
+        assert np.allclose(u.atoms.velocities[:, 0], m * ids * 1e-3, rtol=1e-6)
+    assert [ts.frame for ts in u.trajectory] == [0, 1, 2, 3]
+    assert [ts.frame for ts in u.trajectory[1::2]] == [1, 3]
+
+
+def test_selections_work_in_metres(written):
+    u = universe(written)
+    layer = u.select_atoms("prop z < 0.004")
+    assert layer.n_atoms == 36
+    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(assemble(synthetic.make_case()).lattice.neighbours(15))
+
+
+def test_universe_can_be_copied_and_pickled(written):
+    u = universe(written)
+    u.trajectory[2]
+    for other in (u.copy(), pickle.loads(pickle.dumps(u))):
+        assert np.array_equal(other.trajectory[2].data["displacement"], u.trajectory[2].data["displacement"])
+
+
+def test_periodic_sides_give_dimensions(tmp_path):
+    case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": "periodic", "bottom": "fixed"})
+    write_result(synthetic.write_run(tmp_path, case))
+    assert universe(tmp_path).dimensions[:2] == pytest.approx(assemble(case).lattice.lengths, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_text_dump_opens_as_it_is(written):
+    u = MDAnalysis.Universe(
+        str(written / "dumps" / "spheres.dump"), format="LAMMPSDUMP", topology_format="LAMMPSDUMP",
+        additional_columns=["ux", "peak_force"],
+    )  # fmt: skip
+    assert u.trajectory.n_frames == 4 and u.atoms.n_atoms == 144
+    assert np.allclose(u.trajectory[3].data["ux"], 3e-9 * np.arange(1, 145), rtol=1e-14)

@@ -13,14 +13,16 @@ import numpy as np
 import pytest
 
 from granwave.analysis import summarise, write_result
+from granwave.analysis.document.model import Beside, Note
 from granwave.analysis.measures.waves import first_arrivals, wave_speed
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.figures import draw_scan_figures
-from granwave.analysis.scans.keys import key_of
-from granwave.analysis.scans.result import ScanResult
+from granwave.analysis.scans.figures import draw_scan_figures, drawings
+from granwave.analysis.scans.keys import key_of, means_of
+from granwave.analysis.scans.result import ScanResult, protects
 from granwave.analysis.scans.table import (
     column_unit,
     independent_keys,
+    physical,
     read_scan,
     scan_statistics,
     scan_table,
@@ -30,6 +32,7 @@ from granwave.lammps_inputs import load_case, sphere_contact, write_deck
 from granwave.lammps_inputs.ownership import claim
 from granwave.workflows import library
 from tests.helpers import synthetic
+from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
 
 QUANTITIES = {"dissipated_fraction", "plastic_zone_depth", "plastic_spheres", "peak_force", "wave_speed"}
@@ -353,3 +356,116 @@ def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
     arrived = [np.nanmin(arrivals[layer == k + 5]) for k in above]  # the contact above it is four below
     assert arrived == pytest.approx(passed, rel=0.06)
     assert found == pytest.approx(np.polyfit(passed, np.arange(7) * spacing, 1)[0], rel=0.12)
+
+
+@pytest.fixture
+def driven(tmp_path, request):
+    directory = write_scan(tmp_path / "scan", grid(load__velocity=[1, 4], contact__friction=[0.3, 0.5]))
+    index = json.loads((directory / "scan.json").read_text())
+    index["varied"] = ["load.amplitude", "load.frequency"]
+    for point in index["points"]:
+        velocity, friction = point["labels"].values()
+        point["labels"] = {"load.amplitude": 1e-8 * velocity, "load.frequency": 1e4 * friction}
+    (directory / "scan.json").write_text(json.dumps(index))
+    for point in ScanResult(directory).points:
+        folder = directory / "points" / point.id
+        (folder / "case.toml").write_text(f'[load]\nkind = "{request.param}"\n')
+        path = folder / "summary.json"
+        more = {"transmission": 1 - 1e6 * point.labels["load.amplitude"]}
+        path.write_text(json.dumps(json.loads(path.read_text()) | more))
+    return ScanResult(directory)
+
+
+@pytest.mark.parametrize(
+    ("driven", "unit", "setting"),
+    [("displacement", "m", "amplitude of the load 40 nm"), ("force", "N", "amplitude of the load 4e-8 N")],
+    indirect=["driven"],
+)
+def test_amplitude_and_transmission(driven, unit, setting):
+    assert driven.units["load.amplitude"] == unit and read_scan(driven.directory).unit("load.amplitude") == unit
+    means = means_of(driven)
+    assert means.quantities()[0] == ("transmission", "transmission")
+    assert setting in means.sentence("transmission") and "falls with amplitude" in means.sentence("transmission")
+    columns = drawings(driven)["transmission_vs_load_amplitude"].columns
+    assert f"load.amplitude_{unit}" in columns
+
+
+@pytest.mark.parametrize(
+    ("labels", "expected"),
+    [([2e-3], ("mm", 2.0)), ([5e-6], ("µm", 5.0)), ([5e-9, 2e-6], ("µm", 0.005)), ([3e-10], ("nm", 0.3))],
+)
+def test_unit_by_size(labels, expected):
+    key = key_of("load.amplitude", labels, "m")
+    assert (key.naming.unit, key.values[0]) == expected
+
+
+def test_vectors_along_one_axis_are_numbers():
+    key = key_of("striker.2.velocity", ["[0.5, 0, 0]", "[2, 0, 0]", "[0, 0, 0]"])
+    assert key.numeric and key.values == (0.5, 2.0, 0.0)
+    assert key.naming.label == "Velocity of the striker along x" and key.naming.unit == "m/s"
+    assert key.labels == ("[0.5, 0, 0]", "[2, 0, 0]", "[0, 0, 0]")  # tables of data keep them
+
+
+@pytest.mark.parametrize("labels", [["[0, 0, 1]", "[0, 1, 0]"], ["[0, 0, 0]"], ["[0, 1]", "[0, 2]"], ["a", "b"]])
+def test_other_vectors_are_words(labels):
+    assert not key_of("striker.2.velocity", labels).numeric
+
+
+def test_names_of_replaced_spheres():
+    density = key_of("replace.1.material.density", [4000.0, 8000.0]).naming
+    assert (density.label, density.unit) == ("Density of replaced spheres", "kg/m³")
+    diameter = key_of("replace.2.diameter", [0.01, 0.02])
+    assert diameter.naming.label == "Diameter of replaced spheres" and diameter.values == (10.0, 20.0)
+    assert key_of("replace.1.index", [3, 4]).naming.label == "Place of replaced spheres"
+    assert key_of("replace.first", [1]).naming.label == "replace.first"
+
+
+def test_run_times_that_follow_are_left_out():
+    times = {"run.end_time": [1e-3, 5e-4, 5e-4]}
+    assert list(physical({"load.velocity": [1, 2, 3], **times})) == ["load.velocity"]
+    assert list(physical({"load.velocity": [1, 2, 2], "run.end_time": [1, 2, 3]})) == ["load.velocity", "run.end_time"]
+    assert list(physical(times)) == ["run.end_time"]
+
+
+PLATE = {"target_peak_displacement_m": 1e-6}
+
+
+@pytest.mark.parametrize(
+    ("varied", "summaries", "expected"),
+    [
+        (["contact.friction"], [{"peak_reduction": 1.4}], False),  # a wall is only what holds the packing
+        (["contact.friction"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2} | PLATE], True),
+        (["contact.friction"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2}], False),
+        (["boundary.bottom"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2}], True),
+        (["boundary.bottom.plate.mass"], [{"peak_reduction": 0.7}], True),
+        (["boundary.bottom"], [{"peak_reduction": 1.00004}], False),  # one sphere
+        (["boundary.bottom"], [{"peak_reduction": None}, {}], False),
+        (["boundary.bottom"], [], False),
+    ],
+)
+def test_which_scans(varied, summaries, expected):
+    assert protects(varied, summaries) is expected
+
+
+@pytest.mark.parametrize("plate", [True, False])
+def test_main_figure(tmp_path, plate):
+    scan = write_scan(tmp_path / "scan", grid(contact__friction=[0, 0.1, 0.2], load__velocity=[1, 5]))
+    for point in ScanResult(scan).points:
+        path = scan / "points" / point.id / "summary.json"
+        reduction = 2 + 10 * point.labels["contact.friction"] - 0.1 * point.labels["load.velocity"]
+        more = {"peak_reduction": reduction} | (PLATE if plate else {})
+        path.write_text(json.dumps(json.loads(path.read_text()) | more))
+    draw_scan_figures(scan, pdf=False)
+    assert (scan / "figures" / "peak_reduction_vs_contact_friction.png").exists() is plate
+    means = means_of(ScanResult(scan))
+    assert (means.quantities()[0][1] == "peak_reduction") is plate
+    answer = build([scan], tmp_path).sections[0].blocks
+    (sentence,) = [block.text for block in answer if isinstance(block, Note) and block.tone == "lead"]
+    (shown,) = [block for block in answer if isinstance(block, Beside)]
+    if plate:
+        assert sentence.startswith("Peak reduction: from 1.5 (friction coefficient 0, impact velocity 5 m/s) to 3.9 ")
+        assert "It rises with friction coefficient, falls with impact velocity." in sentence
+        assert shown.gallery.figures[0].name.endswith("peak-reduction-vs-contact-friction")
+        assert shown.table.columns[2].heading == "Peak reduction"
+    else:
+        assert sentence.startswith("Dissipated fraction") and "Peak reduction" not in str(shown.table)

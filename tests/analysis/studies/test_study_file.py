@@ -1,17 +1,29 @@
-"""Studies of one's own: files that a scan or a report names by path."""
+"""Rows of studies and their tables, runs that belong together, descriptions of cases in titles, and studies of one's own."""
 
 from __future__ import annotations
 
 import csv
+import dataclasses
+import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 
-from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.document.model import Table
+from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.studies import studies_of
+from granwave.analysis.reports.studies import studies_of, studies_section
+from granwave.analysis.studies.runs import all_but
+from granwave.analysis.studies.study import Row, Study, write_rows
+from granwave.analysis.studies.titles import bottom_label, impact_title, load_label, packing_title, time_label
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows import load_scan, run_scan
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.run_directory import STUDY_ROWS
+from granwave.workflows import load_case, load_scan, run_scan
 from granwave.workflows.scanning.suite import load_suite
 from tests.helpers.synthetic_report import write_run
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -123,3 +135,161 @@ def test_a_study_that_fails_costs_no_report(tmp_path: Path, caplog: pytest.LogCa
     fault = "rows of the study bad, from number 1 on, could not be made: ZeroDivisionError: division by zero (bad.py, line 3)"
     assert fault in text.read_text(encoding="utf-8") and fault in caplog.text
     assert "did you mean peak_force_N?" in caplog.text
+
+
+SOURCE = Row("force", "N", 2.0, 3.0, "thesis 1", "why", 2.5)
+THEORY = Row("speed", "m/s", None, 3.0, "Hertz", theory=4.0)
+TESTS = Row("power", "", None, 0.1667, "Hertz", theory=1 / 6, verification=True)
+ALONE = Row("share", "%", None, 12.0, "ours alone")
+SILENT = Row("printed formula", "m/s", 14.8, None, "thesis 2", theory=10.0)
+
+
+def test_kind_follows_from_what_a_row_compares() -> None:
+    rows = (SOURCE, THEORY, TESTS, ALONE, SILENT)
+    assert [row.kind for row in rows] == ["source", "theory", "verification", "alone", "source"]
+    assert [row.deviation for row in rows] == pytest.approx([0.5, -0.25, 0.0002, None, None], nan_ok=True)
+
+
+def test_no_difference_is_given_from_a_bound() -> None:
+    assert dataclasses.replace(SOURCE, bound=True).deviation is None
+
+
+@pytest.mark.parametrize("missing", [{"source": 1.0}, {"theory": None}, {"ours": None}])
+def test_a_verification_has_its_two_values_and_no_source(missing: dict[str, float | None]) -> None:
+    with pytest.raises(ValueError, match="expected ours and theory, and no source"):
+        dataclasses.replace(TESTS, **missing)
+
+
+def test_numbers_of_numpy_can_be_stored() -> None:
+    row = Row("waves", source=4.0, ours=np.int64(4), theory=np.float64(4.5))  # type: ignore[arg-type]
+    assert json.dumps([row.ours, row.theory]) == "[4, 4.5]"
+
+
+def test_a_row_without_a_value_is_refused() -> None:
+    with pytest.raises(ValueError, match="found no value"):
+        dataclasses.replace(ALONE, ours=None)
+
+
+def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
+    study = Study("s", "Chain", "text", rows=(SOURCE, TESTS, THEORY, ALONE, SILENT))
+    section = studies_section(read_inputs([write_run(tmp_path / "run", figures=False)], tmp_path), [study])
+    tables = {block.caption: block for block in section.blocks[0].blocks if isinstance(block, Table)}
+    assert list(tables) == [
+        "Chain: source against ours", "Chain: theory against ours", "Chain: verification of the code",
+        "Chain: ours alone",
+    ]  # fmt: skip
+    sourced = tables["Chain: source against ours"]
+    assert [row[0].text for row in sourced.rows] == ["force (N)", "printed formula (m/s)"]
+    assert sourced.rows[1][2].text == "–"  # noqa: RUF001
+    assert "Must be" in [column.heading for column in tables["Chain: verification of the code"].columns]
+
+
+def test_rows_are_written_beside_the_report_of_a_scan(tmp_path: Path) -> None:
+    study = Study("chain", "Chain", "text", rows=(SOURCE, TESTS))
+    path = write_rows([study], tmp_path)
+    assert path is not None
+    with path.open(newline="", encoding="utf-8") as file:
+        first, second = csv.DictReader(file)
+    assert (first["study"], first["kind"], first["source"], first["granwave"]) == ("chain", "source", "2.0", "3.0")
+    assert (second["kind"], second["source"], float(second["theory"])) == ("verification", "", 1 / 6)
+    assert write_rows([], tmp_path) is None and not path.exists()
+
+
+def test_a_file_of_someone_else_is_not_replaced(tmp_path: Path) -> None:
+    (tmp_path / STUDY_ROWS).write_text("mine\n")
+    with pytest.raises(InputError, match="granwave did not write it"):
+        write_rows([Study("s", "S", "text", rows=(SOURCE,))], tmp_path)
+    assert (tmp_path / STUDY_ROWS).read_text() == "mine\n"
+
+
+def test_twins_differ_in_what_is_named_alone() -> None:
+    case = load_case("settled-fcc")
+    other = load_case("settled-fcc", {"precompression.pressure": 1e4, "run.end_time": 1e-3})
+    faster = load_case("settled-fcc", {"load.velocity": 10.0})
+    of_case, of_other, of_faster = (all_but(one, "precompression") for one in (case, other, faster))
+    assert of_case == of_other != of_faster
+    assert all_but(case, "load.velocity") == all_but(faster, "load.velocity") != all_but(other, "load.velocity")
+    assert all_but(case, "precompression", "load.velocity") == all_but(other, "precompression", "load.velocity")
+
+
+def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
+    """Each of the runs that its scans share, and none of which a study takes nothing."""
+    for name, text in (("all", ""), ("none", "def select(runs): return []\n")):
+        (tmp_path / f"{name}.py").write_text(f"def tables(runs): yield 'Count', {{'Runs': [len(runs)]}}\n{text}")
+    every, none = (str(tmp_path / name) for name in ("all.py", "none.py"))
+    directories = [write_run(tmp_path / name, figures=False) for name in ("one", "two")]
+    inputs = read_inputs(directories, tmp_path / "report.html", [every, none])
+    assert studies_of(inputs) == []
+    assert [study.name for study in studies_of(inputs, [every, none])] == ["all"]
+    points = tuple(Point(SimpleNamespace(labels={}), "", one) for one in inputs.runs)
+    scans = (
+        Scan("first", None, points, (none,)),
+        Scan("second", None, points[:1], (every,)),
+        Scan("third", None, points, (every,)),
+    )
+    (study,) = studies_of(dataclasses.replace(inputs, items=scans))
+    assert study.tables[0].rows[0][0].text == "2"
+
+
+def made(kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **sections: Any) -> Case:
+    packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": 0.00952}
+    return case_from_dict({"name": "words", "packing": packing, "material": material, **sections})
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "words", "of_any_height"),
+    [
+        ("fcc", (6, 5, 4), "FCC packing of 6 x 5 x 4 brass spheres of 9.52 mm", "FCC packing of 6 x 5 brass spheres of 9.52 mm a layer"),
+        ("sc", (6, 5, 4), "Simple cubic packing of 6 x 5 x 4 brass spheres of 9.52 mm", "Simple cubic packing of 6 x 5 brass spheres of 9.52 mm a layer"),
+        ("square", (6, 5), "Square packing of 6 x 5 brass spheres of 9.52 mm", "Square packing of 6 x 5 brass spheres of 9.52 mm"),
+        ("chain", 20, "Chain of 20 brass spheres of 9.52 mm", "Chain of brass spheres of 9.52 mm"),
+        ("chain", 1, "Brass sphere of 9.52 mm", "Chain of brass spheres of 9.52 mm"),
+    ],
+)  # fmt: skip
+def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
+    load = (
+        {"load": {"kind": "striker"}, "striker": [{"touches": 1, "velocity": [0.3, 0.4, 0]}]}
+        if kind == "square"
+        else {}
+    )
+    case = made(kind, size, **load)
+    assert packing_title(case) == words
+    assert packing_title(case, height=False) == of_any_height
+
+
+def test_a_material_without_a_name() -> None:
+    own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
+    assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
+    assert packing_title(made("chain", 1, own)) == "Sphere of 9.52 mm"
+
+
+def test_loads() -> None:
+    assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(", elastic contacts, 2.5 m/s")
+    assert load_label(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
+    force = {"kind": "force", "shape": "half-sine", "amplitude": 100.0, "duration": 1e-5}
+    assert load_label(made("chain", 3, load=force)) == "force on top"
+    strikers = [{"touches": 1, "velocity": [0, 0, 0.6]}, {"touches": 2, "velocity": [0, 0.6, 0.8]}]
+    assert load_label(made(load={"kind": "striker"}, striker=strikers)) == "1 m/s"
+
+
+@pytest.mark.parametrize(
+    ("bottom", "words"),
+    [
+        ("wall", "rigid wall"),
+        ("fixed", "fixed last layer"),
+        ("free", "no bottom"),
+        ({"material": "steel"}, "steel wall"),
+        ({"plate": {"mass": 0.5, "stiffness": 2e8}}, "plate of 0.5 kg, 314 µs"),
+        ({"plate": {"mass": 1.0, "stiffness": 1e6, "damping": 10.0}, "material": "steel"}, "plate of 1 kg, 6.28 ms, damped"),
+        ({"half_space": {}, "material": "steel"}, "steel half-space"),
+        ({"half_space": {"radius": 0.05}, "material": "steel"}, "steel half-space, disc of 50 mm"),
+        ({"bar": {"length": 1, "area": 0.0125}, "material": "steel"}, "steel bar of 125 cm²"),
+        ({"bar": {"length": 1, "area": 0.0125, "end": "fixed"}, "material": "steel"}, "steel bar of 125 cm², far end fixed"),
+    ],
+)  # fmt: skip
+def test_bottoms(bottom: Any, words: str) -> None:
+    assert bottom_label(made(boundary={"bottom": bottom})) == words
+
+
+def test_times() -> None:
+    assert [time_label(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]

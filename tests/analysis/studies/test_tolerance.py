@@ -1,9 +1,10 @@
-"""Study of tolerances: grouping of runs, results for synthetic runs, and a small real scan."""
+"""Studies of tolerances, of bands, and of two spheres in finite elements."""
 
 from __future__ import annotations
 
 import itertools
 import json
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,18 @@ import pytest
 from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_of
+from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.statistics import estimate
-from granwave.analysis.studies.runs import finished_runs
-from granwave.analysis.studies.study import Study
+from granwave.analysis.studies.bands import scattered_line, without_scatter
+from granwave.analysis.studies.runs import SphereContactRun, finished_runs
+from granwave.analysis.studies.study import Study, make_studies
 from granwave.analysis.studies.tolerance.packings import AXES, DISSIPATED, FORCE, IDEAL, Packing, Setting, select
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import load_case, load_scan, run_case
+from tests.helpers.synthetic_contact import write_contact
 from tests.helpers.synthetic_report import build, notes, table
 from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
 
@@ -231,3 +236,48 @@ def test_real_packings(tmp_path: Path) -> None:
     assert [row["Seeds"].value for row in rows] == [0, 2, 2]
     arrivals = [row["Arrival at the bottom"].value for row in rows]
     assert arrivals == sorted(arrivals) and arrivals[-1] > 1.3 * arrivals[0]
+
+
+def test_the_line_of_a_hardly_scattered_packing_is_the_band():
+    case = load_case("precompressed-fcc", {"packing.size": [3, 4, 12], "packing.diameter_scatter": 1e-12})
+    k = 0.4 * math.pi / (math.sqrt(2 / 3) * 0.01)
+    bands = band_structure(without_scatter(case), f"0,0,0; 0,0,{k!r}", points=3, allow_floppy=True).bands
+    assert scattered_line(case, k) == pytest.approx(float(np.nanmax(bands.frequency[-1])), rel=1e-4)
+
+
+def contact(folder: Path, **changes: Any) -> SphereContactRun:
+    write_contact(folder, **changes)
+    summary = json.loads((folder / "summary.json").read_text())
+    return SphereContactRun(folder.name, folder, read_toml(folder / "case.toml"), summary)
+
+
+def differences(study: Study) -> dict[str, dict[str, Any]]:
+    """Values of the table of a study, by the name of the spheres and the heading."""
+    (one,) = study.tables
+    heads = [column.heading for column in one.columns[1:]]
+    return {row[0].text: dict(zip(heads, [cell.value for cell in row[1:]], strict=True)) for row in one.rows}
+
+
+def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
+    runs = contact(tmp_path / "alike"), contact(tmp_path / "unlike", difference=-0.09, partner=9.52e-3)
+    (study,) = make_studies({"sphere-contact": runs})
+    found = differences(study)
+    assert list(found) == ["brass, like radii", "brass, radii 2 to 1"]
+    alike, unlike = found.values()
+    assert (alike["At 3 alpha_y"], alike["Most, 1 to 10 alpha_y"]) == (pytest.approx(0.15), pytest.approx(0.15))
+    assert (alike["Least, beyond"], unlike["Least, beyond"]) == (pytest.approx(-0.05), pytest.approx(-0.14))
+    assert alike["Smallest unloading exponent"] == 1.33
+    assert alike["Energy of yielding in the softer sphere"] is None
+    assert len(study.pictures) == 1 and not study.failed
+
+
+def test_the_softer_sphere_takes_what_its_strain_and_strength_say(tmp_path: Path) -> None:
+    run = contact(tmp_path / "unlike", material={"name": "steel", "yield_strength": 1100e6})
+    (study,) = make_studies({"sphere-contact": [run]})
+    share = differences(study)["brass and steel"]["Energy of yielding in the softer sphere"]
+    assert share == pytest.approx(0.3 / (0.3 + 2 * 0.1))
+
+
+def test_other_runs_are_left_out(tmp_path: Path) -> None:
+    run = contact(tmp_path / "elastic")
+    assert make_studies({"sphere-contact": [SphereContactRun("e", run.directory, run.case, {})]}) == []

@@ -63,6 +63,8 @@ class Discs:
         Per length, kg/m.
     constant_spring
         True for a tangential spring whose stiffness does not follow the contact.
+    reach
+        Distance up to which grains may meet later, in radii.
     """
 
     centres: np.ndarray
@@ -76,6 +78,7 @@ class Discs:
     plate_velocity: float
     walls: bool = True
     constant_spring: bool = False
+    reach: float = 2.2
 
     def __post_init__(self) -> None:
         """Find contacts and laws."""
@@ -85,7 +88,7 @@ class Discs:
         pairs = LineLaw(plain / 2, 8 * np.pi * plain / 2 * r)
         planes = LineLaw(plain, 4 * np.pi * plain * r)
         apart = np.linalg.norm(self.x[:, None] - self.x[None], axis=2)
-        i, j = np.nonzero(np.triu(apart < 2.2 * r, 1))  # more than what touches: neighbours may meet later
+        i, j = np.nonzero(np.triu(apart < self.reach * r, 1))
         self.i, self.j = i, j
         every = np.arange(n)
         # left, right, bottom, plate
@@ -122,7 +125,7 @@ class Discs:
             normal.append(np.tile(across, (n, 1)))
             overlap.append(depth)
             relative.append(self.v - moving)
-            spin.append((r - depth / 2) * self.omega)
+            spin.append((r - depth) * self.omega)
         normal, overlap = np.concatenate(normal), np.concatenate(overlap)
         relative, spin = np.concatenate(relative), np.concatenate(spin)
         touch = overlap > 1e-15
@@ -153,10 +156,11 @@ class Discs:
             self.spring, self.k_before = new, np.where(touch, k_t, 0.0)
         self.p = p
         force = total[:, None] * normal + self.spring[:, None] * tangent
+        self.contact_forces, self.normals, self.touching = force, normal, touch
         f, torque = np.zeros((n, 2)), np.zeros(n)
         np.add.at(f, self.i, force[pair])
         np.add.at(f, self.j, -force[pair])
-        arm = r - overlap / 2
+        arm = r - np.where(pair, overlap / 2, overlap)  # up to a plane itself
         turn = -arm * self.spring
         np.add.at(torque, self.i, turn[pair])
         np.add.at(torque, self.j, turn[pair])

@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import pty
 import subprocess
 import sys
-from pathlib import Path
+import tomllib
 
 import pytest
 from argcomplete.finders import CompletionFinder
 from argcomplete.lexers import split_line
 
-from granwave.lammps_inputs.case.contact import LAWS
+from granwave.analysis.inference.case import InferCase
+from granwave.lammps_inputs.case.case import TABLES, case_keys
+from granwave.lammps_inputs.case.load import Load, read_load
+from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
 from granwave.workflows import library
 from granwave.workflows.__main__ import run
-from granwave.workflows.cli import package
+from granwave.workflows.cli import keys, package
 from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import SHELLS, SWITCH_ON
+from granwave.workflows.finite_elements.punch.case import ContinuumCase
+from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.run.lammps_engine import Engine
+from granwave.workflows.scanning.header import Header, RanksBySize
+from granwave.workflows.scanning.slurm import Profile
+from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
 
 
@@ -83,56 +92,6 @@ def test_colours_on_terminals_alone():
     assert "\033[" not in on_terminal("cases", NO_COLOR="1") + on_terminal("cases", TERM="dumb")
     done = subprocess.run([BIN / "granwave", "cases"], capture_output=True, text=True, env=PLAIN)
     assert "\033[" not in done.stdout
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["check", "fcc-small", "--np", "two"], "--np: found two, expected a number"),
-        (["check", "fcc-small", "--np", "0"], "--np: found 0, expected a whole number, 1 or more"),
-        (["run", "fcc-small", "--np", "1.5"], "--np: found 1.5, expected a whole number, 1 or more"),
-        (["run", "fcc-small", "--np", "nan"], "--np: found nan, expected a whole number, 1 or more"),
-        (["run", "fcc-small", "--checkpoint", "-5"], "--checkpoint: found -5, expected a number above 0 (s)"),
-        (["run", "fcc-small", "--checkpoint", "inf"], "--checkpoint: found inf, expected a number above 0 (s)"),
-        (["run", "fcc-small", "--checkpoint", "soon"], "--checkpoint: found soon, expected a number"),
-        (["run", "fcc-small", "-o", ""], '-o: found the empty name'),
-        (["scan", "restitution", "--jobs", "x"], "--jobs: found x, expected a number"),
-        (["scan", "restitution", "--jobs", ""], "--jobs: found nothing, expected a number"),
-        (["scan", "restitution", "--profile", " "], "--profile: is for --executor slurm; leave it out"),
-        (["bench", "--repeats", "0"], "--repeats: found 0, expected a whole number, 1 or more"),
-        (["bench", "--parts", "styles,speed"], "--parts: found speed, expected some of styles,sizes,ranks,study"),
-        (["law", "--radius", "x"], "--radius: found x, expected a number"),
-        (["law", "--radius", "1e300"], "--radius: found 1e300, expected a length from 1e-18 to 1e+06 m"),
-        (["law", "--radius", "nan"], "--radius: found nan, expected a length from 1e-18 to 1e+06 m"),
-        (["law", "--max-overlap", "1e300"], "--max-overlap: found 1e300, expected a number above 0 and at most 1e+06"),
-        (["law", "--law", "hertzz"], f'--law: found "hertzz", expected one of {", ".join(LAWS)}; did you mean hertz?'),
-        (["rn", "fcc-small"], "did you mean run?"),
-        (["run"], "the following arguments are required: CASE; granwave run --help tells more"),
-        (["run", "fcc-small", "--velocity", "3"], "unrecognized arguments: --velocity 3; keys of a case are set by --set"),
-        (["run", "fcc-small", "--resume", "--force"], "--force: not allowed with argument --resume"),
-        (["check", "fcc-small", "--set", "packing.size=4,4,3"], "expected a TOML value or a bare word; a list is [4,4,3]"),
-        (["check", "fcc-small", "--set", "velocity"], 'found "velocity", expected KEY=VALUE such as load.velocity=10'),
-        (["check", "fcc-small", "--set", "replace.1.index=2"], "found no [[replace]] tables, expected 1 or more"),
-        (["check", "fcc-small", "--set", "name=-rf"], 'name: found "-rf", expected a plain name'),
-        (["check", "fcc-small", "--set", 'name=" x"'], 'name: found " x", expected a plain name'),
-        (["check", "./-x.toml"], "from the name of the file: give the case a name of its own"),
-        (["scan", "./-scan.toml", "--plan"], 'name: found "-scan", expected a plain name'),
-    ],
-)  # fmt: skip
-def test_one_line_says_what_is_wrong(
-    words: list[str], expected: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "-x.toml").write_text('material = "brass"\n[packing]\nkind = "chain"\nsize = 2\ndiameter = 0.01\n')
-    (tmp_path / "-scan.toml").write_text('case = "fcc-small"\n[grid]\nload.velocity = [1]\n')
-    before = sorted(tmp_path.rglob("*"))
-    try:
-        status = main(words)
-    except SystemExit as end:
-        status = int(end.code or 0)
-    said = capsys.readouterr().err
-    assert status == 2 and said.count("\n") == 1 and said.startswith("granwave: ") and expected in said
-    assert sorted(tmp_path.rglob("*")) == before
 
 
 SCRIPT = """
@@ -269,3 +228,90 @@ echo "${COMPREPLY[@]}"
     environment = PLAIN | {"PATH": f"{tmp_path}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}"}
     done = subprocess.run(["bash", "-c", words], capture_output=True, text=True, env=environment, timeout=120)
     assert done.stdout.split() == ["fcc-small"], done.stderr
+
+
+SECTIONS = {
+    **{(keys.CASE, heading.strip("[]")): section for heading, section in TABLES.items()},
+    **{(keys.CONTINUUM, name): section for name, section in ContinuumCase.SECTIONS.items()},
+    **{(keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()},
+    (keys.SCAN, "scan"): Header,
+    (keys.SCAN, "ranks"): RanksBySize,
+    (keys.SUITE, "suite"): SuiteFile,
+    (keys.PROFILE, "slurm"): Profile,
+    **{(keys.INFERENCE, name): section for name, section in InferCase.SECTIONS.items()},
+}
+# tables and words that code besides the field's validator reads
+ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
+
+
+def example(key: keys.Key) -> object:
+    (value,) = tomllib.loads(key.example).values()
+    return value
+
+
+def test_every_key_that_is_read_is_listed():
+    listed = {f"{table.name}.{key.name}" for table in keys.tables() if table.file == keys.CASE for key in table.keys}
+    known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
+    assert known <= listed
+    assert set(Load.__dataclass_fields__) <= {key.name for key in keys.find("load")[0].keys}
+
+
+@pytest.mark.parametrize("table", keys.tables(), ids=lambda table: f"{table.file}-{table.name}")
+def test_every_key_has_what_a_reader_needs(table):
+    assert table.description and table.keys
+    for key in table.keys:
+        assert key.description and key.accepts != "any value", key.name
+        assert not (key.required and key.default), key.name
+        assert key.example.split(" = ", 1)[1], f"{key.name}: give an example in key_examples.toml"
+        example(key)  # is TOML
+
+
+@pytest.mark.parametrize(("file", "name"), SECTIONS)
+def test_examples_are_valid(file, name):
+    (table,) = [table for table in keys.tables() if (table.file, table.name) == (file, name)]
+    fields = {field.name: field for field in dataclasses.fields(SECTIONS[file, name])}
+    for key in table.keys:
+        if key.name in fields and "parse" in fields[key.name].metadata and (name, key.name) not in ELSEWHERE:
+            fields[key.name].metadata["parse"](example(key))
+
+
+def test_no_example_of_a_key_that_does_not_exist():
+    for file, tables in keys._examples().items():
+        for name, examples in tables.items():
+            (table,) = [table for table in keys.tables() if (table.file, table.name) == (file, name)]
+            assert set(examples) <= {key.name for key in table.keys}, (file, name)
+
+
+def test_a_load_knows_its_file():
+    errors = ErrorList("case")
+    read_load({"kind": "force", "file": "no-such-file"}, errors)
+    assert "cannot be read" in errors.lines[0]
+
+
+def test_the_command(capsys):
+    assert main(["keys"]) == 0
+    shown = capsys.readouterr().out
+    assert all(f"  {table.name} " in shown for table in keys.tables())
+    assert main(["keys", "packing"]) == 0
+    assert "diameter  m  required\n    diameter of the spheres; in a file" in capsys.readouterr().out
+    assert main(["keys", "run.end_time"]) == 0  # of three kinds of files two have it
+    assert capsys.readouterr().out.count("end_time  s  default") == 2
+    assert main(["keys", "[[replace]]"]) == 0
+
+
+def test_words_of_a_key_may_stand_apart(capsys):
+    assert main(["keys", "load", "velocity"]) == 0
+    apart = capsys.readouterr().out
+    assert main(["keys", "load.velocity"]) == 0
+    assert capsys.readouterr().out == apart and "m/s" in apart
+    assert main(["keys", "load", "velocty"]) == 2
+    assert "load.velocty: no such table or key; did you mean load.velocity?" in capsys.readouterr().err
+
+
+def test_usual_magnitudes_are_those_that_messages_name():
+    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where on."""
+    found = {
+        key.name: key.usual for table in keys.tables() for key in table.keys if table.name in ("material", "packing")
+    }
+    assert found["diameter"] == "usual: 1e-6 to 1 m; others give a warning"
+    assert found["youngs_modulus"] == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"

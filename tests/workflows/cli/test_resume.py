@@ -11,6 +11,7 @@ import time
 import pytest
 
 from tests.conftest import PLAIN
+from tests.helpers.processes import wait_for
 from tests.helpers.run_files import summary, without_clock
 
 LONG = ["--set", "packing.size=[14,14,8]", "--set", "run.end_time=4e-4", "--set", "run.frames=5"]
@@ -31,14 +32,6 @@ def start(directory, *arguments, sets=LONG, name="fcc-small"):
         *arguments,
     ]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
-
-
-def wait_for(condition, process, limit=120):
-    end = time.monotonic() + limit
-    while not condition():
-        assert process.poll() is None, process.communicate()
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +55,7 @@ def compare(whole, resumed):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_path, ranks):
+    """On one processor, whether it was begun on one or two."""
     directory = tmp_path / "killed"
     process = start(directory, "--checkpoint", "0.2", "--np", str(ranks))
     wait_for(
@@ -69,7 +63,7 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
             len(list(directory.glob("checkpoint-*.restart")))
             and (directory / "dumps" / "spheres.bin").stat().st_size > 2e5
         ),
-        process,
+        beside=process,
     )
     time.sleep(0.3)
     if ranks == 1:
@@ -78,7 +72,7 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
         subprocess.run(["pkill", "-KILL", "-f", f"granwave.workflows run fcc-small -o {directory}"], check=False)
     process.wait(60)
     assert not (directory / "summary.json").exists()
-    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume", "--np", ranks)
+    done = granwave("run", "fcc-small", "-o", directory, *LONG, "--no-figures", "--resume")
     assert done.returncode == 0, done.stderr
     compare(uninterrupted, directory)
     assert not list(directory.glob("checkpoint-*"))
@@ -91,7 +85,7 @@ def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_
         lambda: (
             (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000
         ),
-        process,
+        beside=process,
     )
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=120)
@@ -110,7 +104,7 @@ def test_automatic_end_is_the_same_after_a_stop(granwave, tmp_path):
     assert whole.returncode == 0, whole.stderr
     process = start(tmp_path / "cut", sets=sets)
     ledger = tmp_path / "cut" / "dumps" / "energy.txt"
-    wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, process)
+    wait_for(lambda: ledger.exists() and ledger.stat().st_size > 30000, beside=process)
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=120)
     assert process.returncode == 130
@@ -124,7 +118,7 @@ def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
     sets = ["--set", "boundary.forget_gap=1e-9", "--np", str(ranks)]
     process = start(tmp_path / "run", *sets, name="preconditioned-fcc", sets=[])
     log = tmp_path / "run" / "log.lammps"
-    wait_for(lambda: log.exists() and "min_style" in log.read_text(errors="replace"), process)
+    wait_for(lambda: log.exists() and "min_style" in log.read_text(errors="replace"), beside=process)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130, errors

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import re
+import shlex
 
 import h5py
 import numpy as np
@@ -13,12 +14,15 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
+from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import spectra as commands
 from granwave.workflows.cli.check import wave_rows
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.plan_values import small_waves
+from granwave.workflows.counterpart import energy_unit, inputs_of_packing
 from granwave.workflows.library import find_for, load_case
+from granwave.workflows.run.driver import run_case
 
 ROW = """
 name = "row"
@@ -64,28 +68,6 @@ def test_files_of_all_three_share_a_directory(row, capsys):
     assert main(["bands", "row.toml", "-o", "out"]) == 2
     assert "already holds results (bands.csv)" in capsys.readouterr().err
     assert main(["bands", "row.toml", "-o", "out", "--force", "--no-figures"]) == 0
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["bands", "fcc-small"], "precompression: missing"),
-        (["bands", "row.toml", "--path", "G-Q"], "--path: found the point Q, expected one of G, X"),
-        (["bands", "row.toml", "--directions", "w"], '--directions: found "w"'),
-        (["bands", "row.toml", "--plane", "zz"], '--plane: found "zz"'),
-        (["bands", "row.toml", "--set", "precompression.force=-1"], "precompression.force"),
-        (["bands", "precompressed-fcc"], "the static state is not rigid: 1 of 3 modes"),
-        (["bands", "row.toml", "--set", "packing.seed=1", "--set", "packing.diameter_scatter=1e-6"], "repeat no seq"),
-        (["modes", "row.toml", "--directions", "x"], "found no grain that can move"),
-        (["transmission", "row.toml", "--drive", "99", "--sensor", "2", "--frequencies", "100"], "--drive: found 99"),
-        (["run", "row.toml", "--set", "boundary.bottom=periodic"], "an endless packing has bands"),
-    ],
-)
-def test_wrong_input(row, capsys, words, message):
-    assert main(words) == 2
-    err = capsys.readouterr().err
-    assert message in err and len(err.splitlines()) == 1
-    assert [one.name for one in row.iterdir()] == ["row.toml"]
 
 
 def test_python_gives_datasets(row):
@@ -197,3 +179,91 @@ def test_a_case_of_inference_is_named_as_such(tmp_path):
     file.write_text("[infer]\nfriction = 0.3\n")
     with pytest.raises(InputError, match=r"granwave infer GRAINS\.csv --case"):
         find_for(str(file), "run", "continuum")
+
+
+SMALL = ["--set", "packing.size=[6,6,4]"]
+UNIT = "energy_input_over_sigma2_D3_E"
+
+
+def plan_of(words, capsys):
+    """Return what granwave check says of a command that would run a case."""
+    without_directory = words[: words.index("-o")] if "-o" in words else words
+    assert main(["check", *without_directory, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        [],
+        ["material=steel"],
+        ["load.spheres=7", "load.velocity=2"],
+        ["packing.diameter=0.004", "packing.kind=bcc", "load.velocity=12"],
+        ["material.youngs_modulus=100e9", "material.density=5000"],
+    ],
+)
+def test_the_continuum_case_has_the_input_of_the_packing(changes, capsys):
+    packing = plan_of(["fcc-small", *SMALL, *(word for change in changes for word in ("--set", change))], capsys)
+    program, verb, *words = shlex.split(packing["counterpart"]["command"])
+    assert (program, verb) == ("granwave", "continuum")
+    continuum = plan_of(words, capsys)
+    assert continuum["command"] == "continuum"
+    assert continuum[UNIT] == pytest.approx(packing[UNIT], rel=1e-9)
+    assert continuum["energy_input_J"] == pytest.approx(packing["energy_input_J"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "struck"),
+    [([], "load.spheres=1"), (["punch.mass=0.2", "punch.velocity=40"], "load.spheres=7"),
+     (["punch.diameter=0.02", "material=steel"], "load.spheres=1")],
+)  # fmt: skip
+def test_the_packing_has_the_input_of_the_continuum_case(changes, struck, capsys):
+    continuum = plan_of(["half-space", *(word for change in changes for word in ("--set", change))], capsys)
+    program, verb, *words = shlex.split(continuum["counterpart"]["command"])
+    assert (program, verb) == ("granwave", "run")
+    assert struck in words
+    packing = plan_of(words, capsys)
+    assert packing[UNIT] == pytest.approx(continuum[UNIT], rel=1e-9)
+
+
+def test_the_command_runs_and_its_summary_agrees(tmp_path, capsys):
+    packing = plan_of(["fcc-small", *SMALL], capsys)
+    words = shlex.split(packing["counterpart"]["command"])[1:-1]
+    coarse = ["--set", "run.elements=400", "--set", "run.end_time=2e-6", "--no-figures", "--json"]
+    assert main([*words, str(tmp_path / "block"), *coarse]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["energy_input_normalised"] == pytest.approx(packing[UNIT], rel=1e-9)
+
+
+def test_inputs_are_those_of_the_summary(tmp_path):
+    case = load_case("fcc-small", {"packing.size": [4, 4, 3], "run.end_time": 2e-5, "load.spheres": 3})
+    inputs, summary = inputs_of_packing(case), run_case(case, tmp_path, figures=False).summary
+    assert inputs.energy == pytest.approx(summary["energy_input_J"], rel=1e-12)
+    assert inputs.energy_normalised == pytest.approx(summary["energy_input_normalised"], rel=1e-12)
+    assert inputs.velocity_normalised == pytest.approx(summary["velocity_normalised"], rel=1e-12)
+    # brass, 10 mm: sigma_y^2 D^3/E = (550e6)^2 1e-6 / 115e9 J
+    assert energy_unit(material("brass"), 0.01) == pytest.approx(2.6304347826)
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        (["elastic-impact"], "the contacts do not yield"),
+        (["two-spheres"], "no block: a chain"),
+        (["fcc-small", "--set", "packing.size=[1,1,6]"], "or too narrow"),
+        (["elastoplastic-pulse"], "impacts and strikers along z alone"),
+        (["fcc-small", *SMALL, "--set", "load.angle=30"], "impacts and strikers along z alone"),
+    ],
+)
+def test_where_there_is_none_it_says_why(words, reason, capsys):
+    counterpart = plan_of(words, capsys)["counterpart"]
+    assert counterpart["command"] is None and reason in counterpart["reason"]
+
+
+def test_check_prints_inputs_and_the_command(capsys):
+    assert main(["check", "fcc-small", *SMALL]) == 0
+    lines = {line.partition("  ")[0]: line for line in capsys.readouterr().out.splitlines()}
+    assert "0.0556324 J" in lines["energy in"]
+    assert "8434.55 F_y alpha_y" in lines["energy normalised"]
+    assert "47.4259" in lines["velocity normalised"]
+    assert any(line.startswith("continuum of equal input: granwave continuum half-space --set") for line in lines)

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.measures import GrainRow, first_peak, largest_of_pulses, push_starts
 from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers.symmetric_row import SymmetricRow, elliptic_stiffness, line_force
+from tests.helpers.symmetric_row import SymmetricRow
 
 N, BIG, STRUCK, SPEED, END = 14, 0.015, 5, 1.0, 1.6e-4
 BRASS = {"name": "brass", "youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0, "yield_strength": 550e6}
@@ -146,15 +146,6 @@ def compare(row: GrainRow, tolerance: float) -> None:
     last = int(np.flatnonzero(arrivals < 2e-4).max())
     assert last > 10
     assert row.of_contacts("peak_force")[3:last] == pytest.approx(peaks[3:last], rel=tolerance)
-
-
-def test_check_values_of_the_source() -> None:
-    brass = 115e9 / (1 - 0.3**2)
-    assert line_force(1e-6, 1 / (math.pi * brass), 9.525e-3, 4.76e-3) == pytest.approx(266.272, rel=1e-6)
-    assert line_force(1e-26, 1 / (math.pi * brass), 9.525e-3, 4.76e-3) == 0.0
-    assert elliptic_stiffness(brass / 2, 1 / 4.7625e-3, 1 / 4.7625e-3 + 1 / 2.38e-3) == pytest.approx(
-        4.528092e9, rel=1e-6
-    )
 
 
 def test_row_between_pressed_walls(tmp_path: Path) -> None:

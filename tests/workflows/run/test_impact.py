@@ -89,9 +89,9 @@ def test_three_preferred_directions_are_equal(lmp, tmp_path):
 @pytest.mark.parametrize(
     ("ranks", "overrides"),
     [
-        (2, ()),
+        (2, ("packing.diameter_scatter=2e-6", "packing.vacancies=0.03", 'replace=[{share=0.1,material="steel"}]')),
         (2, ("boundary.sides=periodic",)),
-        (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall")),
+        (2, ("load.velocity=40", "load.spheres=7", "boundary.sides=wall", "run.timestep=1e-7", "run.end_time=4e-5")),
         # slow with more ranks than cores: few steps
         pytest.param(
             3,
@@ -127,7 +127,7 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
         (2, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True),
         pytest.param(3, "comm_style tiled\nfix shuffle all balance 150 1.0 rcb\n", True, marks=pytest.mark.validation),
         # this method of balancing in LAMMPS itself changes positions by rounding
-        (2, "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n", False),
+        pytest.param(2, "fix shuffle all balance 150 1.0 shift xyz 10 1.0\n", False, marks=pytest.mark.validation),
     ],
 )
 def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance, bits):
@@ -160,11 +160,9 @@ def test_a_quarter_of_the_step_cuts_the_error_tenfold(lmp, tmp_path):
 _POWER = {"power": ("contact.constant=2e9", "contact.exponent=1.5")}
 
 
-@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("law", [law for law in LAWS if law != "none"])
-def test_every_packing_with_every_law_balances(lmp, tmp_path, kind, law):
-    size = {"square": "[7,7]", "chain": "12", "hexagonal": "[7,6]", "centred-square": "[7,6]"}.get(kind, "[5,5,4]")
-    changes = [f"packing.kind={kind}", f"packing.size={size}", f"contact.law={law}", "run.end_time=6e-5"]
+def test_every_law_balances_in_a_packing(lmp, tmp_path, law):
+    changes = ["packing.size=[5,5,4]", f"contact.law={law}", "run.end_time=6e-5"]
     written = deck(tmp_path, *changes, *_POWER.get(law, ()))
     done = lmp(written.script)
     assert done.returncode == 0, done.stdout
@@ -218,19 +216,6 @@ def test_every_lattice_runs(kind: str, sides: str, tmp_path: Path) -> None:
     )
     outcome = run_case(case, tmp_path / "run", figures=False)
     assert outcome.state == "finished" and outcome.summary["energy_balance_error"] < 1e-5
-
-
-def test_one_and_two_ranks_give_the_same_bits(lmp, tmp_path: Path) -> None:
-    found = []
-    for ranks in (1, 2):
-        deck = write_deck(packing_of(size=(8, 8, 5), **RUN), tmp_path / str(ranks))
-        done = lmp(deck.script, ranks=ranks)
-        assert done.returncode == 0, done.stdout + done.stderr
-        found.append((read_energy(deck.directory), next(read_contacts(deck.directory))))
-    (e1, c1), (e2, c2) = found
-    for name in ("kinetic", "elastic", "dissipated"):
-        assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
-    assert_same_contacts(c1, c2)
 
 
 def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None:

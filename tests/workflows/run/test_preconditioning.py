@@ -16,7 +16,6 @@ from granwave.analysis import MissingOutputError, OutputFormatError, analyse
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
 from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
-from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -143,29 +142,6 @@ class TestRuns:
 
 
 class TestRefused:
-    @pytest.mark.parametrize(
-        ("contact", "message"),
-        [
-            ({"initial_overlap": 6e-4}, r"contact.initial_overlap: found a dent of 0.0006 m, expected at most 0.2 R\* = 0.0005 m"),
-            ({"initial_overlap": {"force": 1e5}}, r"found a dent of .* expected at most 0.2 R\*"),
-            ({"initial_overlap": 1e-6, "law": "hertz"}, 'contact.law = "hertz", which cannot yield'),
-            ({"initial_overlap": -1e-6}, "found -1e-06, expected .* not negative"),
-            ({"initial_overlap": {"overlap": -1e-6}}, "not negative"),
-        ],
-    )  # fmt: skip
-    def test_values(self, contact: dict, message: str) -> None:
-        with pytest.raises(InputError, match=message) as refused:
-            case_of(contact=contact)
-        assert len(refused.value.errors) == 1
-
-    def test_results(self, tmp_path: Path) -> None:
-        with pytest.raises(InputError, match=r"initial_overlap: .*none.h5: there is no such file"):
-            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "none.h5")}), tmp_path / "deck")
-        (tmp_path / "text.h5").write_text("none")
-        with pytest.raises(InputError, match=r"text.h5: is not the result.h5 of a run"):
-            write_deck(case_of(contact={"initial_overlap": str(tmp_path / "text.h5")}), tmp_path / "deck")
-        assert not (tmp_path / "deck").exists()
-
     def test_another_packing(self, tmp_path: Path) -> None:
         short = {"end_time": 1e-6}
         ran(case_of("chain", 4, run=short), tmp_path / "r")
@@ -177,12 +153,6 @@ class TestRefused:
         ):
             with pytest.raises(InputError, match=f"is of another packing: .*{message}"):
                 dents_table(assemble(case_of("chain", size, contact=given, packing=packing)))
-
-    def test_nothing_is_overwritten(self, tmp_path: Path) -> None:
-        ran(case_of("chain", 4, run={"end_time": 1e-6}), tmp_path / "r")
-        with pytest.raises(InputError, match="no such file"):
-            run_case(case_of("chain", 4, contact={"initial_overlap": "/no/such.h5"}), tmp_path / "r", force=True)
-        assert (tmp_path / "r" / "summary.json").exists()
 
 
 def _of(group: h5py.Group, name: str, above: float = 0.0) -> dict[tuple[Any, int], float]:

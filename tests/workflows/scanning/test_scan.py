@@ -10,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import pytest
 from granwave.analysis.scans.table import read_scan, write_scan_table
 from granwave.workflows.cli.worker import _Worker
 from tests.conftest import PLAIN
+from tests.helpers.processes import alive, children, wait_for
 
 HEAD = """
 case = "fcc-small"
@@ -83,18 +83,6 @@ def start(tmp_path: Path) -> Iterator[Start]:
         wait_for(lambda: not (tmp_path / "out" / "unfinished").exists() or not any(map(alive, workers(tmp_path))), 30)
 
 
-def wait_for(condition: Callable[[], object], limit: float = 120, *, beside: subprocess.Popen[str] | None = None):
-    """Poll until the condition is true; returns its value."""
-    end = time.monotonic() + limit
-    while not (found := condition()):
-        if beside is not None:
-            assert beside.poll() is None, beside.communicate()
-        if time.monotonic() > end:
-            raise TimeoutError
-        time.sleep(0.02)
-    return found
-
-
 def rows(directory: Path) -> list[dict[str, str]]:
     with (directory / "scan.csv").open(newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
@@ -118,24 +106,9 @@ def tree(directory: Path) -> dict[str, int]:
     return {str(path): path.stat().st_mtime_ns for path in directory.rglob("*")}
 
 
-def children(process: int) -> list[int]:
-    found = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            if int(path.read_text().rpartition(")")[2].split()[1]) == process:
-                found.append(int(path.parent.name))
-    return found
-
-
 def workers(tmp_path: Path) -> set[int]:
     """Processes of the workers with a point in progress."""
     return {record(path.parent)["pid"] for path in tmp_path.glob("out/unfinished/*/point.json") if record(path.parent)}
-
-
-def alive(process: int) -> bool:
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    return False
 
 
 def growing(place: Path, since: int = 20_000) -> bool:
@@ -362,32 +335,6 @@ def test_a_scan_survives_a_worker(start: Start, tmp_path: Path) -> None:
 # ---------------------------------------------------------------------- bad input
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["velocity-fc"], ["velocity-fc", "did you mean velocity-fcc"]),
-        (["restitution", "--executor", "slrum"], ["--executor", "slrum", "did you mean slurm"]),
-        (["restitution", "--profile", "p.toml"], ["--profile", "--executor slurm"]),
-        (["restitution", "--executor", "slurm"], ["--executor slurm"]),
-        (["restitution", "--set", "load.velocity=1"], ["load.velocity", "varies in the scan"]),
-        (["restitution", "--resume", "--force"], ["not allowed with"]),
-        (["restitution", "-o", "notes.txt"], ["is a file"]),
-        (["bad.toml"], ["bad.toml: point 2 (load.velocity = -1)"]),
-        (["outside.toml"], ["outside.toml: name"]),
-    ],
-)
-def test_bad_input_writes_nothing(tmp_path: Path, words: list[str], expected: list[str]) -> None:
-    (tmp_path / "notes.txt").write_text("mine")
-    (tmp_path / "bad.toml").write_text('case = "two-spheres"\n[grid]\nload.velocity = [1, -1, 2]\n')
-    (tmp_path / "outside.toml").write_text('name = "../x"\n' + TINY)
-    before = tree(tmp_path)
-    empty = {**PLAIN, "PATH": str(tmp_path)}  # without Slurm, independent of the machine
-    done = subprocess.run([*SCAN, *words], cwd=tmp_path, env=empty, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 2, done.stderr
-    assert all(word in done.stderr for word in expected) and "Traceback" not in done.stderr
-    assert tree(tmp_path) == before and not (tmp_path.parent / "x").exists()
-
-
 def test_a_plan_runs_nothing(granwave, tmp_path: Path) -> None:
     done = granwave("scan", "restitution", "--plan", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -410,3 +357,9 @@ def test_scans_and_cases_are_told_apart(granwave) -> None:
     assert done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
     done = granwave("run", "velocity-fcc")
     assert done.returncode == 2 and "is a scan" in done.stderr and "granwave scan velocity-fcc" in done.stderr
+
+
+def test_without_slurm_there_is_no_slurm(granwave, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = granwave("scan", "restitution", "--executor", "slurm", cwd=tmp_path)
+    assert done.returncode == 2 and "--executor slurm" in done.stderr and not list(tmp_path.iterdir())

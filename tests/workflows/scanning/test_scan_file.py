@@ -346,3 +346,8 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     assert "planned from" not in plan_text(
         whole, whole.points, plan_values(whole, tmp_path, whole.points, Machine(2)), None
     )
+
+
+def test_points_for_a_cluster_may_need_more_memory_than_is_here(load) -> None:
+    text = 'case = "fcc-small"\n[grid]\npacking.size = [[6, 6, 4], [1000, 1000, 400]]\n'
+    assert load(text, here=False).points[1].plan.memory > 1e11

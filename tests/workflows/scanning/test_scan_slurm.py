@@ -10,13 +10,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from granwave.workflows.scanning.slurm import end_of
 from tests.conftest import PLAIN
+from tests.helpers.processes import wait_for
 from tests.helpers.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
 pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
@@ -84,13 +84,6 @@ def queue() -> list[list[str]]:
     """ID and state of every job."""
     done = subprocess.run(["squeue", "--me", "-h", "-o", "%i %T"], capture_output=True, text=True, check=True)
     return [line.split() for line in done.stdout.splitlines()]
-
-
-def wait_for(condition: Callable[[], object], patience: float) -> None:
-    end = time.monotonic() + patience
-    while not condition():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.3)
 
 
 def states(directory: Path) -> list[str]:
