@@ -118,7 +118,7 @@ _KEY_OF_WORD = {
         "friction": "mu mu_s friction_coefficient coefficient_of_friction coulomb sliding_friction",
         "rolling": "mu_r mu_roll rolling_friction rolling_resistance rolling_coefficient rolling_friction_coefficient",
         "twisting": "mu_twist twisting_friction torsion spinning_friction twisting_resistance torsional_friction",
-        "cohesion": "adhesion surface_energy work_of_adhesion jkr dmt stickiness gamma",
+        "cohesion": "adhesion surface_energy work_of_adhesion jkr dmt stickiness",
         "youngs_modulus": "e young youngs young_modulus e_modulus elastic_modulus elasticity modulus stiffness",
         "poisson_ratio": "nu poisson poissons_ratio poisson_number",
         "density": "rho mass_density specific_mass",

@@ -166,7 +166,7 @@ def test_overlaps_beyond_the_law_and_lines_of_laws_that_yield_warn(caplog):
         ("line", [ROD, BALL], "touch in a point", {}),
         ("line", [ROD, {**ROD, "axis": "x"}], "touch in a point", {}),
         ("thornton", [{**BALL, "material": BRASS}, "plane"], "yield_strength: missing", {}),
-        ("hertz", [BALL, "plane"], "beta: found with law hertz, which has no options", {"beta": 0.5}),
+        ("hertz", [BALL, "plane"], "beta: unknown key; known here: cohesion", {"beta": 0.5}),
         ("bilinear", [BALL, "plane"], "beta: found 2", {"beta": 2}),
         ("power", [BALL, "plane"], "exponent: missing", {"constant": 1}),
         ("elastoplastic", [BALL, "plane"], "law elastoplastic", {"residual_slope": 100}),

@@ -297,7 +297,7 @@ COMMANDS = (
         _option("--rate-sensitivity", type=sensitivity, default=0.0, metavar="C",
                 help="growth of the yield strength with the strain rate, as material.rate_sensitivity"),
         _option("--velocity", type=speed, default=0.0, metavar="V",
-                help="velocity of approach, m/s, with --rate-sensitivity (default: slow)"),
+                help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
         _flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
               "and a rigid wall"),
         _output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),

@@ -154,10 +154,10 @@ def checkpoint_fault(directory: Path, checkpoint: dict[str, Any]) -> str:
     It is of another minor version, whose restart files may differ, or a file is not what the run wrote. Output files
     may have grown.
     """
-    if (made := str(checkpoint.get("version", ""))).split(".")[:2] != __version__.split(".")[:2]:
-        found = f"of granwave {made}" if made else "of a version before 0.3"
-        return f"{directory}: its checkpoint is {found}, expected one of {__version__}"
     try:
+        if (made := str(checkpoint.get("version", ""))).split(".")[:2] != __version__.split(".")[:2]:
+            found = f"of granwave {made}" if made else "of a version before 0.3"
+            return f"{directory}: its checkpoint is {found}, expected one of {__version__}"
         whole, sums = checkpoint["whole"], checkpoint.get("sums", {})
         for name, size in (whole | checkpoint["sizes"]).items():
             path = directory / name
