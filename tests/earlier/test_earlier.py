@@ -83,7 +83,7 @@ def test_figures_film_page_and_tables(earlier):
         "300",
     ]
     assert main(film) == 0
-    assert (earlier / "chain.gif").read_bytes()[:3] == b"GIF"
+    assert (earlier / "run.gif").read_bytes()[:3] == b"GIF"
     assert main(["view", str(earlier / "run"), "-o", str(earlier / "view.html")]) == 0
 
 
