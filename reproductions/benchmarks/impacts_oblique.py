@@ -23,7 +23,7 @@ NAMES = {3.8e11: "oxide", 7e10: "alloy"}
 KINDS = (("tangential restitution", ""), ("spin", "rad/s"), ("rebound angle", "degrees"))
 MODELS = {"mindlin_rescale": "one spring", "partial_slip": "partial slip"}  # contact.tangential
 ONE_SPRING = "One spring: theirs keeps its elongation, ours its force; theory is partial slip (Mindlin, Deresiewicz)."
-EXPERIMENT = "Kharaz et al. 2001, in the same"
+EXPERIMENT = "Kharaz et al. 2001, in Chung and Ooi 2011"
 MEASURED = {
     "mindlin_rescale": "Measured on glass; theory has partial slip, one spring does not.",
     "partial_slip": "Measured on glass.",

@@ -20,7 +20,7 @@ import granwave as gw
 NAMES = {2.08e11: "steel", 1e9: "polyethylene", 7e10: "alloy", 2.5e9: "nylon"}
 WHERE = "Chung and Ooi 2011, test {}"
 REMARKS = {
-    5: "Theory is partial slip, which finite elements in the same figure follow; no spring of ours gives their curve.",
+    5: "Theory is partial slip, which finite elements in the same figure follow; one spring does not.",
     6: "Theory is partial slip. Theirs damps the tangential motion as the normal one, which explains most of it.",
 }
 FINITE = {
