@@ -72,16 +72,7 @@ def test_figures_film_page_and_tables(earlier):
         assert main(["figures", str(place), "--only", "energies"]) == 0
         assert (place / "figures" / "energies.png").stat().st_size > 5000
         assert main(["export", str(place), "--to", "csv", "-o", str(earlier / f"{name}-csv")]) == 0
-    film = [
-        "film",
-        str(earlier / "chain"),
-        "-o",
-        str(earlier / "chain.gif"),
-        "--quantity",
-        "velocity",
-        "--width",
-        "300",
-    ]
+    film = ["film", str(earlier / "run"), "-o", str(earlier / "run.gif"), "--width", "300"]
     assert main(film) == 0
     assert (earlier / "run.gif").read_bytes()[:3] == b"GIF"
     assert main(["view", str(earlier / "run"), "-o", str(earlier / "view.html")]) == 0
