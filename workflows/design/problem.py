@@ -136,7 +136,7 @@ def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[s
             and (count := layout_of(case.packing, case.boundary).n_spheres)
             and (fault := most.fault(count))
         ):
-            return {"n_spheres": float(count)}, {most.name: most.margin(count)}, fault  # before it takes memory
+            return {"n_spheres": count}, {most.name: most.margin(count)}, fault  # before it takes memory
         known = known_before(case)
     except InputError as error:
         return {}, {}, "; ".join(error.errors)
@@ -155,7 +155,7 @@ def known_before(case: Case) -> dict[str, float]:
         "mass_kg": float(assembly.sphere_masses()[:n].sum()),
         "height_m": float(spans[2]),
         "width_m": float(spans[:2].max()),
-        "n_spheres": float(n),
+        "n_spheres": n,
         "smallest_diameter_m": float(diameters.min()),
     }
 
