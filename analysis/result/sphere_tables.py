@@ -172,7 +172,7 @@ def write_tables(
 
 
 class _Part(NamedTuple):
-    """What a process needs to make the tables of a part."""
+    """Input of a process that makes the tables of a part."""
 
     number: int
     dents: DentsOfPart

@@ -1,4 +1,4 @@
-"""What stays: results of 0.1 and 0.2 are read, names of 0.2 are there, results of later formats are refused.
+"""Promises that stay: results of 0.1 and 0.2 are read, names of 0.2 are there, results of later formats are refused.
 
 The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points; without dumps, decks and figures.
 `promised.json` has the names of 0.2: commands and options, keys, values of summary.json, data sets, columns, styles.

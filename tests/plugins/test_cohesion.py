@@ -10,7 +10,20 @@ from scipy.optimize import brentq
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, packing, rubbing, state
+from tests.helpers.rubbing import (
+    BRASS,
+    HERTZ,
+    MU,
+    NU,
+    TOTAL,
+    E,
+    R,
+    assert_same_on_processors,
+    oblique,
+    packing,
+    rubbing,
+    state,
+)
 from tests.helpers.two_spheres import value
 
 W = 100.0  # J/m^2: large, so that it counts in impacts of spheres of 10 mm
@@ -282,18 +295,7 @@ def test_processors(lmp, tmp_path):
     """The same bits on one and on two processors."""
     places, speeds, spins = packing(2)
     text = rubbing(places, f"{JKR} friction {MU} loss time 3e-7", velocities=0.1 * speeds, spins=0.1 * spins)
-    end = (
-        "dump end all custom 2000 out id x y z vx vy vz omegax\ndump_modify end sort id format float %.17g\nrun 2000\n"
-    )
-    found = []
-    for ranks in (1, 2):
-        folder = tmp_path / str(ranks)
-        folder.mkdir()
-        (folder / "in").write_text(text + end)
-        done = lmp(folder / "in", ranks=ranks)
-        assert done.returncode == 0, (folder / "log.lammps").read_text()[-500:]
-        found.append((folder / "out").read_text())
-    assert found[0] == found[1]
+    assert_same_on_processors(lmp, tmp_path, text, "x y z vx vy vz omegax", 2000)
 
 
 def test_single_and_local_values_of_a_neck(lammps):

@@ -6,7 +6,22 @@ import numpy as np
 import pytest
 
 from tests.conftest import printed, script_of
-from tests.helpers.rubbing import BRASS, HERTZ, LAMMPS_OWN, MU, NU, TOTAL, E, R, oblique, packing, rubbing, same, state
+from tests.helpers.rubbing import (
+    BRASS,
+    HERTZ,
+    LAMMPS_OWN,
+    MU,
+    NU,
+    TOTAL,
+    E,
+    R,
+    assert_same_on_processors,
+    oblique,
+    packing,
+    rubbing,
+    same,
+    state,
+)
 from tests.helpers.two_spheres import value
 
 
@@ -328,13 +343,4 @@ def test_processors(lmp, tmp_path):
     """The same bits on one and on two processors."""
     places, speeds, spins = packing(2)
     text = rubbing(places, ALL, velocities=speeds, spins=spins)
-    end = "dump end all custom 1000 out id x y z omegax omegay omegaz\ndump_modify end sort id format float %.17g\nrun 1000\n"
-    found = []
-    for ranks in (1, 2):
-        folder = tmp_path / str(ranks)
-        folder.mkdir()
-        (folder / "in").write_text(text + end)
-        done = lmp(folder / "in", ranks=ranks)
-        assert done.returncode == 0, (folder / "log.lammps").read_text()[-500:]
-        found.append((folder / "out").read_text())
-    assert found[0] == found[1]
+    assert_same_on_processors(lmp, tmp_path, text, "x y z omegax omegay omegaz", 1000)

@@ -6,7 +6,20 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
-from tests.helpers.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, packing, rubbing, state
+from tests.helpers.rubbing import (
+    BRASS,
+    HERTZ,
+    MU,
+    NU,
+    TOTAL,
+    E,
+    R,
+    assert_same_on_processors,
+    oblique,
+    packing,
+    rubbing,
+    state,
+)
 from tests.helpers.twins.slip_twin import forces, rebound
 from tests.helpers.two_spheres import value
 
@@ -253,13 +266,4 @@ def test_processors(lmp, tmp_path):
     """The same bits on one and on two processors."""
     places, speeds, spins = packing(2)
     text = rubbing(places, f"{HERTZ} {PARTIAL}", velocities=speeds, spins=spins)
-    end = "dump end all custom 400 out id x y z omegax omegay omegaz\ndump_modify end sort id format float %.17g\nrun 400\n"
-    found = []
-    for ranks in (1, 2):
-        folder = tmp_path / str(ranks)
-        folder.mkdir()
-        (folder / "in").write_text(text + end)
-        done = lmp(folder / "in", ranks=ranks)
-        assert done.returncode == 0, (folder / "log.lammps").read_text()[-500:]
-        found.append((folder / "out").read_text())
-    assert found[0] == found[1]
+    assert_same_on_processors(lmp, tmp_path, text, "x y z omegax omegay omegaz", 400)

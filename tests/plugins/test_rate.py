@@ -10,7 +10,7 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import law_table, restitution
 from tests.conftest import script_of
-from tests.helpers.rubbing import MU, TOTAL, packing, rubbing, same, state
+from tests.helpers.rubbing import MU, TOTAL, assert_same_on_processors, packing, rubbing, same, state
 from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
 from tests.helpers.two_spheres import restitution as restitution_of
 
@@ -173,16 +173,7 @@ def test_balance_passivity_and_processors_in_a_packing(lammps, lmp, tmp_path):
         lost = now
     assert value(one, TOTAL) == pytest.approx(start, rel=2e-5)
     assert lost > 0.1 * start
-    end = "dump end all custom 400 out id x y z vx vy vz\ndump_modify end sort id format float %.17g\nrun 400\n"
-    found = []
-    for ranks in (1, 2):
-        folder = tmp_path / str(ranks)
-        folder.mkdir()
-        (folder / "in").write_text(text + end)
-        done = lmp(folder / "in", ranks=ranks)
-        assert done.returncode == 0, (folder / "log.lammps").read_text()[-500:]
-        found.append((folder / "out").read_text())
-    assert found[0] == found[1]
+    assert_same_on_processors(lmp, tmp_path, text, "x y z vx vy vz", 400)
 
 
 def test_no_sensitivity_has_the_bits_of_none(lammps):

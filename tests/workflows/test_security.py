@@ -1,4 +1,4 @@
-"""What is run from files: nothing that the user has not named."""
+"""Files from which nothing is run that the user has not named."""
 
 from __future__ import annotations
 

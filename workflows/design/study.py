@@ -132,7 +132,7 @@ class Study:
 
     @property
     def asked(self) -> tuple[Space, list[Known], int]:
-        """What `ordered` and `promising` are asked with."""
+        """Arguments of `ordered` and `promising`."""
         return self.problem.space, self.known(), self.problem.search.seed
 
     def write(self) -> None:

@@ -255,7 +255,7 @@ def on_ranks(run: Path, number: int, *words: str, **variables: str) -> subproces
 
 @pytest.mark.parametrize("number", [2, 3, 10])
 def test_ranks_give_the_same_bits(run, number):
-    """Of ten the first only takes what the others make."""
+    """With ten ranks the first only takes what the others make."""
     before = values_in(run), (run / "summary.json").read_text()
     done = on_ranks(run, number)
     assert done.returncode == 0, done.stderr
