@@ -277,18 +277,12 @@ class PairGranHysteretic : public Pair {
     if (!has_loss) return {};
     return granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
   }
-  int resistance_at() const    // where the ResistanceHistory stands in the block
-  {
-    return contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0) - granwave::ResistanceHistory::SIZE;
-  }
+  // where the histories stand in the block of a contact, one before the other
+  int viscous_at() const { return contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0); }
+  int resistance_at() const { return viscous_at() - (has_resistance ? granwave::ResistanceHistory::SIZE : 0); }
+  int cohesion_at() const { return resistance_at() - (has_cohesion ? granwave::CohesionHistory::SIZE : 0); }
+  int slip_at() const { return cohesion_at() - (has_slip ? granwave::SlipHistory::SIZE : 0); }
   granwave::ResistanceHistory *resistance(int k);
-  int slip_at() const    // where the SlipHistory stands in the block
-  {
-    return (has_cohesion     ? cohesion_at()
-            : has_resistance ? resistance_at()
-                             : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
-           granwave::SlipHistory::SIZE;
-  }
   granwave::SlipHistory *slip(int k);
   double tangential_energy_of(const granwave::BlockView &view) const
   {
@@ -299,11 +293,6 @@ class PairGranHysteretic : public Pair {
   {
     if (!has_resistance) return {};
     return granwave::resistance_history(extra + resistance_at());
-  }
-  int cohesion_at() const    // where the CohesionHistory stands in the block
-  {
-    return (has_resistance ? resistance_at() : contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0)) -
-           granwave::CohesionHistory::SIZE;
   }
   granwave::CohesionHistory *cohesion(int k);
   granwave::CohesionHistory cohesion_of(const double *extra) const
