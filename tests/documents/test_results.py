@@ -124,15 +124,15 @@ def test_the_stored_rows_are_those_of_the_code():
     ("change", "says"),
     [
         (lambda one: one.update(versions={"granwave": ["0.0.1"]}), "run by granwave 0.0.1"),
+        (lambda one: one.update(versions={"granwave": ["99.0"]}), "run by granwave 99.0"),
         (lambda one: one.update(complete=False), "not all of its runs are done; run make results"),
         (lambda one: one["digests"].update(runs="0"), "its scans or cases have changed since; run make results"),
         (lambda one: one["digests"].update(studies="0"), "results.py --no-run sphere-contacts"),
     ],
 )
 def test_what_makes_a_table_stale(change, says):
-    version = RESULTS.granwave.__version__
     fresh = {
-        "versions": {"granwave": [version]},
+        "versions": {"granwave": [RESULTS.SAME_NUMBERS_SINCE, RESULTS.granwave.__version__]},
         "complete": True,
         "digests": RESULTS.digests(RESULTS.SUITES["sphere-contacts"]),
     }
