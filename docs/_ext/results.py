@@ -3,9 +3,9 @@
     python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
 
 Suites are those of the package and of ``reproductions``. Those that are not named are run if their rows are stale: made
-by a version with other numbers, or of scans, cases or studies that have changed since. Runs are kept in DIR (``build/results``), and
-a second call goes on with what is there. With ``--no-run`` all runs that are there are collected, and none is made;
-with ``--check`` stale rows are named, and nothing is written.
+by a version with other numbers, or of scans, cases or studies that have changed since. Runs are kept in DIR
+(``build/results``), and a second call goes on with what is there. With ``--no-run`` all runs that are there are
+collected, and none is made; with ``--check`` stale rows are named, and nothing is written.
 """
 
 from __future__ import annotations
