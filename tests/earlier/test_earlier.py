@@ -1,7 +1,7 @@
-"""Promises that stay: results of 0.1 and 0.2 are read, names of 0.2 are there, results of later formats are refused.
+"""Promises that stay: results of 0.1, 0.2 and 0.3 are read, names of 0.3 are there, results of later formats are refused.
 
 The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points; without dumps, decks and figures.
-`promised.json` has the names of 0.2: commands and options, keys, values of summary.json, data sets, columns, styles.
+`promised.json` has the names of 0.3: commands and options, keys, values of summary.json, data sets, columns, styles.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.run import record
 
 HERE = Path(__file__).parent
-VERSIONS = ("0.1.0", "0.2.0")
+VERSIONS = ("0.1.0", "0.2.0", "0.3.0")
 PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))
 KNOWN = {"run": "fcc", "chain": "chain"}
 SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
@@ -91,7 +91,7 @@ def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
     assert now["peak_force_N"] == pytest.approx(json.loads(before)["peak_force_N"], rel=1e-3)
 
 
-def test_commands_and_options_of_0_2():
+def test_commands_and_options_of_0_3():
     (verbs,) = (one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction))
     for name, promised in PROMISED["commands"].items():
         actions = verbs.choices[name]._actions
@@ -99,13 +99,13 @@ def test_commands_and_options_of_0_2():
         assert set(promised) <= found, name
 
 
-def test_keys_and_names_of_0_2():
+def test_keys_and_names_of_0_3():
     keys = {f"{table.file}:{table.name}.{key.name}" for table in tables() for key in table.keys}
     assert set(PROMISED["keys"]) <= keys
     assert set(PROMISED["python"]) <= set(gw.__all__)
 
 
-def test_styles_of_0_2(lammps):
+def test_styles_of_0_3(lammps):
     engine = lammps()
     for kind, names in PROMISED["styles"].items():
         assert all(engine.has_style(kind, name) for name in names), kind
@@ -125,7 +125,7 @@ def now(tmp_path_factory) -> Path:
     return place
 
 
-def test_values_data_sets_and_columns_of_0_2(now):
+def test_values_data_sets_and_columns_of_0_3(now):
     assert set(PROMISED["summary"]) <= set(json.loads((now / "run" / "summary.json").read_text(encoding="utf-8")))
     found: dict[str, str] = {}
     for name in KNOWN:
