@@ -121,7 +121,9 @@ def now(tmp_path_factory) -> Path:
     (place / "pair.toml").write_text(
         'case = "two-spheres"\nset = {run.end_time = 4e-5}\ngrid = {load.velocity = [0.1]}\n'
     )
-    assert main(["scan", str(place / "pair.toml"), "-o", str(place / "scan"), "--jobs", "1"]) == 0
+    (place / "suite.toml").write_text('name = "suite"\nscans = ["pair.toml"]\n')
+    assert main(["scan", str(place / "suite.toml"), "-o", str(place / "suite"), "--jobs", "1"]) == 0
+    assert main(["bands", "precompressed-chain", "-o", str(place / "bands"), "--no-figures"]) == 0
     return place
 
 
@@ -132,21 +134,28 @@ def test_values_data_sets_and_columns_of_0_3(now):
         with h5py.File(now / name / "result.h5") as file:
             file.visititems(lambda name, one: found.update({name: str(one.attrs.get("unit", ""))}))
     assert PROMISED["result"].items() <= found.items()  # with their units
-    with (now / "scan" / "scan.csv").open(encoding="utf-8", newline="") as stream:
+    with (now / "suite" / "pair" / "scan.csv").open(encoding="utf-8", newline="") as stream:
         assert set(PROMISED["scan_csv"]) <= set(next(csv.reader(stream)))
 
 
 def test_every_file_tells_its_version(now):
     expected = {"granwave": gw.__version__, "results_format": str(FORMAT)}
-    documents = [now / "run" / "summary.json", now / "run" / "run.json", now / "scan" / "scan.json"]
-    for path in documents:
+    scan = now / "suite" / "pair"
+    for path in (
+        now / "run" / "summary.json",
+        now / "run" / "run.json",
+        scan / "scan.json",
+        now / "suite" / "suite.json",
+    ):
         assert expected.items() <= json.loads(path.read_text(encoding="utf-8"))["versions"].items(), path
-    for path in (now / "run" / "result.h5", now / "scan" / "scan.h5"):
+    for path in (now / "run" / "result.h5", scan / "scan.h5", now / "bands" / "spectra.h5"):
         with h5py.File(path) as file:
             assert expected.items() <= json.loads(file.attrs["versions"]).items(), path
-    for name in ("run", "scan"):
-        marker = json.loads((now / name / MARKER).read_text(encoding="utf-8"))
+    for place in (now / "run", scan, now / "suite", now / "bands"):
+        marker = json.loads((place / MARKER).read_text(encoding="utf-8"))
         assert (marker["version"], marker["format"]) == (gw.__version__, FORMAT)
+    with (scan / "scan.csv").open(encoding="utf-8", newline="") as stream:
+        assert {row["versions.granwave"] for row in csv.DictReader(stream)} == {gw.__version__}
 
 
 @pytest.mark.parametrize("command", ["report {} -o out.md", "analyse {}", "run fcc-small -o {} --force", "export {} --to csv"])  # fmt: skip

@@ -12,6 +12,7 @@ import tomllib
 from functools import cache
 from typing import Any
 
+from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
 from granwave.lammps_inputs.case.material import MATERIALS, presets
 from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, Table, tables, type_of
@@ -47,7 +48,7 @@ def schema_of(file: str) -> Schema:
     if file == CASE:
         root["properties"][MATERIALS] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/material"}}
         root["properties"][RECORD] = {"type": "object", "description": "derived values of a run; ignored"}
-    return {"$schema": DIALECT, "title": TITLES[file], **root}
+    return {"$schema": DIALECT, "$comment": f"granwave {__version__}", "title": TITLES[file], **root}
 
 
 _MATERIAL: Schema = {

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+import granwave as gw
 from granwave.workflows.cli import keys
 from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.main import main
@@ -64,6 +65,7 @@ def test_schemas_are_schemas_and_keep_their_own_examples(kind):
     """Each key's example and default fit; the schema knows every key that `granwave keys` lists."""
     schema = schema_of(kind)
     Draft202012Validator.check_schema(schema)
+    assert schema["$comment"] == f"granwave {gw.__version__}"
     for table in (table for table in keys.tables() if table.file == kind):
         for key in table.keys:
             assert f'"{key.name}": {{' in json.dumps(schema), key.name

@@ -115,6 +115,8 @@ def test_all_designs_of_a_small_space(searched):
     assert found["best"]["objective"]["target_peak_force_N"] == min(forces)
     assert found["evaluations"] == 8
     assert f"{min(forces):.5g}" in text
+    for name in ("design.json", "study.json"):
+        assert json.loads((directory / name).read_text())["versions"]["granwave"] == gw.__version__
 
 
 def test_a_run_ends_after_the_peak(searched):
