@@ -8,7 +8,6 @@ import os
 import re
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterable
@@ -278,7 +277,7 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
         f"found = bench.time_rattling({size}, {repeats}); "
         "print(json.dumps(found)) if mpi.world().rank == 0 else None"
     )
-    command = [str(Path(sys.prefix) / "bin" / "mpiexec"), "-n", str(n_ranks), *mpi.PYTHON, "-m", "mpi4py", "-c"]
+    command = [mpi.find_mpiexec() or "mpiexec", "-n", str(n_ranks), *mpi.PYTHON, "-m", "mpi4py", "-c"]
     done = subprocess.run([*command, program], capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found

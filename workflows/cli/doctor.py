@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import os
 import shlex
 import shutil
 import subprocess
@@ -67,13 +66,14 @@ def examine(profile: Path | None = None) -> list[Finding]:
     """Check all parts that a run needs, and those that a profile of a cluster names."""
     found, path, wrong = versions(), plugins.library(), check_release()
     listed = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
+    missing = {name for name, version in found.items() if version == "not installed"} - {"mpich"}  # a site's MPI will do
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
         f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
     )
     to_switch_on = "; ".join(f"{line} in {file}" for line, file in SWITCH_ON.values())  # only the shell knows if it is
     return [
-        Finding("versions", "not installed" not in found.values(), listed,
+        Finding("versions", not missing, listed,
                 "pip install granwave again, into a virtual environment"),
         Finding("plugin", path.is_file(), f"{path}, built for LAMMPS {plugins.lammps_release()}",
                 "install granwave again: a wheel needs no compiler, the sources (pip install .) need g++"),
@@ -101,12 +101,12 @@ def _command() -> Finding:
 
 
 def _ranks() -> Finding:
-    launcher = Path(sys.prefix) / "bin" / "mpiexec"
-    if not launcher.exists():
-        missing = f"no mpiexec in {launcher.parent}"
-        return Finding("MPI ranks", False, missing, "pip install mpich into this environment")
+    launcher = mpi.find_mpiexec()
+    if launcher is None:
+        missing = f"no mpiexec in {Path(sys.prefix) / 'bin'} or in PATH"
+        return Finding("MPI ranks", False, missing, "pip install mpich into this environment, or load the site's MPI")
     script = "import sys; from mpi4py import MPI; n = MPI.COMM_WORLD.size; sys.exit(n != 2 and f'found {n} rank(s)')"
-    command = [str(launcher), "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
+    command = [launcher, "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
     remedy = "mpi4py and mpiexec belong to different MPI libraries"
     return _attempt("MPI ranks", command, f"two ranks by {launcher}", remedy)
 
@@ -132,10 +132,9 @@ def _cluster(path: Path) -> list[Finding]:
 
 
 def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "PMIX_", "OMPI_"))}
     run: Callable[..., subprocess.CompletedProcess[str]] = subprocess.run
     try:
-        done = run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=tempfile.gettempdir())
+        done = run(command, capture_output=True, text=True, timeout=120, env=mpi.alone(), cwd=tempfile.gettempdir())
     except (OSError, subprocess.TimeoutExpired) as error:
         return Finding(part, False, str(error), remedy)
     if done.returncode == 0:

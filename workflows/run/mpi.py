@@ -10,6 +10,7 @@ import ctypes
 import logging
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -33,6 +34,7 @@ logger = logging.getLogger(__name__)
 
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
+_ALLOWED = "OMPI_ALLOW_"  # what the user tells Open MPI, as to run as root in a container
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
 _IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
 _LOOK = 0.5  # s between looks for a stop file
@@ -58,7 +60,11 @@ def is_first() -> bool:
 
 def alone() -> dict[str, str]:
     """Return the environment without the variables of MPI launchers, for processes that are not ranks."""
-    return {name: value for name, value in os.environ.items() if not name.startswith(_LAUNCHER_PREFIXES)}
+    return {
+        name: value
+        for name, value in os.environ.items()
+        if name.startswith(_ALLOWED) or not name.startswith(_LAUNCHER_PREFIXES)
+    }
 
 
 def world() -> Intracomm:
@@ -151,13 +157,19 @@ def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
             time.sleep(_PAUSE)
 
 
+def find_mpiexec() -> str | None:
+    """Return the path of mpiexec: that of the environment, else, for a site's own MPI, that in PATH; None without."""
+    own = Path(sys.prefix) / "bin" / "mpiexec"
+    return str(own) if own.exists() else shutil.which("mpiexec")
+
+
 def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> list[str]:
     """Return the command that runs ``granwave ARGUMENTS`` on several ranks.
 
     Parameters
     ----------
     launcher
-        Command such as ``srun --mpi=pmi2``; by default mpiexec of the environment.
+        Command such as ``srun --mpi=pmi2``; by default that of `find_mpiexec`.
 
     Raises
     ------
@@ -165,13 +177,13 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
         There is no mpiexec.
     """
     if not launcher:
-        mpiexec = Path(sys.prefix) / "bin" / "mpiexec"
-        if not mpiexec.exists():
+        mpiexec = find_mpiexec()
+        if mpiexec is None:
             raise InputError(
-                f"--np {n_ranks}: no mpiexec in {mpiexec.parent}; install granwave into a virtual environment, "
-                "or start the ranks yourself: mpiexec -n N granwave run ..."
+                f"--np {n_ranks}: no mpiexec in {Path(sys.prefix) / 'bin'} or in PATH; pip install mpich into this "
+                "environment, or load the site's MPI"
             )
-        launcher = [str(mpiexec)]
+        launcher = [mpiexec]
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
