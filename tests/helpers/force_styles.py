@@ -7,6 +7,7 @@ The files are in the format of LAMMPS's testers (its manual, "Developer/Unit tes
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from pathlib import Path
@@ -19,6 +20,7 @@ HEADER = ("lammps_version", "tags", "date_generated", "epsilon", "skip_tests")
 SETUP = ("prerequisites", "pre_commands", "post_commands")
 PER_ATOM = {"init_forces": "f", "run_forces": "f", "run_pos": "x", "run_vel": "v", "run_torque": "torque"}
 SIX = ("init_stress", "run_stress")
+TABLES = {"peratom_array": 1, "local_array": 0}  # number of IDs before the values of a row; the first line has the size
 SPHERES = "fix 1 all nve\nthermo 2"  # of LAMMPS's tester of pair styles
 # forces of LAMMPS's testers of fixes and computes, replaced by those of the files' post_commands
 MOLECULES = """pair_style lj/cut 8.0
@@ -150,25 +152,27 @@ class StyleTester:
         return {name: self.atoms(PER_ATOM[name]) for name in ("run_pos", "run_vel", "run_torque")}
 
     def reported(self) -> dict[str, np.ndarray]:
-        """Values of the fix or compute with the ID `test`."""
-        found = {}
+        """Values of the fix or compute with the ID `test`, as far as it has them."""
         if self.kind == "fix":
-            scalar, vector = (self._global(style) for style in (0, 1))
-            return {
-                name: value
-                for name, value in (("global_scalar", scalar), ("global_vector", vector))
-                if value is not None
+            get = self.lmp.extract_fix
+            ways = {
+                "global_scalar": lambda: get("test", 0, 0),
+                "global_vector": lambda: [get("test", 0, 1, k) for k in range(get("test", 0, 3))],
             }
+        else:
+            get = self.lmp.numpy.extract_compute
+            order = np.argsort(self.lmp.numpy.extract_atom("id")[: self.lmp.get_natoms()])
+            ways = {
+                "global_scalar": lambda: get("test", 0, 0),
+                "global_vector": lambda: get("test", 0, 1),
+                "peratom_array": lambda: get("test", 1, 2)[order],
+                "local_array": lambda: get("test", 2, 2),
+            }
+        found = {}
+        for name, read in ways.items():
+            with contextlib.suppress(Exception):  # LAMMPS has an error for what there is not
+                found[name] = np.array(read(), dtype=float)
         return found
-
-    def _global(self, style: int):
-        try:
-            if style == 0:
-                return np.array(self.lmp.extract_fix("test", 0, 0))
-            size = self.lmp.extract_fix("test", 0, 3)
-            return np.array([self.lmp.extract_fix("test", 0, 1, k) for k in range(size)])
-        except Exception:  # LAMMPS says so of what a fix has not
-            return None
 
 
 def differ(found: np.ndarray, stored: np.ndarray) -> float:
@@ -178,11 +182,14 @@ def differ(found: np.ndarray, stored: np.ndarray) -> float:
 
 
 def stored(config: dict[str, str], name: str) -> np.ndarray:
-    """Numbers of a key: a number, or rows without the IDs before them, or a list without the count before it."""
-    numbers = np.array([line.split() for line in config[name].splitlines()], dtype=float)
+    """Numbers of a key, without the IDs and counts before them."""
+    lines = [[float(word) for word in line.split()] for line in config[name].splitlines()]
     if name in PER_ATOM:
-        return numbers[:, 1:]
-    return numbers[0, 1:] if name.endswith("vector") else numbers[0] if name in SIX else numbers[0, 0]
+        return np.array(lines)[:, 1:]
+    if name in TABLES:
+        return np.array(lines[1:])[:, TABLES[name] :]
+    numbers = np.array(lines[0])
+    return numbers[1:] if name == "global_vector" else numbers if name in SIX else numbers[0]
 
 
 def block(lines: list[str], end: str = "\n") -> str:
@@ -194,12 +201,17 @@ def block(lines: list[str], end: str = "\n") -> str:
 
 
 def text_of(name: str, value: np.ndarray) -> str:
+    """Value of a key as LAMMPS's testers write it."""
     if name in PER_ATOM:
-        return block([f"{k + 1:3d} " + " ".join(f"{x:23.16e}" for x in row) for k, row in enumerate(value)])
+        return block([f"{k:3d} " + " ".join(f"{x:23.16e}" for x in row) for k, row in enumerate(value, start=1)])
+    if name in TABLES:
+        ids = TABLES[name]
+        rows = [" ".join(["", *[str(k)] * ids, *map(repr, row)]) for k, row in enumerate(value.tolist(), start=1)]
+        return block([" ".join(map(str, value.shape[ids:])), *rows])
     if name in SIX:
         return block([" ".join(f"{x:23.16e}" for x in value)], end="")
-    if name.endswith("vector"):
-        return block([" ".join([str(value.size), *(repr(float(x)) for x in value)])], end="")
+    if name == "global_vector":
+        return block([" ".join([str(value.size), *map(repr, value.tolist())])], end="")
     return repr(float(value))
 
 

@@ -46,3 +46,22 @@ def test_pair_style(tester, path):
         check(one, "init")
     one.data()
     check(one, "init")
+
+
+@pytest.mark.parametrize("path", files("fix"), ids=lambda path: path.stem)
+def test_fix(tester, path):
+    one = tester(path)
+    one.start()
+    one.commands(f"write_restart {one.folder}/restart")
+    one.go_on()
+    check(one, "run")
+    one.restart()
+    one.go_on()
+    check(one, "run")
+
+
+@pytest.mark.parametrize("path", files("compute"), ids=lambda path: path.stem)
+def test_compute(tester, path):
+    one = tester(path)
+    one.start()
+    check(one, "run")
