@@ -97,26 +97,29 @@ class StyleTester:
         if self.kind != "pair":
             self.commands("thermo 2\nrun 4 post no start 0 stop 8")
 
-    def go_on(self) -> None:
-        """Run the last 4 steps."""
+    def go_on(self, steps: int = 4) -> None:
+        """Run the last 4 steps, or some of them."""
         if self.kind == "pair":
-            self.commands(f"{SPHERES}\nrun 4 post no")
+            self.commands(f"{SPHERES}\nrun {steps} post no")
         elif self.kind == "fix":
             self.commands("run 4 post no start 0 stop 8")
 
-    def restart(self, steps: str = "run 0 post no") -> None:
-        """Read the restart file in a cleared instance, with the coefficients and commands that it lacks."""
-        self.commands(f"clear\nnewton on\nread_restart {self.folder}/restart")
-        if self.kind == "pair":
+    def restart(
+        self, file: str = "restart", steps: str = "run 0 post no", coefficients: bool = True, dents: bool = True
+    ) -> None:
+        """Read the restart file in a cleared instance, and give the commands that it lacks."""
+        self.commands(f"clear\nnewton on\nread_restart {self.folder}/{file}")
+        if self.kind == "pair" and coefficients:
             self.coefficients()
-        self.commands(self.config["post_commands"])
+        after = self.config["post_commands"].splitlines()
+        self.commands("\n".join(line for line in after if dents or not line.startswith("gran/dents")))
         if self.kind != "pair":
             self.commands("timestep 0.25")
         self.commands(f"{OUTPUT}thermo_style custom step temp pe evdwl press\n{steps}")
 
     def data(self) -> None:
-        """Read the data file in a cleared instance."""
-        self.commands("clear")
+        """Read the data file in a cleared instance, with `newton off off`."""
+        self.commands("clear\nvariable newton_bond delete\nvariable newton_bond index off")
         self.fresh(
             "variable pair_style delete\nvariable data_file delete\nvariable pair_style index '"
             + self.config["pair_style"]
