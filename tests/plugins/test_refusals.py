@@ -206,6 +206,7 @@ REFUSED = {
         ("tube 0.002 hertz 1e9 0.3\nrun 0", "does not fit into the tube"),
         ("zplane -1 1 hertz 1e9 0.3 support 1 1e6 0", "found two"),
         ("zplane NULL NULL hertz 1e9 0.3 support 1 1e6 0", "found none"),
+        ("zplane NULL 1 support 1 1e6 0", "no contact law; expected"),
     ]),
     "supports": (ONE, "fix plate all wall/gran/hysteretic zplane NULL 0.005 hertz 115e9 0.3 support {}", [
         ("-1 1e6 0", "MASS must be a number, 0 or more, found '-1'"),
