@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from granwave._contact_laws import LAWS
+from granwave.plugins import lammps_release
 from tests.helpers.force_styles import FOLDER, StyleTester, differ, files, load, stored
 from tests.helpers.twins.twin import LawTwin
+
+
+pytestmark = pytest.mark.skipif(lammps_release() < "2025.7", reason="files and testers are of 22 Jul 2025")
 
 
 @pytest.fixture
@@ -242,3 +247,42 @@ def test_pairs_that_exert_no_force(tester, how):
         one.atoms("torque"), hybrid.atoms("torque")
     )
     assert differ(one.atoms("f"), stored(hybrid.config, "run_forces")) > 1e-3
+
+
+WORDS = "friction tangential rolling twisting loss cohesion variant yield_factor beta hardening rate constant exponent"
+
+
+def test_every_style_law_and_option_has_a_file():
+    """As LAMMPS's own check_tests.py: styles by their manual pages, laws and constants by their table."""
+    texts = {kind: "\n".join(path.read_text() for path in files(kind)) for kind in ("pair", "fix", "compute")}
+    for page in (FOLDER.parent / "doc").glob("*_*.md"):
+        kind, _, name = page.read_text().partition("\n")[0].removeprefix("# ").partition(" ")
+        if kind in texts:
+            assert f"  {kind} {name.removesuffix(' command')}\n" in texts[kind], page.name
+    words = set(texts["pair"].split())
+    assert set(LAWS) | set(WORDS.split()) <= words
+    assert {"mindlin", "partial_slip", "marshall", "time", "dashpot", "jkr", "dmt", "published", "INF"} <= words
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("path", files("pair"), ids=lambda path: path.stem)
+def test_two_processors(log_of, tmp_path, path):
+    """The same values on two processors, with ghost atoms of both between them."""
+    config = load(path)
+    coefficients = "\n".join(f"pair_coeff {line}" for line in config["pair_coeff"].splitlines())
+    log_of(
+        f"variable input_dir index {FOLDER}\n{config['pre_commands']}\nprocessors 2 1 1\ninclude {FOLDER}/{config['input_file']}\n"
+        f"pair_style {config['pair_style']}\n{coefficients}\n{config['post_commands']}\nthermo_style custom step evdwl\n"
+        "fix 1 all nve\ndump end all custom 4 forces id fx fy fz\ndump_modify end sort id format float %.17g\nrun 4\n",
+        ranks=2,
+    )
+    n = int(config["natoms"])
+    rows = [
+        line.split()
+        for line in (tmp_path / "forces").read_text().splitlines()
+        if len(line.split()) == 4 and line[0] != "I"
+    ]
+    found = np.array(rows, dtype=float)[:, 1:].reshape(2, n, 3)
+    limit = float(config["epsilon"])
+    assert differ(found[0], stored(config, "init_forces")) <= limit
+    assert differ(found[1], stored(config, "run_forces")) <= 5 * limit
