@@ -11,7 +11,6 @@ from granwave.plugins import lammps_release
 from tests.helpers.force_styles import FOLDER, StyleTester, differ, files, load, stored
 from tests.helpers.twins.twin import LawTwin
 
-
 pytestmark = pytest.mark.skipif(lammps_release() < "2025.7", reason="files and testers are of 22 Jul 2025")
 
 
