@@ -2,12 +2,13 @@
 
 The files are in the format of LAMMPS's testers (its manual, "Developer/Unit tests"): `*-pair-*.yaml` of test_pair_style,
 `fix-timestep-*.yaml` of test_fix_timestep, `compute-*.yaml` of test_compute_style. `python -m tests.helpers.force_styles --update
-[FILE ...]` runs them and writes the stored values anew.
+[FILE ...]` runs them and writes anew those whose values have changed.
 """
 
 from __future__ import annotations
 
 import contextlib
+import re
 import sys
 import time
 from pathlib import Path
@@ -120,11 +121,9 @@ class StyleTester:
     def data(self) -> None:
         """Read the data file in a cleared instance, with `newton off off`."""
         self.commands("clear\nvariable newton_bond delete\nvariable newton_bond index off")
-        self.fresh(
-            "variable pair_style delete\nvariable data_file delete\nvariable pair_style index '"
-            + self.config["pair_style"]
-            + f"'\nvariable data_file index {self.folder}/data"
-        )
+        self.commands("variable pair_style delete\nvariable data_file delete")
+        style = self.config["pair_style"]
+        self.fresh(f"variable pair_style index '{style}'\nvariable data_file index {self.folder}/data")
         self.coefficients()
         self.commands(
             f"{self.config['post_commands']}{OUTPUT}thermo_style custom step temp pe evdwl press\nrun 0 post no"
@@ -135,10 +134,9 @@ class StyleTester:
         n = self.lmp.get_natoms()
         return self.lmp.numpy.extract_atom(name)[:n][np.argsort(self.lmp.numpy.extract_atom("id")[:n])].copy()
 
-    def compute(self, name: str, of: str = "compute") -> np.ndarray:
-        """Global vector."""
-        extract = self.lmp.numpy.extract_compute if of == "compute" else self.lmp.numpy.extract_fix
-        return np.array(extract(name, 0, 1))
+    def compute(self, name: str) -> np.ndarray:
+        """Global vector of a compute."""
+        return self.lmp.numpy.extract_compute(name, 0, 1).copy()
 
     def virial(self) -> np.ndarray:
         """Virial of the pair style in energy units: xx, yy, zz, xy, xz, yz."""
@@ -238,7 +236,14 @@ def update(lmp, path: Path, folder: Path) -> None:
         rows += [f"extract: {block(config.get('extract', '').splitlines())}"]
     rows += [f"natoms: {lmp.get_natoms()}"]
     rows += [f"{name}: {text_of(name, value)}" for name, value in measured.items()]
-    path.write_text("\n".join(["---", *rows, "..."]) + "\n", encoding="utf-8")
+    text = "\n".join(["---", *rows, "..."]) + "\n"
+    if undated(text) != undated(path.read_text(encoding="utf-8")):
+        path.write_text(text, encoding="utf-8")
+        print(path.name)
+
+
+def undated(text: str) -> str:
+    return re.sub("date_generated:.*", "", text)
 
 
 def main(arguments: list[str]) -> None:
@@ -258,7 +263,6 @@ def main(arguments: list[str]) -> None:
         with tempfile.TemporaryDirectory() as folder:
             update(lmp, path, Path(folder))
         lmp.close()
-        print(path.name)
 
 
 if __name__ == "__main__":

@@ -22,8 +22,9 @@ def tester(lammps, tmp_path):
 
 def check(one: StyleTester, when: str, factor: float = 1.0) -> None:
     """Assert that the values are those of the file."""
-    limit = factor * float(one.config["epsilon"])
-    for name, value in one.measured(when).items():
+    limit, measured = factor * float(one.config["epsilon"]), one.measured(when)
+    assert set(measured) == {name for name in one.config if name.startswith((f"{when}_", "global", "peratom", "local"))}
+    for name, value in measured.items():
         assert differ(value, stored(one.config, name)) <= limit, f"{name}, {when}"
 
 
