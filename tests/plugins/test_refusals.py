@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -19,8 +21,11 @@ LIGHT = ONE.replace(
 LIGHT = LIGHT.replace("compute ep all pair gran/hysteretic\n", "").replace(" c_ep[1] c_ep[2]", "")
 PUSHED = "fix push all gran/load z force harmonic 1 1\n"
 TOP = "fix top all wall/gran/hysteretic zplane NULL 0.02 hertz 1e9 0.3\n"
+SOME = "group one id 1\n" + TOP.replace("top all", "some one")
+POINTS = BARE.replace("sphere", "atomic") + "mass 1 1\npair_style zero 1.0\npair_coeff * *\n"
 GIVEN = "variable given equal 1.0\n"
 LOSSY = rubbing(PAIR, "hertz 1e9 0.3 loss time 1e-6")
+LOSSY_ROW = rubbing([(0, 0, 2 * R * k) for k in range(4)], "hertz 1e9 0.3 loss time 1e-6")
 # what comes before, command with {} for the words, rows of words and message
 REFUSED = {
     "damping": (ONE, "fix calm all gran/absorb {}", [
@@ -30,6 +35,8 @@ REFUSED = {
         ("rate 1 z 2 2", "must rise between two places, found 2 and 2"),
         ("impedance 1", "2 words after its name"),
         ("impedance 1 w", "'w' is no direction"),
+        ("rate", "1 words after its name"),
+        ("rate 1\ngroup none subtract all all\nfix more none gran/absorb rate 1\nrun 0", "its group none has no atoms"),
     ]),
     "holder": (ONE, "fix holder all gran/holder {}", [
         ("z 0.3", "2 words after its name"),
@@ -48,6 +55,10 @@ REFUSED = {
         ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3 line soft", "half-space or plane-strain"),
         ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic tube 0.1 hertz 1e9 0.3\nrun 0", "a tube holds spheres"),
         ("1 0.01 0 1 0\nset group all omega 1 0 0\nrun 0", "can turn about its axis only"),
+        ("1 0.01 0 1 0 line soft", "expected line half-space or plane-strain, found soft"),
+        ("1 0.01 0 1 0\nfix more all gran/cylinder 1 0.01 0 1 0", "there is one already, round"),
+        ("1 0.01 0 1 0\nfix w all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3 friction 0.1\nrun 0", "must come after all walls with friction"),
+        ("1 2e-3 0 1 0\nfix w all wall/gran/hysteretic zplane -0.003 NULL hertz 1e9 0.3\nrun 0", "the law of a line contact ends: it is too short"),
     ]),
     "dents": (ONE, "gran/dents {}", [
         ("", "expected 'read FILE' or 'begin'"),
@@ -86,6 +97,8 @@ REFUSED = {
     "other integrations": (LIGHT, "{}\nrun_style respa 2 2\nrun 1", [
         (f"{PUSHED}unfix motion", "does not work with run_style respa"),
         (TOP, "Fix wall/gran/hysteretic does not work with run_style respa"),
+        ("fix calm all gran/absorb rate 1\n", "Fix gran/absorb does not work with run_style respa"),
+        ("fix step all gran/timestep 32 3e-6 1.0\n", "works with run_style verlet, found respa"),
     ]),
     "losses": (ONE, "pair_coeff * * hertz 115e9 0.3 {}", [
         ("loss time", "'loss time' has no value"),
@@ -114,6 +127,7 @@ REFUSED = {
     ]),
     "cohesion": (ONE, "pair_coeff * * {}", [
         ("elastoplastic 115e9 0.3 550e6 cohesion jkr 0.1", "cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law 'elastoplastic'"),
+        ("elastoplastic 115e9 0.3 550e6 cohesion dmt 0.1 rate 0.01 1", "cohesion holds for a yield strength that does not depend on the rate"),
         ("power 115e9 0.3 constant 1e9 exponent 1.5 cohesion dmt 0.1", "has no contact circle, which cohesion needs"),
         ("hertz 115e9 0.3 cohesion dmt 0.1\nfix c all gran/cylinder 1 0.01 0 1 0\ncomm_modify vel yes\nrun 0", "found cylinders"),
     ]),
@@ -125,6 +139,49 @@ REFUSED = {
         ("elastoplastic 115e9 0.3 550e6 variant published rate 0.01 1", "rate needs a law that is passive: variant continuous"),
         ("bilinear 115e9 0.3 550e6 rate 0.01 1", "'rate' is no option of law 'bilinear'"),
         ("hertz 115e9 0.3 rate 0.01 1", "'rate' is no option of law 'hertz'"),
+    ]),
+    "laws": (script_of([(0, 0, 0), (0, 0, 0.03)], types=[1, 2]), "pair_coeff {}", [
+        ("1 1", "expected I J law and its constants"),
+        ("2*2 1*1 hertz 115e9 0.3", "no pair of types I <= J in 2\\*2 1\\*1"),
+        ("* * hertz 115e9 0.3 115e9 0.3", "a second material needs two different types"),
+        ("* * elastoplastic 115e9 0.3 550e6 variant old", "variant must be continuous or published, found 'old'"),
+        ("* * elastoplastic 115e9 0.3 550e6 variant published pressure_limit 2", "variant published has constants of its own"),
+        ("* * elastoplastic 115e9 0.3 550e6 pressure_limit 0.1", "these constants make no passive law"),
+        ("* * elastoplastic 115e9 0.3 550e6 yield_factor 0", "yield_factor must be positive, found '0'"),
+        ("* * bilinear 115e9 0.3 550e6 beta 1", r"beta must lie in \[0, 1\), found '1'"),
+        ("* * elastoplastic-fe 115e9 0.3 550e6 hardening 1", r"hardening must lie in \[0, 1\), found '1'"),
+        ("1 2 elastoplastic-fe 115e9 0.3 550e6 115e9 0.3 INF hardening 0.1", "hardening needs a value for each of the two materials"),
+        ("* * power 115e9 0.3 constant 1e9", "law power needs constant K and exponent p"),
+        ("* * power 115e9 0.3 constant 1e9 exponent 0.5", "exponent must be 1 or more, found '0.5'"),
+        ("* * power 115e9 0.3 constant 0 exponent 2", "constant must be positive, found '0'"),
+        ("* * hertz 115e9 0.3\nfix c all gran/cylinder 1 0.01 0 1 0 2 0.01 0.005 1 0\nrun 0", "cylinders of types 1 and 2 are nearly parallel"),
+        ("* * hertz 115e9 0.3\nset atom 2 z 0.004 diameter 0\nset atom 2 mass 1\nfix c all gran/cylinder 1 0.01 0 1 0\nrun 0", "a flat face meets a cylinder"),
+    ]),
+    "laws to come": (LOSSY + "run 1\n", "pair_coeff * * elastoplastic 115e9 0.3 550e6 {}\nrun 0", [
+        ("loss time 1e-6 rate 0.01 1", "cannot be added once there is a loss: give all laws before the first run"),
+    ]),
+    "bodies with a loss": (LOSSY_ROW + "group one id 1 2\ngroup two id 3 4\n", "{}\nrun 0", [
+        ("fix a one freeze\nfix b two freeze", "only one fix freeze can be in use, found 2"),
+        ("unfix motion\nfix a one rigid single\nfix b two rigid single", "only one fix rigid can be in use, found a and b"),
+    ]),
+    "computes": (ONE, "compute c all gran/hysteretic/{}", [
+        ("atom 1", "Illegal compute gran/hysteretic/atom"),
+        ("local 1", "Illegal compute gran/hysteretic/local"),
+        ("sums 1", "Illegal compute gran/hysteretic/sums"),
+        ("energy 1", "Illegal compute gran/hysteretic/energy"),
+        ("contact 1", "Illegal compute gran/hysteretic/contact"),
+        ("contact 1 1", "sphere 1 has no contact with itself"),
+    ]),
+    "computes without the pair style": (LIGHT, "compute c all gran/hysteretic/{}\nrun 0", [
+        (kind, "requires pair style gran/hysteretic") for kind in ("atom", "local", "sums", "energy", "contact 1 2")
+    ]),
+    "atoms without radius": (POINTS, "{}\nrun 0", [
+        ("fix c all gran/cylinder 1 0.01 0 1 0", "Fix gran/cylinder requires atom attribute radius"),
+        ("fix w all wall/gran/hysteretic zplane NULL 1 hertz 1e9 0.3", "Fix wall/gran/hysteretic requires atom attribute radius"),
+    ]),
+    "plates": (ONE + f"{TOP.strip()} support free 0.5 6.0\nfix low all wall/gran/hysteretic zplane -1 NULL hertz 1e9 0.3\n", "{}", [
+        ("fix_modify top velocity", "expected velocity V"),
+        ("fix_modify low velocity 1", "velocity belongs to a free plate"),
     ]),
     "ghosts": ("", "{}comm_modify vel no\nrun 0", [
         (script_of([*PAIR], style="elastoplastic 115e9 0.3 550e6 rate 0.01 1"),
@@ -149,9 +206,12 @@ REFUSED = {
         ("tube 0.002 hertz 1e9 0.3\nrun 0", "does not fit into the tube"),
         ("zplane -1 1 hertz 1e9 0.3 support 1 1e6 0", "found two"),
         ("zplane NULL NULL hertz 1e9 0.3 support 1 1e6 0", "found none"),
+        ("zplane NULL 1 support 1 1e6 0", "no contact law; expected"),
     ]),
     "supports": (ONE, "fix plate all wall/gran/hysteretic zplane NULL 0.005 hertz 115e9 0.3 support {}", [
         ("-1 1e6 0", "MASS must be a number, 0 or more, found '-1'"),
+        ("free 0 1", "MASS of a free plate must be positive, found '0'"),
+        ("damper 0", "DAMPING of a damper must be positive, found '0'"),
         ("1 0 0", "STIFFNESS and DAMPING are both 0"),
         ("0 1e6 0", "MASS is 0 and DAMPING too"),
         ("1 soft 0", "STIFFNESS must be a number"),
@@ -173,6 +233,8 @@ REFUSED = {
         ("32 3e-6 1.0 first 64", "first must be a power of two up to N, 32, found 64"),
         ("32 3e-6 1.0 balance v_given 0", "balance every 0, expected 1 or more"),
         ("32 3e-6 1.0 last 4", "found 'last'; expected N"),
+        ("32 3e-6 1.0\nfix more all gran/timestep 32 3e-6 1.0", "there is one already, step"),
+        ("32 3e-6 v_each\nvariable each atom vx\nrun 0", "variable each is not of style equal"),
     ]),
     "runs with a timestep": (ONE + GIVEN + "fix step all gran/timestep 32 3e-6 v_given\n", "{}\nrun 64", [
         ("fix late all ave/time 32 1 32 v_given", "must come after all fixes that act at the end of a step, and fix late"),
@@ -198,13 +260,18 @@ REFUSED = {
         ("pair_style gran/hysteretic -1", "positive"),
         (f"{BARE}fix 1 all gran/hysteretic/history", "belongs to pair style"),
         (f"{ONE}run_style respa 2 2\nrun 1", "Pair style gran/hysteretic does not work with run_style respa"),
+        (f"{ONE}pair_style hybrid gran/hysteretic 1e-3 gran/hysteretic 1e-3\npair_coeff 1 1 gran/hysteretic 1 hertz 1e9 0.3\n"
+         "pair_coeff 1 1 gran/hysteretic 2 hertz 1e9 0.3\nrun 0".replace("hybrid", "hybrid/overlay"), "Only one pair style gran/hysteretic"),
+        (script_of(PAIR, types=[1, 2], coefficients=["pair_coeff 1 1 hertz 1e9 0.3", "pair_coeff 2 2 hertz 1e9 0.3 friction 0.1"])
+         + "comm_modify vel yes\nrun 0", "Types 1 and 2 have different laws or options for like spheres: give pair_coeff 1 2"),
+        (f"{ONE.replace('m m m', 'm m p')}{TOP}run 0", "the box is periodic across the wall"),
     ]),
     "states": ("", "{}run 2000", [
         (script_of([(0, 0, 0), (0, 0, 1e-9)]), "overlap by"),
         (script_of([(0, 0, 0), (0, 0, 0.9 * R)]), "overlap by"),
         (script_of(PAIR, velocities=[(0, 0, 1e7), (0, 0, 0)]), "of its radius in one timestep"),
     ]),
-    "lines of dents": (script_of(PAIR, extra=TOP), "gran/dents read {}", [
+    "lines of dents": (script_of(PAIR, extra=TOP + SOME), "gran/dents read {}", [
         ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
         ("1 4294967298 1e-6", "there is no sphere 4294967298"),
         ("# first\n1 2 -1e-6", "line 2 of .*: the dent must not be negative, found '1 2 -1e-6'"),
@@ -219,6 +286,7 @@ REFUSED = {
         ("1 2 1e-6\n2 1 1e-6", "line 2 of .*: this contact was given before"),
         ("top 7 1e-6", "there is no sphere 7"),
         ("top 1 0.006", "exceeds the radius of the sphere"),
+        ("some 2 1e-6", "sphere 2 cannot have a dent, it is not of the fix's group"),
     ]),
     "dents of spheres too far apart": (script_of([(0, 0, 0), (0, 0, 3 * R)]), "gran/dents read {}", [
         ("1 2 1e-6", "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"),
@@ -254,10 +322,51 @@ def test_a_restart_needs_its_support(lammps, tmp_path, support, message):
     refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r"), f"{wall} {support}", message)
 
 
-def test_a_restart_needs_its_kind_of_load(lammps, tmp_path):
+ROUGH = rubbing(PAIR, "hertz 1e9 0.3 friction 0.1 rolling sds mindlin 0.0 0.1")
+STEP = "fix step all gran/timestep 32 3e-6 1.0"
+
+
+@pytest.mark.parametrize(
+    ("before", "fix", "other", "message"),
+    [
+        (ONE, "fix push all gran/load z force harmonic 1 1", "fix push all gran/load z displacement harmonic 1 1", "push with a force"),
+        (ONE, "fix c all gran/cylinder 1 0.01 0 1 0", "fix c all gran/cylinder 1 0.01 1 0 0", "c with other cylinders"),
+        (ONE, TOP, TOP.replace("0.3", "0.3 loss time 1e-6"), "top with another law or friction"),
+        (ONE, STEP, f"timestep 2e-8\n{STEP}", "step with ticks of .*, found a timestep of 2"),
+        (ROUGH, "", "pair_coeff * * hertz 1e9 0.3 loss time 1e-6 rolling sds mindlin 0.0 0.1\nfix move all nve\nrun 0", "with another loss"),
+    ],
+)  # fmt: skip
+def test_a_restart_needs_what_it_was_written_with(lammps, tmp_path, before, fix, other, message):
+    lammps(f"{before}{fix}\nrun 5\nwrite_restart {tmp_path}/r")
+    refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\ntimestep 1e-8"), other, message)
+
+
+def test_state_of_a_fix_in_another_format(lammps, tmp_path):
     lammps(f"{ONE}{PUSHED}run 5\nwrite_restart {tmp_path}/r")
-    again = lammps(f"newton off\nread_restart {tmp_path}/r")
-    refuses(again, "fix push all gran/load z displacement harmonic 1 1", "with a force")
+    data = (tmp_path / "r").read_bytes()
+    at = data.index(b"gran/load\0") + len("gran/load\0") + 4
+    assert struct.unpack("<d", data[at : at + 8]) == (3.0,)
+    (tmp_path / "r").write_bytes(data[:at] + struct.pack("<d", 2.0) + data[at + 8 :])
+    refuses(
+        lammps(f"newton off\nread_restart {tmp_path}/r"),
+        PUSHED,
+        "format 2 of fix gran/load; this version reads format 3",
+    )
+
+
+def test_contacts_are_not_read_while_they_are_not_current(lammps):
+    lmp = lammps(
+        f"{script_of(**THREE)}compute en all gran/hysteretic/energy\nrun 1\ngroup gone id 1\ndelete_atoms group gone"
+    )
+    with pytest.raises(
+        Exception, match=r"not current: spheres were added, deleted or put into another order .* use 'run 0' first"
+    ):
+        lmp.extract_compute("en", 0, 0)
+
+
+def test_energy_that_overflows_is_an_error(lammps):
+    lmp = lammps(script_of([(0, 0, 0), (0, 0, 1.9e100)], radius=1e100, density=1.0, style="hertz 1e150 0.3", gap=1e99))
+    refuses(lmp, "run 0", "the energy of the contacts is not a number")
 
 
 THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
