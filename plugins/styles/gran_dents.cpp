@@ -21,6 +21,10 @@
 #include <sstream>
 #include <utility>
 
+#ifdef MPI_STUBS
+#define MPI_BOR MPI_LOR    // LAMMPS's MPI of one process, which combines nothing, lacks it
+#endif
+
 using namespace LAMMPS_NS;
 
 namespace {
