@@ -140,6 +140,8 @@ class _Page:
             return f":doc:`{text} <{found[1]}>`"
         if "://" in target:
             return f"`{text} <{target}>`_"
+        if target.startswith("../"):  # pages of the site that LAMMPS's manual has not
+            return f"{text} of granwave's manual"
         page, _, anchor = target.partition("#")
         page = page.removesuffix(".md") or self.name
         return f":ref:`{text} <{_label(page, anchor)}>`" if anchor else f":doc:`{text} <{page}>`"
