@@ -21,8 +21,8 @@
 #include <sstream>
 #include <utility>
 
-#ifdef MPI_STUBS
-#define MPI_BOR MPI_LOR    // LAMMPS's MPI of one process, which combines nothing, lacks it
+#if defined(MPI_STUBS) && !defined(MPI_BOR)
+#define MPI_BOR MPI_LOR    // older stubs for one process lack it; they combine nothing
 #endif
 
 using namespace LAMMPS_NS;
