@@ -1,6 +1,6 @@
 """Make the package GRANWAVE, as one drops it into LAMMPS's sources, from the sources and pages of the plugin.
 
-    python plugins/package/make_package.py [FOLDER] [--into LAMMPS] [--lmp LMP [--mpiexec MPIEXEC]]
+    python plugins/package/make_package.py [FOLDER] [--into LAMMPS] [--lmp LMP]
 
 The folder, by default build/GRANWAVE, mirrors that of LAMMPS: src/GRANWAVE, cmake, doc/src, examples and unittest.
 Files that are not styles get the prefix granwave_, since the traditional make has all files of LAMMPS in one folder.
@@ -85,9 +85,9 @@ def write(folder: Path) -> None:
                 shutil.copy(path, place)
 
 
-def run(folder: Path, lmp: str, mpiexec: str, numbers: list[int]) -> None:
-    """Run the examples on these numbers of ranks, and leave their logs beside them, named as LAMMPS's are."""
-    for script in sorted((folder / EXAMPLES).rglob("in.*")):
+def run(scripts: list[Path], lmp: str, mpiexec: str, numbers: list[int]) -> None:
+    """Run examples on these numbers of ranks, and leave their logs beside them, named as LAMMPS's are."""
+    for script in scripts:
         for ranks in numbers:
             with tempfile.TemporaryDirectory() as place:
                 shutil.copytree(script.parent, place, dirs_exist_ok=True)
@@ -127,6 +127,7 @@ def main() -> None:
     parser.add_argument("--lmp", help="LAMMPS with the styles, which runs the examples for their logs")
     parser.add_argument("--mpiexec", help="starts it on ranks (default: the one beside it, or in PATH)")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 4], help="numbers of ranks (default: 1 4)")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="examples that are run (default: all)")
     chosen = parser.parse_args()
     if chosen.folder.exists() and any(chosen.folder.iterdir()) and not (chosen.folder / "src" / "GRANWAVE").exists():
         raise SystemExit(f"{chosen.folder} holds something else than the package: choose another folder")
@@ -134,7 +135,10 @@ def main() -> None:
     if chosen.lmp:
         lmp = os.path.abspath(chosen.lmp) if os.sep in chosen.lmp else chosen.lmp
         beside = Path(lmp).with_name("mpiexec")
-        run(chosen.folder, lmp, chosen.mpiexec or (str(beside) if beside.exists() else "mpiexec"), chosen.ranks)
+        scripts = sorted((chosen.folder / EXAMPLES).rglob("in.*"))
+        if chosen.only:
+            scripts = [script for script in scripts if script.name.removeprefix("in.") in chosen.only]
+        run(scripts, lmp, chosen.mpiexec or (str(beside) if beside.exists() else "mpiexec"), chosen.ranks)
     if chosen.into:
         put_into(chosen.folder, chosen.into)
     print(f"The package: {chosen.folder}", file=sys.stderr)
