@@ -9,6 +9,7 @@
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
 # make wheels    that for every Python found, 3.11 to 3.14, in PATH or pyenv: each is installed into an environment of its own, and passes selftest
 # make release-check  what a release must hold: versions, changelog, citation, both packages, an installation without a compiler, the site
+# make package   the styles as a package of LAMMPS, build/GRANWAVE; LAMMPS=DIR puts it into those sources, LMP=FILE runs its examples
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
@@ -35,7 +36,7 @@ BUILD := build/linked
 TYPED := build/typed/granwave
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
+.PHONY: law setup plugin package demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -57,6 +58,10 @@ $(VENV)/linked: pyproject.toml plugins/CMakeLists.txt | $(VENV)/bin/python
 plugin: $(VENV)/linked
 	@$(BIN)/cmake --build $(BUILD)
 	@$(BIN)/cmake --install $(BUILD) --prefix $(SITE)/granwave >/dev/null
+
+package: $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet markdown-it-py
+	$(BIN)/python plugins/package/make_package.py $(if $(LMP),--lmp $(LMP)) $(if $(LAMMPS),--into $(LAMMPS))
 
 demo: $(READY)
 	$(BIN)/granwave run fcc-impact -o $(DEMO) --np $(RANKS) --force

@@ -1,22 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Registration of the styles with LAMMPS, after granwaveplugin.cpp has checked that library and styles match. */
 
-#include "compute_gran_hysteretic.h"
-#include "fix_gran_cylinder.h"
-#include "fix_gran_damping.h"
-#include "fix_gran_hysteretic_history.h"
-#include "fix_gran_load.h"
-#include "fix_gran_timestep.h"
-#include "fix_wall_gran_hysteretic.h"
+#include "all_styles.h"
 #include "force.h"
-#include "gran_dents.h"
 #include "input.h"
 #include "lammps.h"
 #include "modify.h"
-#include "pair_gran_hysteretic.h"
 
 #include <list>
 #include <string>
+#include <string_view>
 
 using namespace LAMMPS_NS;
 
@@ -53,19 +46,24 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   auto &pairs = *lmp->force->pair_map;
   auto &fixes = *lmp->modify->fix_map;
   auto &computes = *lmp->modify->compute_map;
-  add("pair", PairGranHysteretic::STYLE, &create<Pair, PairGranHysteretic>, pairs);
-  add("fix", FixGranHystereticHistory::STYLE, &create_named<Fix, FixGranHystereticHistory>, fixes);
-  add("fix", FixWallGranHysteretic::STYLE, &create_named<Fix, FixWallGranHysteretic>, fixes);
-  add("fix", FixGranAbsorb::STYLE, &create_named<Fix, FixGranAbsorb>, fixes);
-  add("fix", FixGranCylinder::STYLE, &create_named<Fix, FixGranCylinder>, fixes);
-  add("fix", FixGranHolder::STYLE, &create_named<Fix, FixGranHolder>, fixes);
-  add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
-  add("fix", FixGranTimestep::STYLE, &create_named<Fix, FixGranTimestep>, fixes);
-  add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
-  add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);
-  add("compute", ComputeGranHystereticContact::STYLE, &create_named<Compute, ComputeGranHystereticContact>, computes);
-  add("compute", ComputeGranHystereticEnergy::STYLE, &create_named<Compute, ComputeGranHystereticEnergy>, computes);
-  add("compute", ComputeGranHystereticSums::STYLE, &create_named<Compute, ComputeGranHystereticSums>, computes);
+  // the blocks of the headers, from which LAMMPS registers the styles where they are built in
+#define CHECK(name, Class) static_assert(std::string_view(#name) == Class::STYLE)
+#define PAIR_CLASS
+#define PairStyle(name, Class)                                                                                              \
+  CHECK(name, Class);                                                                                                       \
+  add("pair", #name, &create<Pair, Class>, pairs)
+#define FIX_CLASS
+#define FixStyle(name, Class)                                                                                               \
+  CHECK(name, Class);                                                                                                       \
+  add("fix", #name, &create_named<Fix, Class>, fixes)
+#define COMPUTE_CLASS
+#define ComputeStyle(name, Class)                                                                                           \
+  CHECK(name, Class);                                                                                                       \
+  add("compute", #name, &create_named<Compute, Class>, computes)
   // `clear` keeps commands, and the loader, which registers all styles again, would warn of a duplicate
-  lmp->input->command_map->emplace(GranDents::STYLE, &create<Command, GranDents>);
+#define COMMAND_CLASS
+#define CommandStyle(name, Class)                                                                                           \
+  CHECK(name, Class);                                                                                                       \
+  lmp->input->command_map->emplace(#name, &create<Command, Class>)
+#include "all_styles.h"
 }

@@ -8,6 +8,16 @@
    compute ID group gran/hysteretic/sums            per sphere, the sums of the magnitudes of the components of its contact
                                                     forces, those of walls included  */
 
+#ifdef COMPUTE_CLASS
+// clang-format off
+ComputeStyle(gran/hysteretic/atom,ComputeGranHystereticAtom);
+ComputeStyle(gran/hysteretic/contact,ComputeGranHystereticContact);
+ComputeStyle(gran/hysteretic/energy,ComputeGranHystereticEnergy);
+ComputeStyle(gran/hysteretic/local,ComputeGranHystereticLocal);
+ComputeStyle(gran/hysteretic/sums,ComputeGranHystereticSums);
+// clang-format on
+#else
+
 #ifndef LMP_COMPUTE_GRAN_HYSTERETIC_H
 #define LMP_COMPUTE_GRAN_HYSTERETIC_H
 
@@ -85,5 +95,7 @@ class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

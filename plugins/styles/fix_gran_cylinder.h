@@ -7,6 +7,12 @@
    moment of inertia m R^2/2: the fix projects its torque on the axis, and scales it for fix nve/sphere, which reckons with
    that of a sphere. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(gran/cylinder,FixGranCylinder);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_GRAN_CYLINDER_H
 #define LMP_FIX_GRAN_CYLINDER_H
 
@@ -46,5 +52,7 @@ class FixGranCylinder : public Fix {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

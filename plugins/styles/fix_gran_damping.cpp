@@ -52,7 +52,7 @@ double FixGranDamping::total_power(double until_end)
 {
   ExactSum mine, all;
   add_forces(until_end, mine);
-  MPI_Allreduce(mine.data(), all.data(), ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
+  MPI_Allreduce(mine.data(), all.data(), ExactSum::SIZE, MPI_LONG_LONG, MPI_SUM, world);
   return all.value();
 }
 

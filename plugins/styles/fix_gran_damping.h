@@ -17,6 +17,13 @@
    one that would bring the atom to rest within it, as far as this limit allows: an atom that the other forces cannot move
    stays where it is, exactly, and no small velocity has to be chosen below which friction fades. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(gran/absorb,FixGranAbsorb);
+FixStyle(gran/holder,FixGranHolder);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_GRAN_DAMPING_H
 #define LMP_FIX_GRAN_DAMPING_H
 
@@ -84,5 +91,7 @@ class FixGranHolder : public FixGranDamping {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

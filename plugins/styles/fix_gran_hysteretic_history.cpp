@@ -48,7 +48,7 @@ void FixGranHystereticHistory::gather()
   require_finite_motion(lmp);
   if (release_contacts) release_contacts();
   // a sphere may be passed on by a processor that it did not come from
-  const int mine = most_numbers();
+  int mine = most_numbers();    // not const for LAMMPS's stubs of MPI
   MPI_Allreduce(&mine, &maxexchange, 1, MPI_INT, MPI_MAX, world);
 }
 

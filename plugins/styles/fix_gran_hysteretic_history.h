@@ -2,6 +2,12 @@
 /* Storage of the contact history of pair style gran/hysteretic with the spheres: through separation, reneighboring,
    migration between processors and restart. Created by the pair style with the fixed ID below, never by the user. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(gran/hysteretic/history,FixGranHystereticHistory);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
 #define LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
 
@@ -54,5 +60,7 @@ class FixGranHystereticHistory : public Fix {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

@@ -14,6 +14,12 @@
    The force of a step is the mean of the shape over the timestep centered at it, from its integral, so that the impulse of a pulse does
    not depend on the timestep. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(gran/load,FixGranLoad);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_GRAN_LOAD_H
 #define LMP_FIX_GRAN_LOAD_H
 
@@ -79,5 +85,7 @@ class FixGranLoad : public Fix {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

@@ -228,7 +228,7 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
     mine[0] += units_of(p * of_power);
     mine[1] += units_of(q * of_force);
   }
-  MPI_Allreduce(mine, all, 2, MPI_INT64_T, MPI_SUM, world);
+  MPI_Allreduce(mine, all, 2, MPI_LONG_LONG, MPI_SUM, world);
   double power = 0.0, force_squared_over_mass = 0.0;    // of supports, the same on all processors
   for (const auto *wall : walls) wall->add_power(power, force_squared_over_mass);
   return {static_cast<double>(all[0]) / UNITS * energy + power * tick,

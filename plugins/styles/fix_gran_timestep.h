@@ -7,6 +7,12 @@
    exact times. Velocity Verlet adds 1 to the counter before each step; the fix adds the rest beforehand, at the end of the
    step before, once all output of that step is written. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(gran/timestep,FixGranTimestep);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_GRAN_TIMESTEP_H
 #define LMP_FIX_GRAN_TIMESTEP_H
 
@@ -78,5 +84,7 @@ class FixGranTimestep : public Fix {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

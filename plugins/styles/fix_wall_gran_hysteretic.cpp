@@ -202,7 +202,7 @@ void FixWallGranHysteretic::push_support()
 {
   static_assert(sizeof(on_plane) == 2 * ExactSum::SIZE * sizeof(std::int64_t));
   ExactSum all[2];
-  MPI_Allreduce(on_plane->data(), all->data(), 2 * ExactSum::SIZE, MPI_INT64_T, MPI_SUM, world);
+  MPI_Allreduce(on_plane->data(), all->data(), 2 * ExactSum::SIZE, MPI_LONG_LONG, MPI_SUM, world);
   support->push(all[0].value());
   contact_stiffness = all[1].value();
   if (update->whichflag == 1) check_timestep(contact_stiffness);

@@ -13,6 +13,12 @@
    wall: a sphere that has separated and touches the wall again starts a new contact if it is further from that location than
    the radius of the contact circle at the dent. */
 
+#ifdef FIX_CLASS
+// clang-format off
+FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
+// clang-format on
+#else
+
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
@@ -243,5 +249,7 @@ class FixWallGranHysteretic : public Fix {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

@@ -21,6 +21,10 @@
 #include <sstream>
 #include <utility>
 
+#if defined(MPI_STUBS) && !defined(MPI_BOR)
+#define MPI_BOR MPI_LOR    // older stubs for one process lack it; they combine nothing
+#endif
+
 using namespace LAMMPS_NS;
 
 namespace {

@@ -4,6 +4,12 @@
    gran/dents read FILE     dents by IDs: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
    gran/dents begin         turn all dents so far into initial dents  */
 
+#ifdef COMMAND_CLASS
+// clang-format off
+CommandStyle(gran/dents,GranDents);
+// clang-format on
+#else
+
 #ifndef LMP_GRAN_DENTS_H
 #define LMP_GRAN_DENTS_H
 
@@ -40,5 +46,7 @@ class GranDents : public Command {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif

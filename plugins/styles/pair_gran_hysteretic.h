@@ -15,6 +15,12 @@
    Types of fix gran/cylinder are cylinders. Their pairs, those with cohesion, and those whose force is a power of the overlap, are in further rows
    of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
 
+#ifdef PAIR_CLASS
+// clang-format off
+PairStyle(gran/hysteretic,PairGranHysteretic);
+// clang-format on
+#else
+
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
@@ -351,5 +357,7 @@ class PairGranHysteretic : public Pair {
 };
 
 }    // namespace LAMMPS_NS
+
+#endif
 
 #endif
