@@ -87,7 +87,7 @@ def pour(run: Path) -> Figure:
         labels=("motion", "height", "friction", "damping"),
     )
     right.axvline(1.0, color="k", lw=0.8, ls=":")
-    right.legend(loc="upper left")
+    right.legend(loc="center right", frameon=True)
     right.set(xlabel="time, s", ylabel="energy, mJ", xlim=(0, 1.5))
     return figure
 

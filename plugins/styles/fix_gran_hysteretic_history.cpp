@@ -157,5 +157,9 @@ int FixGranHystereticHistory::size_restart(int i)
 int FixGranHystereticHistory::maxsize_restart()
 {
   if (publish_contacts) publish_contacts();
-  return AtomState::HEAD + most_numbers();
+  // the first processor writes it for the atoms of all; called on each
+  const int mine = most_numbers();
+  int most;
+  MPI_Allreduce(&mine, &most, 1, MPI_INT, MPI_MAX, world);
+  return AtomState::HEAD + most;
 }
