@@ -238,7 +238,7 @@ def chute(run: Path) -> Figure:
     step, speed, *_, shear, normal = np.loadtxt(run / "chute.txt").T
     left.plot(3e-5 * step, speed, label="mean speed, m/s")
     left.plot(3e-5 * step, -shear / normal, lw=0.7, label="shear over normal force")
-    left.axhline(np.tan(np.radians(22)), color="k", ls=":", label="tan 22 degrees")
+    left.axhline(np.tan(np.radians(26)), color="k", ls=":", label="tan 26 degrees")
     left.set(xlabel="time, s", ylim=(0, 0.9))
     left.legend()
     rows = [line.split() for line in (run / "chute-profile.txt").read_text().splitlines() if line.startswith("  ")]
