@@ -239,7 +239,7 @@ def chute(run: Path) -> Figure:
     left.plot(3e-5 * step, speed, label="mean speed, m/s")
     left.plot(3e-5 * step, -shear / normal, lw=0.7, label="shear over normal force")
     left.axhline(np.tan(np.radians(26)), color="k", ls=":", label="tan 26 degrees")
-    left.set(xlabel="time, s", ylim=(0, 0.9))
+    left.set(xlabel="time, s", ylim=(0, 1.5))
     left.legend()
     rows = [line.split() for line in (run / "chute-profile.txt").read_text().splitlines() if line.startswith("  ")]
     height, number, velocity = np.array(rows, dtype=float)[len(rows) // 2 :, [1, 2, 4]].T

@@ -108,7 +108,9 @@ def test_block(example, tmp_path, options):
     assert np.abs(log.runs[0]["v_balance"]).max() < 1e-7
     step, _, floor = np.loadtxt(tmp_path / "block.txt").T
     given, now = log.printed("momentum at first, kg m/s"), log.printed("momentum now, kg m/s")
-    assert -floor[1:].sum() * (step[1] - step[0]) * 2e-8 == pytest.approx(now - given, rel=1e-4)
+    assert -floor[1:].sum() * (step[1] - step[0]) * 2e-8 == pytest.approx(
+        now - given, rel=1e-4 if options else 1e-10
+    )  # it pushes at the end of the short run
     assert now - given > -0.05 * given
     (end,) = figures.frames(tmp_path / "block.dump")
     below = end["type"] == 1
