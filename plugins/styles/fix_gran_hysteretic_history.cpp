@@ -48,8 +48,7 @@ void FixGranHystereticHistory::gather()
   require_finite_motion(lmp);
   if (release_contacts) release_contacts();
   // a sphere may be passed on by a processor that it did not come from
-  int mine = most_numbers();    // not const for LAMMPS's stubs of MPI
-  MPI_Allreduce(&mine, &maxexchange, 1, MPI_INT, MPI_MAX, world);
+  maxexchange = most_numbers();
 }
 
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
@@ -67,7 +66,7 @@ void FixGranHystereticHistory::set_arrays(int i)
   history.forget_sphere(i);
 }
 
-/* Size of the state of sphere i, and the largest one of this processor. */
+/* Size of the state of sphere i, and the largest one of all processors. */
 
 int FixGranHystereticHistory::size(int i, int further) const
 {
@@ -81,6 +80,7 @@ int FixGranHystereticHistory::most_numbers() const
 {
   int most = N_HEAD;
   for (int i = 0; i < atom->nlocal; i++) most = std::max(most, size(i));
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT, MPI_MAX, world);
   return most;
 }
 
@@ -157,5 +157,5 @@ int FixGranHystereticHistory::size_restart(int i)
 int FixGranHystereticHistory::maxsize_restart()
 {
   if (publish_contacts) publish_contacts();
-  return AtomState::HEAD + most_numbers();
+  return AtomState::HEAD + most_numbers();    // the first processor writes it for the atoms of all
 }

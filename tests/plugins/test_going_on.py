@@ -168,6 +168,18 @@ def test_restart_keeps_the_history_of_every_law(lammps, tmp_path, law, steps):
         assert value(again, formula) == value(lmp, formula)
 
 
+def test_contacts_on_another_rank_than_the_first_are_restarted(log_of, tmp_path):
+    """The first rank, whose only sphere is alone, writes the room that the contacts of all need."""
+    row = [(0.0, 0.0, 2 * R * (10 + k)) for k in range(5)]
+    first = "processors 1 1 2\n" + script_of(
+        [(0.0, 0.0, 0.0), *row], velocities=[(0, 0, 0), (0, 0, 2.0)], extra="run 2000\nwrite_restart half.restart"
+    )
+    assert "PotEng" in log_of(first, ranks=2)
+    read = "newton off\natom_modify map yes\nread_restart half.restart\nneighbor 1e-3 bin\nfix motion all nve\n"
+    log = log_of(read + "compute ep all pair gran/hysteretic\nthermo_style custom step c_ep[1] c_ep[2]\nrun 0")
+    assert float(re.findall(r"^ +2000 +(\S+)", log, re.MULTILINE)[-1]) > 0.0
+
+
 def test_restart_keeps_initial_dents(lammps, tmp_path):
     dent = 20 * LAW.yield_overlap
     (tmp_path / "dents.txt").write_text(f"1 2 {dent:.17g}")
