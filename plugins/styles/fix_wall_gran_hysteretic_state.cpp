@@ -65,7 +65,7 @@ void FixWallGranHysteretic::init_cylinders()
   for (int type = 1; type <= atom->ntypes; type++) {
     const Cylinder &cylinder = cylinders->shape(type);
     if (cylinder.is_sphere() || !present[type]) continue;
-    if (cohesive()) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
+    if (has.cohesion) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
     stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
@@ -168,18 +168,9 @@ void FixWallGranHysteretic::begin()
       const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
       if (!yielded)
-        side.dent = side.touching != 0.0 ? std::max(depth(i, which), cohesive() ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
+        side.dent = side.touching != 0.0 ? std::max(depth(i, which), has.cohesion ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
       side.lost_before = 0.0;
-      ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
-      kept.rolling.loss = kept.twisting.loss = 0.0;
-      const SlipHistory slipping = slips_partially ? slip(i, which) : SlipHistory();
-      CohesionHistory held = cohesive() ? sticking(i, which) : CohesionHistory();
-      held.lost = 0.0;
-      if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
-      if (slips_partially) slip(i, which) = slipping;
-      if (resistance) resisted(i, which) = kept;
-      if (cohesive()) sticking(i, which) = held;
-      if (loss) viscous(i, which) = {};
+      has.begin(extra(i, which), yielded);
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;
     }
@@ -252,8 +243,7 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
   const AtomState state = atom_state(lmp, *this, i, nth);
   constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
-  const bool whole =
-      n_extra() == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
+  const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
   if (!whole && state.n != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
