@@ -138,14 +138,12 @@ void ContactList::reset(int k, double new_peak, bool dented)
 void ContactList::store(ContactHistory &history)
 {
   std::vector<int> extra_records(owned, 0);
-  each_pair([&](int, int k, int i, int j) {
-    if (peak[k] > 0.0)
-      for (const int one : {i, j})
-        if (one < owned) extra_records[one]++;
+  each_dent([&](int, int, int i, int j) {
+    for (const int one : {i, j})
+      if (one < owned) extra_records[one]++;
   });
   history.keep_forgotten(owned, extra_records);
-  each_pair([&](int r, int k, int i, int j) {
-    if (peak[k] <= 0.0) return;
+  each_dent([&](int r, int k, int i, int j) {
     const auto place = [&](int of, const Sphere &sphere, const Sphere &other, double side) {
       if (of >= owned) return;
       history.own(of, sphere.tag);

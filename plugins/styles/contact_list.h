@@ -75,6 +75,20 @@ class ContactList {
       for (int k = begin[r]; k < begin[r + 1]; k++) visit(r, k, row[r], partner[k]);
   }
 
+  /* The same for each pair that has touched. */
+  template <class Visit> void each_dent(const Visit &visit) const
+  {
+    constexpr int ROWS = RestingBlocks::SIZE;    // that are passed over at once
+    const int rows = static_cast<int>(row.size());
+    for (int first = 0; first < rows; first += ROWS) {
+      const int last = first + ROWS < rows ? first + ROWS : rows;
+      if (all_zero(peak.data() + begin[first], begin[last] - begin[first])) continue;
+      for (int r = first; r < last; r++)
+        for (int k = begin[r]; k < begin[r + 1]; k++)
+          if (peak[k] != 0.0) visit(r, k, row[r], partner[k]);
+    }
+  }
+
   /* Row and index of the pair of these IDs, the lower first; -1 if it is not in the list. Across a periodic boundary it may be
      twice in it, with the same history. */
   std::pair<int, int> find(tagint lower, tagint higher) const;

@@ -186,6 +186,7 @@ class FixWallGranHysteretic : public Fix {
 
   std::vector<char>
       near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
+  std::vector<char> touched;    // 0: the sphere has touched no wall; 1: it may have
   std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
   bool listed = false;          // true if this list is current
   double listed_level = 0.0;    // position of the movable plane when it was made

@@ -129,6 +129,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     state[TIME_PEAK] = now;
   }
   state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
+  touched[i] = 1;
   return contact;
 }
 
@@ -266,8 +267,10 @@ void FixWallGranHysteretic::tally()
   tallied = update->ntimestep;
   double mine[N_TOTALS] = {};
   for (int i = 0; i < atom->nlocal; i++) {
+    if (!touched[i]) continue;
     const double *state = array_atom[i];
-    if (state[PEAK_OVERLAP] == 0.0) continue;
+    touched[i] = state[PEAK_OVERLAP] > 0.0;
+    if (!touched[i]) continue;
     const ScaledLaw &scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];

@@ -188,6 +188,7 @@ void FixWallGranHysteretic::report_dents(int i)
   const ScaledLaw &scaled = scaled_law(i);
   const Side &low = sides(i)[0], &high = sides(i)[1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
+  touched[i] = 1;
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);
   array_atom[i][DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
   tallied = -1;
@@ -199,12 +200,13 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
 {
   memory->grow(array_atom, nmax, static_cast<int>(N_REPORTED), "wall/gran/hysteretic:array_atom");
   near.resize(nmax);
+  touched.resize(nmax);
   histories.resize(static_cast<std::size_t>(nmax) * n_history());
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 {
-  near[j] = 1;
+  near[j] = touched[j] = 1;
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(at_walls(i), n_history(), at_walls(j));
@@ -212,7 +214,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 
 void FixWallGranHysteretic::set_arrays(int i)
 {
-  near[i] = 1;
+  near[i] = touched[i] = 1;
   listed = false;
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   std::fill_n(at_walls(i), n_history(), 0.0);
@@ -227,7 +229,7 @@ int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
-  near[i] = 1;
+  near[i] = touched[i] = 1;
   listed = false;
   std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
   std::copy_n(buf + N_REPORTED, n_history(), at_walls(i));
@@ -255,7 +257,7 @@ int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(
 
 double FixWallGranHysteretic::memory_usage()
 {
-  return double(atom->nmax) * (n_state() * sizeof(double) + 1) + double(spheres.capacity()) * sizeof(int);
+  return double(atom->nmax) * (n_state() * sizeof(double) + 2) + double(spheres.capacity()) * sizeof(int);
 }
 
 /* ---------------------------------------------------------------------- state of the plane, identical on all processors */

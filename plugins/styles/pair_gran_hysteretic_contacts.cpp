@@ -166,9 +166,8 @@ void PairGranHysteretic::prepare_initial_dents()
 
 void PairGranHysteretic::begin_initial_dents()
 {
-  contacts.each_pair([&](int, int k, int i, int j) {
+  contacts.each_dent([&](int, int k, int i, int j) {
     const double peak = contacts.peak[k];
-    if (peak == 0.0) return;
     const PairParameters p = pair_parameters(i, j);
     const double apart = distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
     double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;

@@ -79,9 +79,8 @@ double PairGranHysteretic::tally_totals()
 
   PairParameters p{};
   if (uniform && nlocal > 0) p = pair_parameters(0, 0);
-  c.each_pair([&](int, int k, int i, int j) {
+  c.each_dent([&](int, int k, int i, int j) {
     const double peak = c.peak[k];
-    if (peak == 0.0) return;
     const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
     if (!uniform) p = pair_parameters(i, j);
     const double overlap = p.radsum - distance(i, j);
@@ -234,9 +233,7 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
 {
   require_contacts();
   require_finite_motion(lmp);
-  contacts.each_pair([&](int r, int k, int, int) {
-    if (contacts.peak[k] != 0.0) visit(report_pair(r, k));
-  });
+  contacts.each_dent([&](int r, int k, int, int) { visit(report_pair(r, k)); });
   ContactHistory &history = fix_history->history;
   history.each_record(atom->nlocal, [&](int i, int m, const ContactRecord &record) {
     if (!record.live) visit(report_forgotten(i, record, history.block(i, m)));
