@@ -6,6 +6,7 @@
 #include "fix_gran_damping.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
+#include "fix_gran_nve.h"
 #include "fix_gran_timestep.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
@@ -60,6 +61,7 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   add("fix", FixGranCylinder::STYLE, &create_named<Fix, FixGranCylinder>, fixes);
   add("fix", FixGranHolder::STYLE, &create_named<Fix, FixGranHolder>, fixes);
   add("fix", FixGranLoad::STYLE, &create_named<Fix, FixGranLoad>, fixes);
+  add("fix", FixGranNVE::STYLE, &create_named<Fix, FixGranNVE>, fixes);
   add("fix", FixGranTimestep::STYLE, &create_named<Fix, FixGranTimestep>, fixes);
   add("compute", ComputeGranHystereticAtom::STYLE, &create_named<Compute, ComputeGranHystereticAtom>, computes);
   add("compute", ComputeGranHystereticLocal::STYLE, &create_named<Compute, ComputeGranHystereticLocal>, computes);

@@ -220,7 +220,7 @@ class PairGranHysteretic : public Pair {
   void forget(int row, int k);
   void sum_up(int i, const granwave::ContactRecord &, const double *block);
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
-                              double overlap) const;
+                              double overlap, double at_peak) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);

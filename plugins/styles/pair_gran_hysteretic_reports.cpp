@@ -14,15 +14,17 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-/* Largest force of this run: at the peak, or below the initial dent. */
+/* Largest force of this run: at the peak, where it is `at_peak` without cohesion, or below the initial dent. */
 
-double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &history, const BlockView &view,
-                                                double overlap) const
+double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &h, const BlockView &view,
+                                                double overlap, double at_peak) const
 {
-  const double reached = std::max(view.reached, overlap);
-  if (!contact.yielded(history.peak)) return reached > 0.0 ? contact.elastic_force(reached) : 0.0;
-  return reached >= history.peak ? contact.loading_beyond_yield(reached, history.extra)
-                                 : contact.unloading(reached, contact.turning(history));
+  const double viscous = has.loss_of(h.extra).peak_force, reached = has.dents ? std::max(view.reached, overlap) : h.peak;
+  if (viscous > 0.0) return viscous - (contact.cohesive() ? contact.pull_off() : 0.0);
+  if (contact.cohesive()) return std::max(contact.cohesive_state(reached, h).force, 0.0);
+  if (!has.dents) return at_peak;
+  if (!contact.yielded(h.peak)) return reached > 0.0 ? contact.elastic_force(reached) : 0.0;
+  return reached >= h.peak ? contact.loading_beyond_yield(reached, h.extra) : contact.unloading(reached, contact.turning(h));
 }
 
 namespace {
@@ -52,9 +54,7 @@ double PairGranHysteretic::tally_totals()
                          double peak_force, double overlap, double weight) {
     pvector[TANGENTIAL] += weight * has.tangential_energy(view.spring, view.extra);
     pvector[FRICTIONAL] += weight * view.spring.loss;
-    if (has.dents) peak_force = largest_force_of_run(contact, h, view, overlap);
-    const ViscousHistory viscous = has.loss_of(h.extra);
-    pvector[VISCOUS] += weight * viscous.lost;
+    pvector[VISCOUS] += weight * has.loss_of(h.extra).lost;
     if (has.resistance) {
       const ResistanceHistory resisted = has.resistance_of(h.extra);
       pvector[ROLLING] += weight * resisted.rolling.stored();
@@ -62,13 +62,8 @@ double PairGranHysteretic::tally_totals()
       pvector[TWISTING] += weight * resisted.twisting.stored();
       pvector[TWISTED] += weight * resisted.twisting.loss;
     }
-    if (contact.cohesive()) {
-      pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
-      const double reached = has.dents ? std::max(view.reached, overlap) : h.peak;
-      peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
-    }
-    if (viscous.peak_force > 0.0) peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
-    largest_force = std::max(largest_force, peak_force);
+    if (contact.cohesive()) pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
+    largest_force = std::max(largest_force, largest_force_of_run(contact, h, view, overlap, peak_force));
     const int beyond = beyond_range(contact, h.peak);
     if (beyond > 0) pvector[BEYOND_HALF] += weight;
     if (beyond > 1) pvector[BEYOND_LAW] += weight;
@@ -170,7 +165,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.peak_force = contact.elastic_force(h.peak);
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
   }
-  if (has.dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
+  report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
   report.touches = report.force > 0.0;
   if (contact.cohesive()) {
     const CohesionHistory history = has.cohesion_of(view.extra);
@@ -179,11 +174,8 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.force = state.force;
     report.elastic = state.energy;
     report.adhesive_loss = history.lost;
-    const double reached = has.dents ? std::max(view.reached, overlap) : h.peak;
-    report.peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
   }
   if (overlap > 0.0 || report.touches) report.force += viscous.force;
-  if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
 }
 
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
