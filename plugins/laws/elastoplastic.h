@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
 namespace granwave {
@@ -32,7 +33,7 @@ struct LawConstants {
   double residual_slope = 0.95, residual_offset = 25.94, residual_rate = 0.015;    // thesis 2.13
   double unloading_exponent = 1.35;                                                // thesis 2.12
 
-  inline bool operator==(const LawConstants &other) const;
+  bool operator==(const LawConstants &other) const { return std::memcmp(this, &other, sizeof(other)) == 0; }
 };
 
 /* Names of the constants in input scripts, case files and Python, in the order of restart files. */
@@ -47,13 +48,6 @@ constexpr std::pair<const char *, double LawConstants::*> LAW_CONSTANTS[] = {
     {"residual_rate", &LawConstants::residual_rate},
     {"unloading_exponent", &LawConstants::unloading_exponent},
 };
-
-bool LawConstants::operator==(const LawConstants &other) const
-{
-  for (const auto &[name, member] : LAW_CONSTANTS)
-    if (this->*member != other.*member) return false;
-  return true;
-}
 
 class Elastoplastic : public NormalLaw {
  public:

@@ -7,7 +7,6 @@
 #include "motion.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
