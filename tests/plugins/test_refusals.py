@@ -31,6 +31,10 @@ REFUSED = {
         ("impedance 1", "2 words after its name"),
         ("impedance 1 w", "'w' is no direction"),
     ]),
+    "nve": (LIGHT, "fix more all gran/nve {}", [
+        ("z", "it takes no words, found 'z'"),
+        ("\nrun_style respa 2 2\nrun 0", "gran/nve does not work with run_style respa"),
+    ]),
     "holder": (ONE, "fix holder all gran/holder {}", [
         ("z 0.3", "2 words after its name"),
         ("w 0.3 9.81", "'w' is no direction"),
