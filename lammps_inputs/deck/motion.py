@@ -77,7 +77,7 @@ def _integration(assembly: Assembly) -> list[str]:
         upright = ["upright"]
     if bars or still or upright:
         lines.append(f"group           mobile subtract all {joined([*still, *bars, *upright])}")
-    group, style = "mobile" if bars or still or upright else "all", "nve/sphere" if turning else "nve"
+    group, style = "mobile" if bars or still or upright else "all", "nve/sphere" if turning else "gran/nve"
     lines.append(f"fix             motion {group} {style}")
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in [*bars, *upright])]
 

@@ -169,13 +169,6 @@ struct CohesionHistory {
 
 static_assert(sizeof(CohesionHistory) == CohesionHistory::SIZE * sizeof(double));
 
-/* The history in a block of doubles of a contact. */
-inline CohesionHistory &cohesion_history(double *block) { return *reinterpret_cast<CohesionHistory *>(block); }
-inline const CohesionHistory &cohesion_history(const double *block)
-{
-  return *reinterpret_cast<const CohesionHistory *>(block);
-}
-
 }    // namespace granwave
 
 #endif

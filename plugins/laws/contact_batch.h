@@ -9,7 +9,6 @@
 
 #include "tangential.h"
 
-#include <cmath>
 #include <cstdint>
 
 namespace granwave {

@@ -179,15 +179,15 @@ class ScaledLaw {
   bool is_hertzian() const { return !elastic_; }                                       // within the elastic limit
   const LineContact *line() const { return elastic_ ? elastic_->line() : nullptr; }    // null if it is another law
   /* Contacts within their elastic limit: Hertz's law, unless it is another. */
-  double hertz_force(double overlap) const
+  double elastic_force(double overlap) const
   {
     return elastic_ ? elastic_->force(overlap) : hertz_ * overlap * std::sqrt(overlap);
   }
-  double hertz_energy(double overlap) const
+  double elastic_energy(double overlap) const
   {
     return elastic_ ? elastic_->energy(overlap) : 0.4 * hertz_ * overlap * overlap * std::sqrt(overlap);
   }
-  double hertz_stiffness(double overlap) const
+  double elastic_stiffness(double overlap) const
   {
     return elastic_ ? elastic_->stiffness(overlap) : 1.5 * hertz_ * std::sqrt(overlap);
   }
@@ -242,14 +242,14 @@ class ScaledLaw {
   double loading_force(double overlap, const double *extra) const
   {
     if (overlap <= 0.0) return 0.0;
-    return yielded(overlap) ? loading_beyond_yield(overlap, extra) : hertz_force(overlap);
+    return yielded(overlap) ? loading_beyond_yield(overlap, extra) : elastic_force(overlap);
   }
 
   double loading_work(double overlap, const double *extra) const
   {
     if (overlap <= 0.0) return 0.0;
     return yielded(overlap) ? force_ * overlap_ * law_->loading_work(normalised(overlap), site(extra))
-                            : hertz_energy(overlap);
+                            : elastic_energy(overlap);
   }
 
   /* ---- cohesion; forces and energies of the functions above are without it */
@@ -275,8 +275,8 @@ class ScaledLaw {
     CohesiveState s;
     double law_force = 0.0;
     if (!turning) {
-      law_force = hertz_force(overlap);
-      s.energy = hertz_energy(overlap);
+      law_force = elastic_force(overlap);
+      s.energy = elastic_energy(overlap);
       s.circle_squared = effective_radius_ * overlap;
     } else {
       law_force = loads ? loading_beyond_yield(overlap, h.extra) : unloading(overlap, *turning);
@@ -332,13 +332,13 @@ class ScaledLaw {
     return overlap >= h.peak || !yielded(h.peak) ? loading_force(overlap, h.extra) : unloading(overlap, turning(h));
   }
 
-  double peak_force(const LawHistory &h) const { return yielded(h.peak) ? peak_force(turning(h)) : hertz_force(h.peak); }
+  double peak_force(const LawHistory &h) const { return yielded(h.peak) ? peak_force(turning(h)) : elastic_force(h.peak); }
 
   /* Energy stored at an overlap up to the peak, 0 if the surfaces do not touch. */
   double elastic_energy(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
-    return yielded(h.peak) ? elastic_energy(overlap, turning(h)) : hertz_energy(overlap);
+    return yielded(h.peak) ? elastic_energy(overlap, turning(h)) : elastic_energy(overlap);
   }
 
   /* Dissipated energy of the contact once the peak has been reached. */
@@ -354,7 +354,7 @@ class ScaledLaw {
   double tangent_stiffness(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
-    if (!yielded(std::max(overlap, h.peak))) return hertz_stiffness(overlap);
+    if (!yielded(std::max(overlap, h.peak))) return elastic_stiffness(overlap);
     const double a = normalised(overlap);
     return force_ / overlap_ * (overlap >= h.peak ? law_->loading_slope(a, site(h.extra)) : turning(h).slope(a));
   }
@@ -367,7 +367,7 @@ class ScaledLaw {
   double unloading_stiffness(const LawHistory &h) const
   {
     if (yielded(h.peak)) return stiffness(turning(h));
-    return h.peak > 0.0 ? hertz_stiffness(h.peak) : 0.0;
+    return h.peak > 0.0 ? elastic_stiffness(h.peak) : 0.0;
   }
 
   /* Radius of the contact circle, squared; of an elastic law other than Hertz's that of the Hertzian contact that is as stiff,

@@ -96,6 +96,35 @@ class LineContact {
     return 0.25 * force_ * overlap_ * u * u * (2.0 * w - 1.0);
   }
 
+  /* Roots w > 1 of w - ln w = 1 - ln s, several at a time: one that has been found, or has left the range of the law, stays. */
+  template <int GROUP> __attribute__((always_inline)) static inline void exponents(const double *s, double *w)
+  {
+    double wanted[GROUP], open[GROUP];
+    for (int m = 0; m < GROUP; m++) {
+      wanted[m] = 1.0 - logarithm(s[m]);
+      const double near_end = 1.0 + std::sqrt(2.0 * (wanted[m] - 1.0)) + (wanted[m] - 1.0) / 1.5;
+      const double first = wanted[m] < 2.0 ? near_end : wanted[m] + logarithm(wanted[m]);
+      w[m] = s[m] < 1.0 ? first : 1.0;
+      open[m] = 1.0;
+    }
+    // Two steps at a time: rounding ends in a root that stays, or in two that take turns, and the number of steps is even.
+    static_assert(STEPS % 2 == 0);
+    for (int n = 0; n < STEPS; n += 2) {
+      double before[GROUP];
+      int moved = 0;
+      for (int m = 0; m < GROUP; m++) before[m] = w[m];
+      for (int half = 0; half < 2; half++)
+        for (int m = 0; m < GROUP; m++) {
+          const double step = (w[m] - logarithm(w[m]) - wanted[m]) * w[m] / (w[m] - 1.0);
+          const double next = open[m] > 0.0 ? w[m] - step : w[m];
+          open[m] = std::fabs(step) <= PRECISION * next ? 0.0 : open[m];
+          w[m] = w[m] > 1.0 ? next : 1.0;
+        }
+      for (int m = 0; m < GROUP; m++) moved += w[m] != before[m];
+      if (moved == 0) break;
+    }
+  }
+
  private:
   LineContact(double overlap, double force) : overlap_(overlap), force_(force) {}
 
@@ -104,15 +133,8 @@ class LineContact {
   /* Root w > 1 of w - ln w = 1 - ln s; 1 where the law ends. */
   static double exponent(double s)
   {
-    if (!(s < 1.0)) return 1.0;
-    const double wanted = 1.0 - logarithm(s);
-    double w = wanted < 2.0 ? 1.0 + std::sqrt(2.0 * (wanted - 1.0)) + (wanted - 1.0) / 1.5 : wanted + logarithm(wanted);
-    for (int n = 0; n < STEPS; n++) {
-      if (!(w > 1.0)) return 1.0;
-      const double step = (w - logarithm(w) - wanted) * w / (w - 1.0);
-      w -= step;
-      if (std::fabs(step) <= PRECISION * w) break;
-    }
+    double w;
+    exponents<1>(&s, &w);
     return w;
   }
 };

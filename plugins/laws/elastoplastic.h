@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <utility>
 
 namespace granwave {
@@ -32,7 +33,7 @@ struct LawConstants {
   double residual_slope = 0.95, residual_offset = 25.94, residual_rate = 0.015;    // thesis 2.13
   double unloading_exponent = 1.35;                                                // thesis 2.12
 
-  inline bool operator==(const LawConstants &other) const;
+  bool operator==(const LawConstants &other) const { return std::memcmp(this, &other, sizeof(other)) == 0; }
 };
 
 /* Names of the constants in input scripts, case files and Python, in the order of restart files. */
@@ -47,13 +48,6 @@ constexpr std::pair<const char *, double LawConstants::*> LAW_CONSTANTS[] = {
     {"residual_rate", &LawConstants::residual_rate},
     {"unloading_exponent", &LawConstants::unloading_exponent},
 };
-
-bool LawConstants::operator==(const LawConstants &other) const
-{
-  for (const auto &[name, member] : LAW_CONSTANTS)
-    if (this->*member != other.*member) return false;
-  return true;
-}
 
 class Elastoplastic : public NormalLaw {
  public:
@@ -194,15 +188,11 @@ class Elastoplastic : public NormalLaw {
 
   double panel_work(double lo, double hi) const
   {
-    static constexpr double x[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
-                                    0.9739065285171717};
-    static constexpr double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
-                                    0.0666713443086881};
     const double mid = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
     double value[10], sum = 0.0;
     for (int n = 0; n < 10; n++) {    // several powers at a time
-      const double at = mid + (n % 2 == 0 ? -half : half) * x[n / 2];
-      value[n] = w[n / 2] * pressure(at) * power(at, area_exponent_);
+      const double at = mid + (n % 2 == 0 ? -half : half) * GAUSS_POINTS[n / 2];
+      value[n] = GAUSS_WEIGHTS[n / 2] * pressure(at) * power(at, area_exponent_);
     }
     for (const double term : value) sum += term;
     return half * sum;

@@ -99,18 +99,14 @@ class ElastoplasticFe : public NormalLaw {
   double loading_work(double a, const Site &site) const
   {
     if (a <= 1.0) return hertz_work(a);
-    static constexpr double x[5] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
-                                    0.9739065285171717};
-    static constexpr double w[5] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
-                                    0.0666713443086881};
     const Shape s = shape(site);
     const double end = std::sqrt(a) - 1.0;
     double sum = 0.4;
     for (double lo = 0.0, hi = FIRST_PANEL; lo < end; lo = hi, hi *= 2.0) {
       const double top = std::min(hi, end), mid = 0.5 * (lo + top), half = 0.5 * (top - lo);
       for (int n = 0; n < 10; n++) {
-        const double u = 1.0 + mid + (n % 2 == 0 ? -half : half) * x[n / 2];
-        sum += half * w[n / 2] * 2.0 * u * beyond(u * u, s);
+        const double u = 1.0 + mid + (n % 2 == 0 ? -half : half) * GAUSS_POINTS[n / 2];
+        sum += half * GAUSS_WEIGHTS[n / 2] * 2.0 * u * beyond(u * u, s);
       }
     }
     return sum;

@@ -51,6 +51,13 @@ double positive(const std::string &word, const std::string &what)
   return value;
 }
 
+double not_negative(const std::string &word, const std::string &what)
+{
+  const double value = number(word, what);
+  if (value < 0.0) refuse(what + " must not be negative, found '" + word + "'");
+  return value;
+}
+
 /* Yield strength; INF for a body that never yields. */
 double strength(const std::string &word) { return word == "INF" ? INFINITE : positive(word, "yield strength"); }
 
@@ -72,10 +79,8 @@ std::size_t read_slider(const std::vector<std::string> &words, std::size_t at, S
   if (kind != "sds") refuse("expected " + form + ", found '" + key + " " + kind + "'");
   if (at + 4 >= words.size()) refuse("'" + key + " sds' has too few values; expected " + form);
   if (words[at + 2] != "mindlin") model.stiffness = positive(words[at + 2], key + " stiffness");
-  model.damping = number(words[at + 3], key + " damping");
-  model.coefficient = number(words[at + 4], key + " coefficient");
-  if (model.damping < 0.0) refuse(key + " damping must not be negative, found '" + words[at + 3] + "'");
-  if (model.coefficient < 0.0) refuse(key + " coefficient must not be negative, found '" + words[at + 4] + "'");
+  model.damping = not_negative(words[at + 3], key + " damping");
+  model.coefficient = not_negative(words[at + 4], key + " coefficient");
   if (!model) model = {};
   return 4;
 }
@@ -164,8 +169,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
     const std::string &value = words[k + 1];
     if (key == "friction") {
-      args.friction = number(value, "friction");
-      if (args.friction < 0.0) refuse("friction must not be negative, found '" + value + "'");
+      args.friction = not_negative(value, key);
     } else if (key == "tangential") {
       args.tangential = tangential_model(value);
     } else if (key == "rolling" || key == "twisting") {
@@ -174,16 +178,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
       if (value != "time" && value != "dashpot") refuse("loss must be time or dashpot, found '" + value + "'");
       if (args.loss) refuse("loss is given twice: take one of time and dashpot");
       if (k + 2 == words.size()) refuse("'loss " + value + "' has no value; " + usage);
-      const double size = number(words[k + 2], "loss " + value);
-      if (size < 0.0) refuse("loss " + value + " must not be negative, found '" + words[k + 2] + "'");
+      const double size = not_negative(words[k + 2], "loss " + value);
       if (size > 0.0) args.loss = {value == "time" ? LossKind::TIME : LossKind::DASHPOT, size};
       k++;
     } else if (key == "cohesion") {
       if (value != "jkr" && value != "dmt") refuse("cohesion must be jkr or dmt, found '" + value + "'");
       if (args.options.cohesion) refuse("cohesion is given twice");
       if (k + 2 == words.size()) refuse("'cohesion " + value + "' has no value; " + usage);
-      const double energy = number(words[k + 2], "cohesion " + value);
-      if (energy < 0.0) refuse("cohesion " + value + " must not be negative, found '" + words[k + 2] + "'");
+      const double energy = not_negative(words[k + 2], "cohesion " + value);
       if (energy > 0.0) args.options.cohesion = {value == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
       k++;
     } else if (key == "variant" && args.law->takes(VARIANT)) {
@@ -211,8 +213,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
       for (Material *of : {&args.first, args.second ? &*args.second : nullptr}) {
         if (!of) continue;
         if (k + 3 >= words.size()) refuse("rate needs C and a reference rate for each of the materials; " + usage);
-        of->rate_sensitivity = number(words[k + 2], "rate sensitivity");
-        if (of->rate_sensitivity < 0.0) refuse("rate sensitivity must not be negative, found '" + words[k + 2] + "'");
+        of->rate_sensitivity = not_negative(words[k + 2], "rate sensitivity");
         of->reference_rate = positive(words[k + 3], "reference rate");
         k += 2;
       }

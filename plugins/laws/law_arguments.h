@@ -13,10 +13,7 @@
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
-#include "contact_law.h"
-#include "resistance.h"
-#include "tangential.h"
-#include "viscous_loss.h"
+#include "contact_memory.h"
 
 #include <optional>
 #include <stdexcept>
@@ -45,6 +42,16 @@ struct LawArguments {
 
   bool has_rate() const { return first.rate_sensitivity > 0.0 || (second && second->rate_sensitivity > 0.0); }
   int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }    // most that a pair of these materials has
+
+  /* Add the parts of its history to those that contacts have already. */
+  void extend(ContactMemory &has) const
+  {
+    has.friction |= friction > 0.0 || resistance;
+    has.slip |= slips_partially();
+    has.cohesion |= bool(options.cohesion);
+    has.resistance |= bool(resistance);
+    has.loss |= bool(loss);
+  }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };

@@ -162,10 +162,6 @@ template <int N> struct SlipCells {
 using SlipHistory = SlipCells<16>;
 static_assert(sizeof(SlipHistory) == SlipHistory::SIZE * sizeof(double));
 
-/* The history in a block of doubles of a contact. */
-inline SlipHistory &slip_history(double *block) { return *reinterpret_cast<SlipHistory *>(block); }
-inline const SlipHistory &slip_history(const double *block) { return *reinterpret_cast<const SlipHistory *>(block); }
-
 }    // namespace granwave
 
 #endif

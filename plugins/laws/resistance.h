@@ -165,13 +165,6 @@ struct ResistanceHistory {
 
 static_assert(sizeof(ResistanceHistory) == ResistanceHistory::SIZE * sizeof(double));
 
-/* The history in a block of doubles of a contact. */
-inline ResistanceHistory &resistance_history(double *block) { return *reinterpret_cast<ResistanceHistory *>(block); }
-inline const ResistanceHistory &resistance_history(const double *block)
-{
-  return *reinterpret_cast<const ResistanceHistory *>(block);
-}
-
 }    // namespace granwave
 
 #endif

@@ -13,6 +13,12 @@ inline double hertz_force(double a) { return a * std::sqrt(a); }
 inline double hertz_slope(double a) { return 1.5 * std::sqrt(a); }
 inline double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
 
+/* Quadrature after Gauss and Legendre with 10 points, those on one side of the middle of an interval from -1 to 1. */
+constexpr double GAUSS_POINTS[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
+                                   0.9739065285171717};
+constexpr double GAUSS_WEIGHTS[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
+                                    0.0666713443086881};
+
 /* Hertzian contact: f = a^1.5 at any overlap, without dissipation. */
 class Hertz : public NormalLaw {
  public:

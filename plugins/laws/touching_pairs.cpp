@@ -49,6 +49,23 @@ FOR_EACH_PROCESSOR void granwave::compare_blocks(const double *from, int n, int 
   }
 }
 
+FOR_EACH_PROCESSOR bool granwave::all_zero(const double *numbers, int n)
+{
+  std::uint64_t sum = 0, bits;
+  for (int i = 0; i < n; i++) {
+    std::memcpy(&bits, numbers + i, sizeof(bits));
+    sum |= bits << 1;    // without the sign
+  }
+  return sum == 0;
+}
+
+FOR_EACH_PROCESSOR bool granwave::all_finite(const double *numbers, int n)
+{
+  int others = 0;
+  for (int i = 0; i < n; i++) others += numbers[i] - numbers[i] == 0.0 ? 0 : 1;
+  return others == 0;
+}
+
 /* Compute the distances of the present group: which of its pairs touch, and which rows have pairs beyond the gap. */
 
 template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs::measure()

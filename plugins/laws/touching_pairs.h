@@ -93,6 +93,10 @@ class RowGroups {
    last call. */
 void compare_blocks(const double *coordinates, int n, int size, double *x, double *y, double *z, char *moved);
 
+/* Return true if n numbers are 0, and if they are finite. */
+bool all_zero(const double *numbers, int n);
+bool all_finite(const double *numbers, int n);
+
 class RestingBlocks {
  public:
   // spheres of a block: enough for its checks to cost little, yet the wave front is sharp

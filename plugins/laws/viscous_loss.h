@@ -102,13 +102,6 @@ struct ViscousHistory {
 
 static_assert(sizeof(ViscousHistory) == ViscousHistory::SIZE * sizeof(double));
 
-/* The history in a block of doubles of a contact. */
-inline ViscousHistory &viscous_history(double *block) { return *reinterpret_cast<ViscousHistory *>(block); }
-inline const ViscousHistory &viscous_history(const double *block)
-{
-  return *reinterpret_cast<const ViscousHistory *>(block);
-}
-
 }    // namespace granwave
 
 #endif

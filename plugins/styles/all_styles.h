@@ -6,6 +6,7 @@
 #include "fix_gran_damping.h"
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
+#include "fix_gran_nve.h"
 #include "fix_gran_timestep.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "gran_dents.h"

@@ -2,7 +2,6 @@
 #include "compute_gran_hysteretic.h"
 
 #include "atom.h"
-#include "comm.h"
 #include "error.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"

@@ -4,11 +4,9 @@
 #include "atom.h"
 #include "error.h"
 #include "motion.h"
-#include "memory.h"
 #include "restart_state.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <vector>
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_timestep.h"
 
+#include "../laws/touching_pairs.h"
+
 #include "atom.h"
 #include "comm.h"
 #include "compute.h"
@@ -200,7 +202,7 @@ void FixGranTimestep::read_energy()
   energy = std::isfinite(found) ? rounded(std::fabs(found)) : 0.0;
 }
 
-/* Power of the forces times a tick, and force^2/mass times tick^2. */
+/* Power of the forces times a tick, and force^2/mass times tick^2. Blocks of spheres without force have none. */
 
 FixGranTimestep::Sums FixGranTimestep::sums() const
 {
@@ -208,8 +210,8 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
   const double *const *const v = atom->v, *const *const f = atom->f, *const rmass = atom->rmass;
   const double of_power = tick / energy, of_force = tick * tick / energy;
   std::int64_t mine[2] = {}, all[2];
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (!(atom->mask[i] & groupbit)) continue;
+  const auto add = [&](int i) {
+    if (!(atom->mask[i] & groupbit)) return;
     const double mass = rmass ? rmass[i] : atom->mass[atom->type[i]];
     double p = f[i][0] * v[i][0] + f[i][1] * v[i][1] + f[i][2] * v[i][2];
     double q = (f[i][0] * f[i][0] + f[i][1] * f[i][1] + f[i][2] * f[i][2]) / mass;
@@ -227,6 +229,11 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
     }
     mine[0] += units_of(p * of_power);
     mine[1] += units_of(q * of_force);
+  };
+  for (int begin = 0; begin < atom->nlocal; begin += RestingBlocks::SIZE) {
+    const int n = std::min(RestingBlocks::SIZE, atom->nlocal - begin);
+    if (all_zero(f[begin], 3 * n) && !(rotates && !all_zero(atom->torque[begin], 3 * n))) continue;
+    for (int i = begin; i < begin + n; i++) add(i);
   }
   MPI_Allreduce(mine, all, 2, MPI_LONG_LONG, MPI_SUM, world);
   double power = 0.0, force_squared_over_mass = 0.0;    // of supports, the same on all processors

@@ -67,9 +67,11 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     law = args.contact(body, wall);
     friction = args.friction;
     tangential_model = args.tangential;
-    slips_partially = args.slips_partially();
     loss = args.loss;
     resistance = args.resistance;
+    args.extend(has);
+    has.loss_first = true;
+    has.n = law.n_extra() + has.size();
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }
@@ -109,7 +111,7 @@ void FixWallGranHysteretic::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (loss && !atom->rmass_flag)
     error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
-  if ((friction > 0.0 || resistance) && !(atom->omega_flag && atom->torque_flag))
+  if (has.friction && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);

@@ -22,16 +22,11 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_law.h"
-#include "../laws/elastic_contact.h"
-#include "../laws/partial_slip.h"
-#include "../laws/resistance.h"
-#include "../laws/exact_sum.h"
-#include "fix.h"
-#include "../laws/support.h"
-#include "../laws/tangential.h"
+#include "../laws/contact_memory.h"
 #include "../laws/cylinders.h"
-#include "../laws/viscous_loss.h"
+#include "../laws/exact_sum.h"
+#include "../laws/support.h"
+#include "fix.h"
 #include "update.h"
 
 #include <map>
@@ -150,7 +145,7 @@ class FixWallGranHysteretic : public Fix {
   {
     return reinterpret_cast<granwave::TangentialSpring *>(at_walls(i) + 2 * N_SIDE);
   }
-  double *extra(int i, int side) { return initial_extra(i, 0) - (2 - side) * n_extra(); }
+  double *extra(int i, int side) { return initial_extra(i, 0) - (2 - side) * has.n; }
   double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double approach(int i, int side) const;
@@ -159,34 +154,13 @@ class FixWallGranHysteretic : public Fix {
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
-  int n_extra() const
-  {
-    return law.n_extra() + (loss ? granwave::ViscousHistory::SIZE : 0) +
-           (slips_partially ? granwave::SlipHistory::SIZE : 0) + (cohesive() ? granwave::CohesionHistory::SIZE : 0) +
-           (resistance ? granwave::ResistanceHistory::SIZE : 0);
-  }
-  bool cohesive() const { return bool(law.cohesion()); }
-  granwave::CohesionHistory &sticking(int i, int side)    // before that of resistance
-  {
-    return granwave::cohesion_history(extra(i, side) + n_extra() - granwave::CohesionHistory::SIZE -
-                                      (resistance ? granwave::ResistanceHistory::SIZE : 0));
-  }
-  granwave::ResistanceHistory &resisted(int i, int side)    // the last of all
-  {
-    return granwave::resistance_history(extra(i, side) + n_extra() - granwave::ResistanceHistory::SIZE);
-  }
-  granwave::SlipHistory &slip(int i, int side)    // before that of cohesion
-  {
-    return granwave::slip_history(extra(i, side) + n_extra() - granwave::SlipHistory::SIZE -
-                                  (cohesive() ? granwave::CohesionHistory::SIZE : 0) -
-                                  (resistance ? granwave::ResistanceHistory::SIZE : 0));
-  }
-  granwave::ViscousHistory &viscous(int i, int side)    // behind the history of the law
-  {
-    return granwave::viscous_history(extra(i, side) + law.n_extra());
-  }
+  granwave::Step step() const { return {update->dt, update->whichflag == 1 && !update->setupflag}; }
+  // histories at one of the walls
+  granwave::CohesionHistory &sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
+  granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
+  granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   void report_viscous(int i);
-  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (n_extra() + law.n_extra()); }
+  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
   int n_state() const { return N_REPORTED + n_history(); }
 
   int axis = 2;
@@ -208,7 +182,7 @@ class FixWallGranHysteretic : public Fix {
   std::vector<LastLaw> last_laws;    // by type
   double friction = 0.0;
   granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
-  bool slips_partially = false;
+  granwave::ContactMemory has;    // has.friction: friction or a resistance
   granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
   Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies
@@ -218,6 +192,7 @@ class FixWallGranHysteretic : public Fix {
 
   std::vector<char>
       near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
+  std::vector<char> touched;    // 0: the sphere has touched no wall; 1: it may have
   std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
   bool listed = false;          // true if this list is current
   double listed_level = 0.0;    // position of the movable plane when it was made

@@ -98,17 +98,18 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (scaled.line()) {
     contact.force = line_force[line];
     if (support) contact.stiffness = line_stiffness[line];
-    if (friction > 0.0 || resistance) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
+    if (has.friction) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
   } else if (!scaled.yielded(side.dent)) {
-    contact.force = scaled.hertz_force(overlap);
-    if (support) contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.hertz_stiffness(overlap);
-    if (friction > 0.0 || resistance)
+    contact.force = scaled.elastic_force(overlap);
+    if (support)
+      contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.elastic_stiffness(overlap);
+    if (has.friction)
       contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
     const Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
-    if (friction > 0.0 || resistance)
+    if (has.friction)
       contact.circle_sq = raised ? scaled.loading_circle(overlap, extra(i, which))
                                  : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
     if (raised) {
@@ -116,9 +117,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
     }
   }
-  if (cohesive()) compute_cohesion(i, which, overlap, scaled, contact);
+  if (has.cohesion) compute_cohesion(i, which, overlap, scaled, contact);
   if (loss) compute_viscous(i, which, overlap, scaled, contact);
-  if (!cohesive()) contact.pressing = contact.force;
+  if (!has.cohesion) contact.pressing = contact.force;
   if (contact.force > state[FORCE] || state[FORCE] == 0.0) {
     state[FORCE] = contact.force;
     state[OVERLAP] = overlap;
@@ -128,6 +129,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     state[TIME_PEAK] = now;
   }
   state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
+  touched[i] = 1;
   return contact;
 }
 
@@ -135,42 +137,24 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
 
 bool FixWallGranHysteretic::joins(int i, int which, double overlap)
 {
-  return !(overlap <= ROUNDING * atom->radius[i]) || (cohesive() && sticking(i, which).active());    // also true for NaN
+  return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which).active());    // also true for NaN
 }
 
 /* Overwrite force and contact circle of a contact with cohesion, as the pair style does. */
 
 void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
-  CohesionHistory &history = sticking(i, which);
   const LawHistory h = law_history(i, which);
-  const double rounding = ROUNDING * atom->radius[i];
   const bool yielded = scaled.yielded(h.peak);
   const Turning turning = yielded ? scaled.turning(h) : Turning{};
-  const Turning *const below = yielded ? &turning : nullptr;
-  CohesiveState now;
-  if (scaled.joins(overlap, history.joined > 0.0, rounding)) now = scaled.cohesive_state(overlap, h, below);
-  const bool holds = now.circle_squared > 0.0;
-  double added = 0.0;
-  if (update->whichflag == 1 && !update->setupflag) {
-    double normal[3], approach = 0.0;
-    inward(i, which, normal);
-    for (int d = 0; d < 3; d++) approach -= normal[d] * atom->v[i][d];
-    if (support && which == moving) approach -= support->velocity();
-    const bool jumps = holds != (history.joined > 0.0);
-    const CohesiveState last =
-        jumps && history.joined > 0.0 ? scaled.cohesive_state(history.overlap, h, below) : CohesiveState();
-    const Jump jump = jumps ? scaled.jump(holds, overlap, h.peak, below) : Jump{};
-    added = history.advance(overlap, holds, now, last, jump, approach * update->dt, scaled.has_neck());
-  } else {
-    added = history.start(overlap, holds, rounding);
-  }
-  contact.force = now.force + added;
-  contact.circle_sq = now.circle_squared;
-  contact.pressing = holds ? now.pressing : 0.0;
+  const CohesiveState state = advance_cohesion(scaled, sticking(i, which), h, yielded ? &turning : nullptr, overlap,
+                                               ROUNDING * atom->radius[i], approach(i, which), step());
+  contact.force = state.force;
+  contact.circle_sq = state.circle_squared;
+  contact.pressing = state.pressing;
   if (support)
     contact.stiffness =
-        std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(now.circle_squared));
+        std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(state.circle_squared));
 }
 
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
@@ -182,23 +166,17 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     history.forget_state();
     return;
   }
-  if (cohesive() && !(contact.pressing > 0.0)) {
+  if (has.cohesion && !(contact.pressing > 0.0)) {
     history.release(overlap);
     return report_viscous(i);
   }
-  const bool advances = !update->setupflag;
-  if (!advances && history.continues(overlap, ROUNDING * atom->radius[i])) {
-    contact.force += history.force;
-    return;
-  }
-  const double mass = rigid ? moved_mass[i] : atom->rmass[i];
-  const LawHistory h = law_history(i, which);
-  const double stiffness = cohesive() && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
-                                                                 : scaled.tangent_stiffness(overlap, h);
-  const double coefficient = loss.coefficient(stiffness, mass);
-  const double velocity = approach(i, which), pressing = contact.force + scaled.pull_off();
-  contact.force += advances ? history.advance(overlap, pressing, coefficient, velocity, update->dt)
-                            : history.start(overlap, pressing, coefficient, velocity, update->dt);
+  const double pressing = contact.force + scaled.pull_off();
+  contact.force += advance_loss(history, overlap, ROUNDING * atom->radius[i], pressing, approach(i, which), step(), [&] {
+    const LawHistory h = law_history(i, which);
+    const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
+                                                                     : scaled.tangent_stiffness(overlap, h);
+    return loss.coefficient(stiffness, rigid ? moved_mass[i] : atom->rmass[i]);
+  });
   report_viscous(i);
 }
 
@@ -216,19 +194,20 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     double normal[3];
     inward(i, which, normal);
     const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
-    if (update->whichflag == 1 && !update->setupflag) {
+    if (const Step now = step(); now.advances) {
       const double *const v = atom->v[i], *const omega = atom->omega[i];
       const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
       double slip[3];
-      slip_of_step(velocity, spin, normal, update->dt, slip);
+      slip_of_step(velocity, spin, normal, now.dt, slip);
       const double stiffness = law.tangential_stiffness(contact.circle_sq), limit = friction * contact.pressing;
-      if (slips_partially)
-        this->slip(i, which).advance(spring, {{normal[0], normal[1], normal[2]},
-                                              {slip[0], slip[1], slip[2]},
-                                              std::sqrt(contact.circle_sq),
-                                              stiffness,
-                                              limit,
-                                              scaled_law(i).effective_radius()});
+      if (has.slip)
+        has.slip_of(extra(i, which))
+            .advance(spring, {{normal[0], normal[1], normal[2]},
+                              {slip[0], slip[1], slip[2]},
+                              std::sqrt(contact.circle_sq),
+                              stiffness,
+                              limit,
+                              scaled_law(i).effective_radius()});
       else granwave::compute_tangential(spring, normal, slip, stiffness, limit, tangential_model);
     }
     double torque[3];
@@ -240,10 +219,8 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
     add_to_wall(i, on_wall);
     if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
-  } else if (slips_partially) {
-    slip(i, which).release(spring);
   } else {
-    release(spring);
+    has.release_spring(spring, extra(i, which));
   }
   report_friction(i);
 }
@@ -263,7 +240,7 @@ void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &
                            law.tangential_stiffness(contact.circle_sq),
                            friction};
     inward(i, which, rolling.normal);
-    if (update->whichflag == 1 && !update->setupflag) history.advance(resistance, rolling, update->dt);
+    if (step().advances) history.advance(resistance, rolling, update->dt);
     double sum[3];
     history.torque(rolling.normal, rolling.arm, sum);
     for (int d = 0; d < 3; d++) atom->torque[i][d] += sum[d];
@@ -290,8 +267,10 @@ void FixWallGranHysteretic::tally()
   tallied = update->ntimestep;
   double mine[N_TOTALS] = {};
   for (int i = 0; i < atom->nlocal; i++) {
+    if (!touched[i]) continue;
     const double *state = array_atom[i];
-    if (state[PEAK_OVERLAP] == 0.0) continue;
+    touched[i] = state[PEAK_OVERLAP] > 0.0;
+    if (!touched[i]) continue;
     const ScaledLaw &scaled = scaled_law(i);
     mine[DISSIPATED_SUM] += state[DISSIPATED];
     mine[FRICTION_LOSS_SUM] += state[FRICTION_LOSS];
@@ -301,9 +280,7 @@ void FixWallGranHysteretic::tally()
     for (int side = 0; side < 2; side++) {
       const Side &own = sides(i)[side];
       const double overlap = depth(i, side);
-      if (friction > 0.0)
-        mine[TANGENTIAL_STORED] +=
-            slips_partially ? slip(i, side).energy(springs(i)[side]) : tangential_energy(springs(i)[side]);
+      if (friction > 0.0) mine[TANGENTIAL_STORED] += has.tangential_energy(springs(i)[side], extra(i, side));
       if (resistance) {
         const ResistanceHistory &history = resisted(i, side);
         mine[ROLLING] += history.rolling.stored();
@@ -312,7 +289,7 @@ void FixWallGranHysteretic::tally()
         mine[TWISTED] += history.twisting.loss;
         mine[FRICTION_LOSS_SUM] -= history.loss();    // that of sliding remains
       }
-      if (cohesive()) {
+      if (has.cohesion) {
         const CohesionHistory &history = sticking(i, side);
         mine[ADHESIVE] += history.lost;
         if (history.joined > 0.0) mine[STORED] += scaled.cohesive_state(overlap, law_history(i, side)).energy;

@@ -65,7 +65,7 @@ void FixWallGranHysteretic::init_cylinders()
   for (int type = 1; type <= atom->ntypes; type++) {
     const Cylinder &cylinder = cylinders->shape(type);
     if (cylinder.is_sphere() || !present[type]) continue;
-    if (cohesive()) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
+    if (has.cohesion) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
     if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
     const double along = std::fabs(cylinder.axis[axis]);
     stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
@@ -168,18 +168,9 @@ void FixWallGranHysteretic::begin()
       const bool yielded = scaled.yielded(side.dent);
       side.initial = yielded ? side.dent : 0.0;
       if (!yielded)
-        side.dent = side.touching != 0.0 ? std::max(depth(i, which), cohesive() ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
+        side.dent = side.touching != 0.0 ? std::max(depth(i, which), has.cohesion ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
       side.lost_before = 0.0;
-      ResistanceHistory kept = resistance ? resisted(i, which) : ResistanceHistory();
-      kept.rolling.loss = kept.twisting.loss = 0.0;
-      const SlipHistory slipping = slips_partially ? slip(i, which) : SlipHistory();
-      CohesionHistory held = cohesive() ? sticking(i, which) : CohesionHistory();
-      held.lost = 0.0;
-      if (!yielded) std::fill_n(extra(i, which), n_extra(), 0.0);
-      if (slips_partially) slip(i, which) = slipping;
-      if (resistance) resisted(i, which) = kept;
-      if (cohesive()) sticking(i, which) = held;
-      if (loss) viscous(i, which) = {};
+      has.begin(extra(i, which), yielded);
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
       if (friction > 0.0) springs(i)[which].loss = 0.0;
     }
@@ -197,6 +188,7 @@ void FixWallGranHysteretic::report_dents(int i)
   const ScaledLaw &scaled = scaled_law(i);
   const Side &low = sides(i)[0], &high = sides(i)[1];
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
+  touched[i] = 1;
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);
   array_atom[i][DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
   tallied = -1;
@@ -208,12 +200,13 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
 {
   memory->grow(array_atom, nmax, static_cast<int>(N_REPORTED), "wall/gran/hysteretic:array_atom");
   near.resize(nmax);
+  touched.resize(nmax);
   histories.resize(static_cast<std::size_t>(nmax) * n_history());
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 {
-  near[j] = 1;
+  near[j] = touched[j] = 1;
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(at_walls(i), n_history(), at_walls(j));
@@ -221,7 +214,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
 
 void FixWallGranHysteretic::set_arrays(int i)
 {
-  near[i] = 1;
+  near[i] = touched[i] = 1;
   listed = false;
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   std::fill_n(at_walls(i), n_history(), 0.0);
@@ -236,7 +229,7 @@ int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
-  near[i] = 1;
+  near[i] = touched[i] = 1;
   listed = false;
   std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
   std::copy_n(buf + N_REPORTED, n_history(), at_walls(i));
@@ -252,8 +245,7 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
   const AtomState state = atom_state(lmp, *this, i, nth);
   constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
-  const bool whole =
-      n_extra() == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
+  const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
   if (!whole && state.n != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
@@ -265,7 +257,7 @@ int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(
 
 double FixWallGranHysteretic::memory_usage()
 {
-  return double(atom->nmax) * (n_state() * sizeof(double) + 1) + double(spheres.capacity()) * sizeof(int);
+  return double(atom->nmax) * (n_state() * sizeof(double) + 2) + double(spheres.capacity()) * sizeof(int);
 }
 
 /* ---------------------------------------------------------------------- state of the plane, identical on all processors */

@@ -12,7 +12,6 @@
 #include "neighbor.h"
 #include "pair_gran_hysteretic.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

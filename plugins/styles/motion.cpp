@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "motion.h"
 
+#include "../laws/touching_pairs.h"
+
 #include "atom.h"
 #include "error.h"
 #include "fmt/format.h"
@@ -40,7 +42,14 @@ void granwave::require_finite_motion(LAMMPS *lmp, int i)
 
 void granwave::require_finite_motion(LAMMPS *lmp)
 {
-  for (int i = 0; i < lmp->atom->nlocal; i++) require_finite_motion(lmp, i);
+  const Atom *atom = lmp->atom;
+  for (int begin = 0; begin < atom->nlocal; begin += RestingBlocks::SIZE) {
+    const int end = std::min(begin + RestingBlocks::SIZE, atom->nlocal), n = 3 * (end - begin);
+    if (all_finite(atom->x[begin], n) && all_finite(atom->v[begin], n) &&
+        (!atom->omega_flag || all_finite(atom->omega[begin], n)))
+      continue;
+    for (int i = begin; i < end; i++) require_finite_motion(lmp, i);
+  }
 }
 
 std::string granwave::causes_of_overlap(LAMMPS *lmp, double speed, double radius, const std::string &placed)

@@ -117,52 +117,40 @@ void PairGranHysteretic::init_style()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
 
-  bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance, any_cohesion = has_cohesion,
-       any_slip = has_slip;
+  ContactMemory wanted = has;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
     for (int j = i; j <= atom_types; j++) {
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
-      any = any || args.friction > 0.0 || args.resistance;
-      any_resistance = any_resistance || args.resistance;
-      any_slip = any_slip || args.slips_partially();
-      any_loss = any_loss || args.loss;
-      any_cohesion = any_cohesion || args.options.cohesion;
+      args.extend(wanted);
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
     }
-  if (any_loss) n_extra += ViscousHistory::SIZE;
-  if (any_resistance) n_extra += ResistanceHistory::SIZE;
-  if (any_cohesion) n_extra += CohesionHistory::SIZE;
-  if (any_slip) n_extra += SlipHistory::SIZE;
-  if (fix_history && ((any && !has_friction) || n_extra > contacts.n_extra))
+  n_extra += wanted.size();
+  if (fix_history && ((wanted.friction && !has.friction) || n_extra > has.n))
     release_contacts();    // its list lacks these variables
-  has_friction = any;
-  if ((has_loss || has_resistance || has_cohesion || has_slip) && fix_history &&
-      n_extra > fix_history->history.layout().n_extra)
+  if (has.size() > 0 && fix_history && n_extra > fix_history->history.layout().n_extra)
     error->all(FLERR,
                "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
                "{}: give all laws before the first run",
-               has_loss         ? "loss"
-               : has_resistance ? "resistance to rolling or twisting"
-               : has_cohesion   ? "cohesion"
+               has.loss         ? "loss"
+               : has.resistance ? "resistance to rolling or twisting"
+               : has.cohesion   ? "cohesion"
                                 : "partial slip");
-  has_loss = any_loss;
-  has_cohesion = any_cohesion;
-  has_slip = any_slip;
-  has_resistance = any_resistance;
-  frozen = has_loss ? frozen_group(lmp) : 0;
-  rigid = has_loss ? rigid_bodies(lmp) : nullptr;
-  if (has_friction && (!atom->omega_flag || !atom->torque_flag))
+  wanted.n = has.n;    // until a new list is built
+  has = wanted;
+  frozen = has.loss ? frozen_group(lmp) : 0;
+  rigid = has.loss ? rigid_bodies(lmp) : nullptr;
+  if (has.friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if ((has_friction || has_loss || has_cohesion || has_rate) && comm->ghost_velocity == 0)
+  if ((has.friction || has.loss || has.cohesion || has_rate) && comm->ghost_velocity == 0)
     error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
-               has_friction   ? "friction"
-               : has_loss     ? "a loss"
-               : has_cohesion ? "cohesion"
+               has.friction   ? "friction"
+               : has.loss     ? "a loss"
+               : has.cohesion ? "cohesion"
                               : "a yield strength that depends on the rate");
 
   neighbor->add_request(this);
@@ -177,12 +165,12 @@ void PairGranHysteretic::init_style()
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;
-        (has_resistance || has_cohesion || has_slip) && kept > 0 && kept != n_extra)
+        (has.resistance || has.cohesion || has.slip) && kept > 0 && kept != n_extra)
       error->all(FLERR,
                  "Restart file holds pair style gran/hysteretic with another loss, another cohesion, other resistances "
                  "to rolling and twisting or another tangential model: give them again as they were");
   }
-  fix_history->history.extend({n_extra, has_friction || has_initial_dents});
+  fix_history->history.extend({n_extra, has.friction || has.dents});
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->radius[i] >= 0.0))
@@ -285,8 +273,8 @@ void PairGranHysteretic::set_parameters()
 void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
-  write_state(fp, {gap, double(has_friction), double(has_initial_dents), double(lists_forgotten), double(has_resistance),
-                   double(has_slip), double(has_cohesion)});
+  write_state(fp, {gap, double(has.friction), double(has.dents), double(lists_forgotten), double(has.resistance),
+                   double(has.slip), double(has.cohesion)});
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -300,12 +288,12 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;
   gap = settings[0];
-  has_friction = settings[1] != 0.0;
-  has_initial_dents = settings[2] != 0.0;
+  has.friction = settings[1] != 0.0;
+  has.dents = settings[2] != 0.0;
   lists_forgotten = settings[3] != 0.0;
-  has_resistance = settings[4] != 0.0;
-  has_slip = settings[5] != 0.0;
-  has_cohesion = settings[6] != 0.0;
+  has.resistance = settings[4] != 0.0;
+  has.slip = settings[5] != 0.0;
+  has.cohesion = settings[6] != 0.0;
 }
 
 /* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */
@@ -338,12 +326,4 @@ void PairGranHysteretic::read_restart(FILE *fp)
   }
 }
 
-double PairGranHysteretic::memory_usage()
-{
-  const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
-  const Contacts &c = contacts;
-  return Pair::memory_usage() + c.resting.bytes() + c.groups.bytes() +
-         bytes(c.row, c.begin, c.row_sphere, c.partner, c.partner_sphere, c.peak, c.time_first, c.time_peak, c.time_yield,
-               c.turning, c.turnings, c.work_lost, c.circle, c.spring, c.touched, c.extra, c.initial, c.reached,
-               c.initial_extra);
-}
+double PairGranHysteretic::memory_usage() { return Pair::memory_usage() + contacts.bytes(); }

@@ -6,8 +6,8 @@
 
    The dent of a contact is kept after separation, until the gap between the spheres exceeds `gap`; then it is added to the sums of
    its two spheres, or with `list` stays on record. Pairs within reach are stored
-   in flat arrays that supplement LAMMPS's neighbor list, from one reneighboring to the next; during reneighboring the dents
-   are stored with the spheres (FixGranHystereticHistory).
+   in flat arrays that supplement LAMMPS's neighbor list (contact_list.h), from one reneighboring to the next; during reneighboring
+   the dents are stored with the spheres (FixGranHystereticHistory).
 
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
    their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
@@ -24,16 +24,10 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_batch.h"
-#include "../laws/contact_history.h"
-#include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
-#include "../laws/partial_slip.h"
-#include "../laws/elastic_contact.h"
 #include "../laws/plastic_batch.h"
-#include "../laws/touching_pairs.h"
-#include "../laws/viscous_loss.h"
+#include "contact_list.h"
 #include "fix_gran_hysteretic_history.h"
 #include "pair.h"
 
@@ -135,47 +129,6 @@ class PairGranHysteretic : public Pair {
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
-  struct Sphere {
-    double radius;
-    tagint tag;
-    int type;
-  };
-
-  /* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */
-  struct Contacts {
-    bool valid = false, published = false;
-    int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
-    int owned = 0;                  // number of owned spheres when the list was built
-    int most_pairs = 0;             // largest number of pairs of any of them
-    std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
-    std::vector<int> partner;       // local or ghost index
-    std::vector<double> peak;       // largest overlap so far
-    std::vector<double> time_first, time_peak, time_yield;
-    int n_extra = 0;    // number of history variables of the laws in use in addition to the peak
-    // n_extra values per pair; with partial slip a SlipHistory, with cohesion a CohesionHistory, with resistance to rolling or
-    // twisting a ResistanceHistory, with losses
-    // a ViscousHistory come last
-    std::vector<double> extra;
-    std::vector<int> turning;    // index into turnings, or -1 while Hertzian
-    std::vector<granwave::Turning> turnings;
-    std::vector<double> work_lost;    // normalized dissipated energy at the turning point; -1 if not yet computed
-    std::vector<double> circle;       // with friction: normalized area at the turning point
-    std::vector<granwave::TangentialSpring> spring;    // with friction: force on the sphere of the row
-    std::vector<std::uint64_t> touched;                // with friction or losses: bits of the pairs whose springs may end
-    std::vector<double> initial, reached;              // with initial dents: initial dent, largest overlap of this run
-    std::vector<double> initial_extra;                 // with initial dents: initial doubles of the law
-    std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
-    granwave::RestingBlocks resting;
-    granwave::RowGroups groups;    // of the plain rows
-
-    /* Call a function for each row r and pair k with the indices i and j of its spheres. */
-    template <class Visit> void each_pair(const Visit &visit) const
-    {
-      for (int r = 0; r < static_cast<int>(row.size()); r++)
-        for (int k = begin[r]; k < begin[r + 1]; k++) visit(r, k, row[r], partner[k]);
-    }
-  };
-
   struct PairParameters {    // parameters of a contact, from its two spheres
     double radius_i, radius_j, radsum, touch_sq, largest_overlap;
     double root_radius;    // square root of R*
@@ -248,7 +201,6 @@ class PairGranHysteretic : public Pair {
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   double longest_cylinder(int axis) const;
   bool near_special(int i, int j) const;
-  void add_rows(const std::vector<std::pair<int, int>> &);
   void build_contacts();
   void check_displacements();
   void restore_history();
@@ -270,51 +222,11 @@ class PairGranHysteretic : public Pair {
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
-  void discard_turning(int k);
-  bool has_spring(int k);
   void release_contact(int k);
-  void release_spring(int k);
-  void raise_reached(int k, double overlap);
-  int cached_turning(int k, const granwave::ScaledLaw &);
-  granwave::LawHistory law_history(int k) const;
-  granwave::ViscousHistory *viscous(int k);
-  granwave::ViscousHistory viscous_of(const double *extra) const
-  {
-    if (!has_loss) return {};
-    return granwave::viscous_history(extra + contacts.n_extra - granwave::ViscousHistory::SIZE);
-  }
-  // where the histories stand in the block of a contact, one before the other
-  int viscous_at() const { return contacts.n_extra - (has_loss ? granwave::ViscousHistory::SIZE : 0); }
-  int resistance_at() const { return viscous_at() - (has_resistance ? granwave::ResistanceHistory::SIZE : 0); }
-  int cohesion_at() const { return resistance_at() - (has_cohesion ? granwave::CohesionHistory::SIZE : 0); }
-  int slip_at() const { return cohesion_at() - (has_slip ? granwave::SlipHistory::SIZE : 0); }
-  granwave::ResistanceHistory *resistance(int k);
-  granwave::SlipHistory *slip(int k);
-  double tangential_energy_of(const granwave::BlockView &view) const
-  {
-    return has_slip ? granwave::slip_history(view.extra + slip_at()).energy(view.spring)
-                    : granwave::tangential_energy(view.spring);
-  }
-  granwave::ResistanceHistory resistance_of(const double *extra) const
-  {
-    if (!has_resistance) return {};
-    return granwave::resistance_history(extra + resistance_at());
-  }
-  granwave::CohesionHistory *cohesion(int k);
-  granwave::CohesionHistory cohesion_of(const double *extra) const
-  {
-    if (!has_cohesion) return {};
-    return granwave::cohesion_history(extra + cohesion_at());
-  }
-  granwave::Dent dent_of(int k) const;
-  granwave::BlockView block_view(int k) const;
-  void pack_block(int k, double side, double *block) const;
-  void unpack_block(int k, double side, const granwave::BlockLayout &, const double *block);
-  void reset_history(int k, double peak, bool initial);
   void forget(int row, int k);
   void sum_up(int i, const granwave::ContactRecord &, const double *block);
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
-                              double overlap) const;
+                              double overlap, double at_peak) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
@@ -334,17 +246,12 @@ class PairGranHysteretic : public Pair {
   std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
   std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
-  bool has_friction = false;         // true from the first pair_coeff with friction on
-  bool has_slip = false;             // true from the first pair_coeff with partial slip on
-  bool has_resistance = false;       // true from the first pair_coeff with resistance to rolling or twisting on
-  bool has_cohesion = false;         // true from the first pair_coeff with cohesion on
-  bool has_loss = false;             // true from the first pair_coeff with a loss on
-  bool has_rate = false;             // true if a law depends on the rate
-  int frozen = 0;                    // with a loss: bit of the group of fix freeze
-  class Fix *rigid = nullptr;        // with a loss: fix of rigid bodies
+  granwave::ContactMemory has;    // each part is there from the first pair_coeff with it on, and from the first initial dent
+  bool has_rate = false;          // true if a law depends on the rate
+  int frozen = 0;                 // with a loss: bit of the group of fix freeze
+  class Fix *rigid = nullptr;     // with a loss: fix of rigid bodies
   std::vector<double> moved_mass;    // with rigid bodies: of spheres and ghosts
-  bool has_initial_dents = false;    // true if initial dents are stored
-  Contacts contacts;
+  granwave::ContactList contacts{has};
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit
   granwave::UnloadingBatch unloading{};
@@ -352,7 +259,7 @@ class PairGranHysteretic : public Pair {
   granwave::TouchingPairs pairs{};
   std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
   double now = 0.0;                                  // simulation time of this force evaluation
-  bool springs_advance = false;                      // true if springs are updated in this force evaluation
+  granwave::Step step{};                             // that histories are advanced by in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
 };
 

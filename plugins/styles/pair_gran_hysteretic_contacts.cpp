@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -55,37 +54,10 @@ void PairGranHysteretic::build_contacts()
       if (distance_squared(i, j) < far * far) plain.emplace_back(i, j);
     }
   }
-  Contacts &c = contacts;
-  c.owned = atom->nlocal;
-  c.row.clear();
-  c.begin.assign(1, 0);
-  c.partner.clear();
-  add_rows(plain);
-  c.plain = static_cast<int>(c.row.size());
-  c.resting.build(c.row, c.begin, c.partner);
-  c.groups.build(c.row, c.begin, c.partner, RestingBlocks::SIZE);
-  add_rows(special);
-
-  const std::size_t n = c.partner.size();
-  c.peak.assign(n, 0.0);
-  for (auto *times : {&c.time_first, &c.time_peak, &c.time_yield}) times->assign(n, -1.0);
-  c.n_extra = fix_history->history.layout().n_extra;
-  c.extra.assign(n * c.n_extra, 0.0);
-  c.turning.assign(n, -1);
-  c.turnings.clear();
-  c.work_lost.clear();
-  c.circle.clear();
-  if (has_friction) c.spring.assign(n, TangentialSpring());
-  if (has_initial_dents) {
-    c.initial.assign(n, 0.0);
-    c.reached.assign(n, 0.0);
-    c.initial_extra.assign(n * c.n_extra, 0.0);
-  }
-  const auto as_now = [this](int i) { return Sphere{atom->radius[i], atom->tag[i], atom->type[i]}; };
-  c.row_sphere.resize(c.row.size());
-  std::transform(c.row.begin(), c.row.end(), c.row_sphere.begin(), as_now);
-  c.partner_sphere.resize(n);
-  std::transform(c.partner.begin(), c.partner.end(), c.partner_sphere.begin(), as_now);
+  ContactList &c = contacts;
+  has.n = fix_history->history.layout().n_extra;
+  c.build(plain, special, atom->tag, atom->nlocal, nall,
+          [this](int i) { return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i]}; });
   check_displacements();
   restore_history();
   std::vector<int> pairs_of(c.owned, 0);
@@ -95,40 +67,9 @@ void PairGranHysteretic::build_contacts()
   });
   c.most_pairs = pairs_of.empty() ? 0 : *std::max_element(pairs_of.begin(), pairs_of.end());
   for (int i = 0; i < c.owned; i++) fix_history->expect_records(i, c.most_pairs);
-  if (has_friction || has_loss) c.touched = c.groups.bits([this](int k) { return has_spring(k); });
+  if (has.friction || has.loss) c.touched = c.groups.bits([&c](int k) { return c.has_spring(k); });
   c.valid = true;
   c.published = false;
-}
-
-/* Append the rows of these pairs, in the order of the IDs of their spheres. The row is that of the lower ID, whose sphere may be
-   a ghost, and has its partners in the order of their IDs: the forces on a sphere are summed in the order of the IDs of its
-   partners, and are the same to the last bit on any number of processors. */
-
-void PairGranHysteretic::add_rows(const std::vector<std::pair<int, int>> &pairs)
-{
-  Contacts &c = contacts;
-  const tagint *const tag = atom->tag;
-  const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
-  const auto in_order = [&](const std::pair<int, int> &pair) { return std::minmax(pair.first, pair.second, precedes); };
-  std::vector<int> place(atom->nlocal + atom->nghost, 0);    // number of pairs of a row, then where the next one goes
-  for (const auto &pair : pairs) place[in_order(pair).first]++;
-  const auto first_row = static_cast<std::ptrdiff_t>(c.row.size());
-  for (std::size_t i = 0; i < place.size(); i++)
-    if (place[i] > 0) c.row.push_back(static_cast<int>(i));
-  if (!std::is_sorted(c.row.begin() + first_row, c.row.end(), precedes))
-    std::sort(c.row.begin() + first_row, c.row.end(), precedes);
-  for (std::size_t r = first_row; r < c.row.size(); r++) {
-    const int n = place[c.row[r]];
-    place[c.row[r]] = c.begin.back();
-    c.begin.push_back(c.begin.back() + n);
-  }
-  c.partner.resize(c.begin.back());
-  for (const auto &pair : pairs) {
-    const auto [i, j] = in_order(pair);
-    c.partner[place[i]++] = j;
-  }
-  for (std::size_t r = first_row; r < c.row.size(); r++)
-    std::sort(c.partner.begin() + c.begin[r], c.partner.begin() + c.begin[r + 1], precedes);
 }
 
 /* Stop with an error if a sphere moves by a large part of its radius in one timestep, or a face by a large part of the radius
@@ -163,57 +104,17 @@ void PairGranHysteretic::restore_history()
                  "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
                  "Use 'delete_atoms ... compress no', and no reset_atoms id",
                  atom->tag[i], history.owner(i));
-  Contacts &c = contacts;
-  constexpr int FOUND = 2;
-  const auto restore = [&](int k, int of, tagint partner, double side) {    // from the record of one of the spheres
-    if (of >= atom->nlocal) return;
-    ContactRecord *record = history.records(of);
-    for (int m = 0; m < history.count(of); m++, record++) {
-      if (!record->live || record->partner != partner) continue;
-      if (history.layout().size() > 0) unpack_block(k, side, history.layout(), history.block(of, m));
-      c.peak[k] = record->dent.peak;
-      c.time_first[k] = record->dent.time_first;
-      c.time_peak[k] = record->dent.time_peak;
-      c.time_yield[k] = record->dent.time_yield;
-      record->live = FOUND;
-      return;
-    }
-  };
-  c.each_pair([&](int r, int k, int i, int j) {
-    restore(k, i, c.partner_sphere[k].tag, 1.0);
-    restore(k, j, c.row_sphere[r].tag, -1.0);
-  });
-  history.each_record(atom->nlocal, [&](int i, int m, ContactRecord &record) {
-    if (record.live == FOUND) return;
+  contacts.restore(history, [&](int i, int m, const ContactRecord &record) {
     if (!lists_forgotten) sum_up(i, record, history.block(i, m));
-    record.live = lists_forgotten ? 0 : FOUND;    // the others are dropped
+    return lists_forgotten;
   });
-  history.keep_forgotten(atom->nlocal, std::vector<int>(atom->nlocal, 0));
 }
 
 void PairGranHysteretic::publish_contacts()
 {
-  Contacts &c = contacts;
-  if (!c.valid || c.published || !fix_history) return;
-  ContactHistory &history = fix_history->history;
-  std::vector<int> extra(c.owned, 0);
-  c.each_pair([&](int, int k, int i, int j) {
-    if (c.peak[k] > 0.0)
-      for (const int one : {i, j})
-        if (one < c.owned) extra[one]++;
-  });
-  history.keep_forgotten(c.owned, extra);
-  c.each_pair([&](int r, int k, int i, int j) {
-    if (c.peak[k] <= 0.0) return;
-    const auto place = [&](int of, const Sphere &sphere, const Sphere &partner, double side) {
-      if (of >= c.owned) return;
-      history.own(of, sphere.tag);
-      pack_block(k, side, history.place(of, {partner.tag, partner.radius, partner.type, 1, dent_of(k)}));
-    };
-    place(i, c.row_sphere[r], c.partner_sphere[k], 1.0);
-    place(j, c.partner_sphere[k], c.row_sphere[r], -1.0);
-  });
-  c.published = true;
+  if (!contacts.valid || contacts.published || !fix_history) return;
+  contacts.store(fix_history->history);
+  contacts.published = true;
 }
 
 void PairGranHysteretic::release_contacts()
@@ -222,103 +123,18 @@ void PairGranHysteretic::release_contacts()
   contacts.valid = false;
 }
 
-Dent PairGranHysteretic::dent_of(int k) const
-{
-  const Contacts &c = contacts;
-  return {c.peak[k], c.time_first[k], c.time_peak[k], c.time_yield[k]};
-}
-
-LawHistory PairGranHysteretic::law_history(int k) const
-{
-  const Contacts &c = contacts;
-  return {c.peak[k], c.extra.data() + static_cast<std::size_t>(k) * c.n_extra};
-}
-
-/* Block of pair k, as seen from the sphere of the row. */
-
-BlockView PairGranHysteretic::block_view(int k) const
-{
-  const Contacts &c = contacts;
-  BlockView view;
-  view.extra = law_history(k).extra;
-  if (has_friction) view.spring = c.spring[k];
-  if (!has_initial_dents) return view;
-  view.initial = c.initial[k];
-  view.reached = c.reached[k];
-  view.initial_extra = c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra;
-  return view;
-}
-
-/* Write the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1), into a zero block. */
-
-void PairGranHysteretic::pack_block(int k, double side, double *block) const
-{
-  const BlockLayout &layout = fix_history->history.layout();
-  if (layout.size() == 0) return;
-  BlockView view = block_view(k);
-  std::copy_n(view.extra, contacts.n_extra, block);
-  if (!layout.extended) return;
-  for (double &force : view.spring.force) force *= side;
-  std::memcpy(block + layout.n_extra, static_cast<const ExtendedState *>(&view), sizeof(ExtendedState));
-  if (has_initial_dents) std::copy_n(view.initial_extra, contacts.n_extra, block + layout.initial_extra());
-}
-
-/* Read the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1). */
-
-void PairGranHysteretic::unpack_block(int k, double side, const BlockLayout &layout, const double *block)
-{
-  Contacts &c = contacts;
-  const BlockView view(layout, block);
-  std::copy_n(view.extra, c.n_extra, c.extra.data() + static_cast<std::size_t>(k) * c.n_extra);
-  if (has_friction) {
-    c.spring[k] = view.spring;
-    for (double &force : c.spring[k].force) force *= side;
-  }
-  if (!has_initial_dents) return;
-  c.initial[k] = view.initial;
-  c.reached[k] = view.reached;
-  std::copy_n(view.initial_extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
-}
-
-/* Reset pair k to a contact that has not touched in this run, with this peak. With `dented` the peak is that of an initial dent,
-   whose history is kept. */
-
-void PairGranHysteretic::reset_history(int k, double peak, bool dented)
-{
-  Contacts &c = contacts;
-  double *const extra = c.extra.data() + static_cast<std::size_t>(k) * c.n_extra;
-  ResistanceHistory rolling = has_resistance ? *resistance(k) : ResistanceHistory();
-  rolling.rolling.loss = rolling.twisting.loss = 0.0;
-  const SlipHistory slipping = has_slip ? *slip(k) : SlipHistory();
-  CohesionHistory sticking = has_cohesion ? *cohesion(k) : CohesionHistory();
-  sticking.lost = 0.0;
-  if (!dented) std::fill_n(extra, c.n_extra, 0.0);
-  if (has_slip) *slip(k) = slipping;
-  if (has_resistance) *resistance(k) = rolling;
-  if (has_cohesion) *cohesion(k) = sticking;
-  c.peak[k] = peak;
-  c.time_first[k] = c.time_peak[k] = c.time_yield[k] = -1.0;
-  c.turning[k] = -1;
-  if (has_friction) c.spring[k].loss = 0.0;
-  if (has_loss) *viscous(k) = {};
-  if (!has_initial_dents) return;
-  c.initial[k] = dented ? peak : 0.0;
-  c.reached[k] = 0.0;
-  std::copy_n(extra, c.n_extra, c.initial_extra.data() + static_cast<std::size_t>(k) * c.n_extra);
-}
-
 /* Discard the history of a separated pair: its sums or its record are stored with both spheres, and a new contact may start. */
 
 void PairGranHysteretic::forget(int row, int k)
 {
-  Contacts &c = contacts;
-  const Dent dent = dent_of(k);
+  ContactList &c = contacts;
+  const Dent dent = c.dent(k);
   ContactHistory &history = fix_history->history;
   std::vector<double> block(history.layout().size(), 0.0);
   const auto append = [&](int i, int j, double side) {
     if (i >= atom->nlocal) return;
     history.own(i, atom->tag[i]);
-    pack_block(k, side, block.data());
+    c.pack(k, side, history.layout(), block.data());
     const ContactRecord record{atom->tag[j], atom->radius[j], atom->type[j], 0, dent};
     if (lists_forgotten) {
       history.append(i, record, block.data());
@@ -327,7 +143,7 @@ void PairGranHysteretic::forget(int row, int k)
   };
   append(c.row[row], c.partner[k], 1.0);
   append(c.partner[k], c.row[row], -1.0);
-  reset_history(k, 0.0, false);
+  c.reset(k, 0.0, false);
 }
 
 void PairGranHysteretic::require_contacts()
@@ -342,22 +158,22 @@ void PairGranHysteretic::require_contacts()
 void PairGranHysteretic::prepare_initial_dents()
 {
   release_contacts();
-  has_initial_dents = true;
+  has.dents = true;
   fix_history->history.extend({0, true});
   build_contacts();
 }
 
 void PairGranHysteretic::begin_initial_dents()
 {
-  contacts.each_pair([&](int, int k, int i, int j) {
+  contacts.each_dent([&](int, int k, int i, int j) {
     const double peak = contacts.peak[k];
-    if (peak == 0.0) return;
     const PairParameters p = pair_parameters(i, j);
     const double apart = distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
     double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
-    if (has_cohesion && cohesion(k)->active()) overlap = std::max(overlap, rounding);    // so that its record is kept
+    if (has.cohesion && has.cohesion_of(contacts.block(k)).active())
+      overlap = std::max(overlap, rounding);    // so that its record is kept
     const bool dented = p.contact.yielded(peak);
-    reset_history(k, dented ? peak : overlap, dented);
+    contacts.reset(k, dented ? peak : overlap, dented);
   });
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
   contacts.resting.disturb();
@@ -377,8 +193,8 @@ PairGranHysteretic::set_dents(const std::map<Ids, double> &dents)
                  : distance(i, j) > ri + rj + gap ? DentStatus::OUT_OF_REACH
                                                   : DentStatus::SET;
     if (found[ids] != DentStatus::SET) return;
-    reset_history(k, 0.0, false);
-    if (pair_parameters(i, j).contact.yielded(peak)) reset_history(k, peak, true);    // a smaller peak is no dent
+    contacts.reset(k, 0.0, false);
+    if (pair_parameters(i, j).contact.yielded(peak)) contacts.reset(k, peak, true);    // a smaller peak is no dent
   });
   contacts.resting.disturb();
   contacts.published = false;

@@ -22,43 +22,6 @@ constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks ar
 
 }    // namespace
 
-/* Turning point of a contact that has yielded, recomputed if its history has changed since. */
-
-int PairGranHysteretic::cached_turning(int k, const ScaledLaw &contact)
-{
-  Contacts &c = contacts;
-  if (c.turning[k] < 0) {
-    c.turning[k] = static_cast<int>(c.turnings.size());
-    c.turnings.push_back({-1.0, 0.0, 0.0, 0.0});
-    c.work_lost.push_back(0.0);
-    if (has_friction) c.circle.push_back(0.0);
-  }
-  const int t = c.turning[k];
-  if (c.turnings[t].peak < 0.0) {
-    c.turnings[t] = contact.turning(law_history(k));
-    c.work_lost[t] = -1.0;
-    if (has_friction) c.circle[t] = contact.area(c.turnings[t].peak, law_history(k).extra);
-  }
-  return t;
-}
-
-/* Have the turning point of a contact recomputed when it is needed next. */
-
-inline void PairGranHysteretic::discard_turning(int k)
-{
-  if (contacts.turning[k] >= 0) contacts.turnings[contacts.turning[k]].peak = -1.0;
-}
-
-/* Increase the largest overlap of this run, which may be smaller than the initial dent. */
-
-inline void PairGranHysteretic::raise_reached(int k, double overlap)
-{
-  Contacts &c = contacts;
-  if (c.time_first[k] < 0.0) c.time_first[k] = now;
-  c.reached[k] = overlap;
-  c.time_peak[k] = now;
-}
-
 /* Velocity of approach of a touching pair; none in a minimization. */
 
 double PairGranHysteretic::approach(const Batch &batch, int m) const
@@ -74,13 +37,12 @@ double PairGranHysteretic::approach(const Batch &batch, int m) const
 
 void PairGranHysteretic::update_history(Batch &batch)
 {
-  Contacts &c = contacts;
-  if (c.n_extra > 0)
+  ContactList &c = contacts;
+  if (has.n > has.size())
     for (int m = 0; m < batch.size; m++) {
       const int k = batch.k[m];
       const double velocity = has_rate && batch.overlap[m] > c.peak[k] ? approach(batch, m) : 0.0;
-      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], velocity, c.extra.data() + std::size_t(k) * c.n_extra))
-        discard_turning(k);
+      if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], velocity, c.block(k))) c.discard_turning(k);
     }
   for (int m = 0; m < batch.size; m++) {
     __builtin_prefetch(c.peak.data() + batch.k[m] + PEAKS_AHEAD, 1);
@@ -92,15 +54,15 @@ void PairGranHysteretic::update_history(Batch &batch)
     const int m = __builtin_ctzll(rest), k = batch.k[m];
     const double before = batch.peak[m];
     if (before == 0.0) c.time_first[k] = now;
-    if ((before <= batch.elastic_limit[m] || has_initial_dents) && batch.overlap[m] > batch.elastic_limit[m] &&
+    if ((before <= batch.elastic_limit[m] || has.dents) && batch.overlap[m] > batch.elastic_limit[m] &&
         c.time_yield[k] < 0.0)
       c.time_yield[k] = now;
     c.peak[k] = batch.overlap[m];
     c.time_peak[k] = now;
   }
-  if (has_initial_dents)
+  if (has.dents)
     for (int m = 0; m < batch.size; m++)
-      if (batch.overlap[m] > c.reached[batch.k[m]]) raise_reached(batch.k[m], batch.overlap[m]);
+      if (batch.overlap[m] > c.reached[batch.k[m]]) c.raise_reached(batch.k[m], batch.overlap[m], now);
   if (yielded != 0) compute_plastic(batch, yielded, raised);
 }
 
@@ -109,7 +71,7 @@ void PairGranHysteretic::update_history(Batch &batch)
 
 void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std::uint64_t raised)
 {
-  Contacts &c = contacts;
+  ContactList &c = contacts;
   loading.size = unloading.size = 0;
   int yielded[Batch::CAPACITY], n_yielded = 0;
   for (; beyond != 0; beyond &= beyond - 1) yielded[n_yielded++] = __builtin_ctzll(beyond);
@@ -122,11 +84,11 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
     const int m = yielded[n], k = batch.k[m];
     const ScaledLaw &law = batch.pair[m]->contact;
     if (raised >> m & 1) {
-      discard_turning(k);
-      loading.site[loading.add(m, law, batch.overlap[m])] = law.site(law_history(k).extra);
+      c.discard_turning(k);
+      loading.site[loading.add(m, law, batch.overlap[m])] = law.site(c.block(k));
     } else {
-      const int t = cached_turning(k, law);
-      unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has_friction ? c.circle[t] : 0.0);
+      const int t = c.cached_turning(k, law);
+      unloading.set(unloading.add(m, law, batch.overlap[m]), c.turnings[t], has.friction ? c.circle[t] : 0.0);
     }
   }
   if (loading.size > 0) loading.compute();
@@ -140,78 +102,40 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 
 /* ---------------------------------------------------------------------- cohesion */
 
-CohesionHistory *PairGranHysteretic::cohesion(int k)
-{
-  return &cohesion_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + cohesion_at());
-}
-
 /* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
 
 void PairGranHysteretic::compute_cohesion(Batch &batch)
 {
-  const double (*const v)[3] = triples(atom->v);
+  ContactList &c = contacts;
   for (int m = 0; m < batch.size; m++) {
     const ScaledLaw &contact = batch.pair[m]->contact;
     if (!contact.cohesive()) continue;
-    const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
-    CohesionHistory &history = *cohesion(k);
-    const LawHistory h = law_history(k);
-    const double overlap = batch.overlap[m], rounding = TouchingPairs::ROUNDING * batch.radsum[m];
-    const Turning *const turning = contact.yielded(h.peak) ? &contacts.turnings[cached_turning(k, contact)] : nullptr;
-    CohesiveState state;
-    if (contact.joins(overlap, history.joined > 0.0, rounding)) state = contact.cohesive_state(overlap, h, turning);
-    const bool joins = state.circle_squared > 0.0;
-    double added = 0.0;
-    if (springs_advance) {
-      double approach = 0.0;
-      for (int d = 0; d < 3; d++) approach -= batch.del[d][m] * (v[i][d] - v[j][d]);
-      const bool jumps = joins != (history.joined > 0.0);
-      const CohesiveState last =
-          jumps && history.joined > 0.0 ? contact.cohesive_state(history.overlap, h, turning) : CohesiveState();
-      const Jump jump = jumps ? contact.jump(joins, overlap, h.peak, turning) : Jump{};
-      added = history.advance(overlap, joins, state, last, jump, approach / batch.r[m] * update->dt, contact.has_neck());
-    } else {
-      added = history.start(overlap, joins, rounding);
-    }
-    batch.force[m] = state.force + added;
-    batch.circle[m] = joins ? std::sqrt(state.circle_squared) : 0.0;
-    batch.pressing[m] = joins ? state.pressing : 0.0;
+    const int k = batch.k[m];
+    const LawHistory h = c.law_history(k);
+    const Turning *const turning = contact.yielded(h.peak) ? &c.turnings[c.cached_turning(k, contact)] : nullptr;
+    const double rounding = TouchingPairs::ROUNDING * batch.radsum[m];
+    const CohesiveState state = advance_cohesion(contact, has.cohesion_of(c.block(k)), h, turning, batch.overlap[m],
+                                                 rounding, approach(batch, m), step);
+    batch.force[m] = state.force;
+    batch.circle[m] = std::sqrt(state.circle_squared);
+    batch.pressing[m] = state.pressing;
   }
 }
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
-ViscousHistory *PairGranHysteretic::viscous(int k)
-{
-  return &viscous_history(contacts.extra.data() + std::size_t(k + 1) * contacts.n_extra - ViscousHistory::SIZE);
-}
-
-/* Return true if something ends when the pair parts. */
-
-bool PairGranHysteretic::has_spring(int k)
-{
-  return (has_friction && contacts.spring[k].compliance > 0.0) || (has_loss && viscous(k)->step > 0.0) ||
-         (has_resistance && resistance(k)->active());
-}
-
 /* End the spring of a pair that has parted, and its viscous force. */
 
 void PairGranHysteretic::release_contact(int k)
 {
-  Contacts &c = contacts;
-  if (has_loss && viscous(k)->step > 0.0) {
+  ContactList &c = contacts;
+  if (has.loss && has.loss_of(c.block(k)).step > 0.0) {
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
-    viscous(k)->release(atom->radius[i] + atom->radius[j] - distance(i, j));
+    has.loss_of(c.block(k)).release(atom->radius[i] + atom->radius[j] - distance(i, j));
   }
-  if (has_friction) release_spring(k);
-  if (has_resistance) resistance(k)->release();
-}
-
-void PairGranHysteretic::release_spring(int k)
-{
-  if (has_slip && slip(k)->active()) slip(k)->release(contacts.spring[k]);
-  else release(contacts.spring[k]);
+  if (has.friction) has.release_spring(c.spring[k], c.block(k));
+  if (has.resistance) has.resistance_of(c.block(k)).release();
 }
 
 /* Set the masses that spheres and ghosts move with, where there are rigid bodies. */
@@ -235,23 +159,21 @@ void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
   std::copy_n(buf, n, moved_mass.begin() + first);
 }
 
-/* Add the viscous forces of touching pairs to the normal forces. Where a run is continued they are those of its last step, so
-   that it is identical to an uninterrupted one; there are none in a minimization. */
+/* Add the viscous forces of touching pairs to the normal forces; there are none in a minimization. */
 
 void PairGranHysteretic::compute_viscous(Batch &batch)
 {
-  Contacts &c = contacts;
+  ContactList &c = contacts;
   const double *const mass = rigid ? moved_mass.data() : atom->rmass;
   const int *const mask = atom->mask;
-  const bool moves = update->whichflag == 1;
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
     if (!p.loss) continue;
     const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
-    ViscousHistory &history = *viscous(k);
+    ViscousHistory &history = has.loss_of(c.block(k));
     const double overlap = batch.overlap[m], force = batch.force[m];
     const bool sticks = p.contact.cohesive();
-    if (!moves) {
+    if (update->whichflag != 1) {
       history.forget_state();
       continue;
     }
@@ -259,24 +181,21 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
       history.release(overlap);
       continue;
     }
-    if (!springs_advance && history.continues(overlap, TouchingPairs::ROUNDING * p.radsum)) {
-      batch.force[m] = force + history.force;
-      continue;
-    }
-    double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.hertz_stiffness(overlap);
-    if (sticks) stiffness = 2.0 * p.contact.law().modulus() * batch.circle[m];
-    if (p.contact.yielded(c.peak[k]))
-      stiffness = overlap >= c.peak[k] ? p.contact.tangent_stiffness(overlap, law_history(k))
-                                       : p.contact.tangent_stiffness(overlap, c.turnings[cached_turning(k, p.contact)]);
-    // the body of a flat face is much heavier than the sphere, and a frozen one does not move
-    const double effective_mass = p.radius_i == 0.0 || (mask[i] & frozen)   ? mass[j]
-                                  : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
-                                                                            : mass[i] * mass[j] / (mass[i] + mass[j]);
-    const double coefficient = p.loss.coefficient(stiffness, effective_mass);
-    const double velocity = approach(batch, m);
-    const double pressing = sticks ? force + p.contact.pull_off() : force;    // it is cut off where it would pull harder
-    batch.force[m] = force + (springs_advance ? history.advance(overlap, pressing, coefficient, velocity, update->dt)
-                                              : history.start(overlap, pressing, coefficient, velocity, update->dt));
+    const double pressing = sticks ? force + p.contact.pull_off() : force;
+    batch.force[m] =
+        force + advance_loss(history, overlap, TouchingPairs::ROUNDING * p.radsum, pressing, approach(batch, m), step, [&] {
+          double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.elastic_stiffness(overlap);
+          if (sticks) stiffness = 2.0 * p.contact.law().modulus() * batch.circle[m];
+          if (p.contact.yielded(c.peak[k]))
+            stiffness = overlap >= c.peak[k]
+                            ? p.contact.tangent_stiffness(overlap, c.law_history(k))
+                            : p.contact.tangent_stiffness(overlap, c.turnings[c.cached_turning(k, p.contact)]);
+          // the body of a flat face is much heavier than the sphere, and a frozen one does not move
+          const double effective_mass = p.radius_i == 0.0 || (mask[i] & frozen)   ? mass[j]
+                                        : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
+                                                                                  : mass[i] * mass[j] / (mass[i] + mass[j]);
+          return p.loss.coefficient(stiffness, effective_mass);
+        });
   }
 }
 
@@ -288,7 +207,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
   for (int m = 0; m < batch.size; m++) {
     const double delx = batch.del[0][m], dely = batch.del[1][m], delz = batch.del[2][m];
     double f[3];
-    for (int d = 0; d < 3; d++) f[d] = has_friction ? batch.force_i[d][m] : batch.del[d][m] * batch.pair_force[m];
+    for (int d = 0; d < 3; d++) f[d] = has.friction ? batch.force_i[d][m] : batch.del[d][m] * batch.pair_force[m];
     const double fx = f[0], fy = f[1], fz = f[2];
     if (what == Tally::VIRIAL) {
       const double share = batch.i[m] < nlocal && batch.j[m] < nlocal ? 1.0 : 0.5;
@@ -302,11 +221,14 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     }
     const PairParameters &p = *batch.pair[m];
     const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic = has_loss || !p.contact.is_hertzian() ? p.contact.hertz_energy(overlap) : 0.4 * batch.force[m] * overlap;
+    double elastic =
+        has.loss || !p.contact.is_hertzian() ? p.contact.elastic_energy(overlap) : 0.4 * batch.force[m] * overlap;
     if (p.contact.yielded(peak))
-      elastic = p.contact.elastic_energy(overlap, contacts.turnings[cached_turning(batch.k[m], p.contact)]);
+      elastic = p.contact.elastic_energy(overlap, contacts.turnings[contacts.cached_turning(batch.k[m], p.contact)]);
     if (p.contact.cohesive())
-      elastic = cohesion(batch.k[m])->joined > 0.0 ? p.contact.cohesive_state(overlap, law_history(batch.k[m])).energy : 0.0;
+      elastic = has.cohesion_of(contacts.block(batch.k[m])).joined > 0.0
+                    ? p.contact.cohesive_state(overlap, contacts.law_history(batch.k[m])).energy
+                    : 0.0;
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
@@ -330,15 +252,15 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
       if (!(batch.overlap[m] <= batch.largest_overlap[m])) overlap_error(batch.i[m], batch.j[m], batch.overlap[m]);
   if (special) set_elastic(batch);
   update_history(batch);
-  if (special && has_cohesion) compute_cohesion(batch);
-  if (has_loss) compute_viscous(batch);
-  if (has_resistance) {
+  if (special && has.cohesion) compute_cohesion(batch);
+  if (has.loss) compute_viscous(batch);
+  if (has.resistance) {
     double circle[Batch::CAPACITY], moment[Batch::CAPACITY][3];
     std::copy_n(batch.circle, batch.size, circle);
     compute_tangential(batch);
     compute_resistance(batch, circle, moment);
     batch.add_forces_and_moments(triples(atom->f), triples(atom->torque), atom->nlocal, moment);
-  } else if (has_friction) {
+  } else if (has.friction) {
     compute_tangential(batch);
     batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal, contacts.spring.data());
   } else {
@@ -361,7 +283,7 @@ void PairGranHysteretic::forget_far_pairs(int r)
 
 void PairGranHysteretic::compute_forces(Tally what)
 {
-  Contacts &c = contacts;
+  ContactList &c = contacts;
   const int nall = atom->nlocal + atom->nghost, rows = c.plain;
   if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
   pairs.x = c.resting.coordinates(0);
@@ -377,7 +299,7 @@ void PairGranHysteretic::compute_forces(Tally what)
     if (c.resting.rests(block)) continue;
     bool quiet = true;
     pairs.start(c.groups.begin(block), c.groups.end(block),
-                has_friction || has_loss ? c.touched.data() + c.groups.first(block) : nullptr);
+                has.friction || has.loss ? c.touched.data() + c.groups.first(block) : nullptr);
     for (bool done = false; !done;) {
       const int before = batch.size;
       done = pairs.collect(batch);
@@ -402,8 +324,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   set_masses();
   contacts.published = false;
   now = simulated_time(*update);
-  // springs are not updated in a setup, so that a continued run is identical to an uninterrupted one
-  springs_advance = update->whichflag == 1 && !update->setupflag;
+  step = {update->dt, update->whichflag == 1 && !update->setupflag};
 
   // LAMMPS requests the pressure more often than it is used: its cost must be negligible
   const Tally what = eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0 ? Tally::EACH_PAIR

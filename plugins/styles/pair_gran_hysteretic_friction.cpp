@@ -5,10 +5,8 @@
 
 #include "atom.h"
 #include "motion.h"
-#include "update.h"
 
 #include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -17,9 +15,9 @@ using namespace granwave;
 
 void PairGranHysteretic::compute_tangential(Batch &batch)
 {
-  Contacts &c = contacts;
+  ContactList &c = contacts;
   bool without = batch.prepare_friction();
-  if (has_cohesion)
+  if (has.cohesion)
     for (int m = 0; m < batch.size; m++) {
       if (!batch.pair[m]->contact.cohesive()) continue;
       batch.limit[m] = batch.friction[m] * batch.pressing[m];
@@ -28,16 +26,16 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   if (without)
     for (int m = 0; m < batch.size; m++) {
       if (batch.limit[m] > 0.0) continue;
-      release_spring(batch.k[m]);
+      has.release_spring(c.spring[batch.k[m]], c.block(batch.k[m]));
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
-  if (!springs_advance) {
+  if (!step.advances) {
     batch.compute_forces_and_torques();
     return;
   }
-  batch.advance_forces_and_torques(update->dt);
-  if (has_slip) advance_slip(batch);
+  batch.advance_forces_and_torques(step.dt);
+  if (has.slip) advance_slip(batch);
   batch.write(c.spring.data());
 }
 
@@ -58,19 +56,14 @@ void PairGranHysteretic::advance_slip(Batch &batch)
       velocity[d] = batch.velocity[d][m];
       spin[d] = batch.spin[d][m];
     }
-    slip_of_step(velocity, spin, contact.normal, update->dt, contact.slip);
+    slip_of_step(velocity, spin, contact.normal, step.dt, contact.slip);
     TangentialSpring spring = contacts.spring[batch.k[m]];
-    slip(batch.k[m])->advance(spring, contact);
+    has.slip_of(contacts.block(batch.k[m])).advance(spring, contact);
     for (int d = 0; d < 3; d++) batch.tangential[d][m] = spring.force[d];
     batch.compliance[m] = spring.compliance;
     batch.loss[m] = spring.loss;
   }
   if (any) batch.compute_forces_and_torques();
-}
-
-SlipHistory *PairGranHysteretic::slip(int k)
-{
-  return &slip_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + slip_at());
 }
 
 /* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
@@ -82,7 +75,7 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
     std::fill_n(moment[m], 3, 0.0);
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
-    ResistanceHistory &history = *resistance(batch.k[m]);
+    ResistanceHistory &history = has.resistance_of(contacts.block(batch.k[m]));
     const double pressing = p.contact.cohesive() ? batch.pressing[m] : batch.force[m];
     if (!(pressing > 0.0)) {
       history.release();
@@ -94,12 +87,7 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
     }
-    if (springs_advance) history.advance(*p.resistance, contact, update->dt);
+    if (step.advances) history.advance(*p.resistance, contact, step.dt);
     history.torque(contact.normal, contact.arm, moment[m]);
   }
-}
-
-ResistanceHistory *PairGranHysteretic::resistance(int k)
-{
-  return &resistance_history(contacts.extra.data() + std::size_t(k) * contacts.n_extra + resistance_at());
 }

@@ -14,15 +14,17 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-/* Largest force of this run: at the peak, or below the initial dent. */
+/* Largest force of this run: at the peak, where it is `at_peak` without cohesion, or below the initial dent. */
 
-double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &history, const BlockView &view,
-                                                double overlap) const
+double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &h, const BlockView &view,
+                                                double overlap, double at_peak) const
 {
-  const double reached = std::max(view.reached, overlap);
-  if (!contact.yielded(history.peak)) return reached > 0.0 ? contact.hertz_force(reached) : 0.0;
-  return reached >= history.peak ? contact.loading_beyond_yield(reached, history.extra)
-                                 : contact.unloading(reached, contact.turning(history));
+  const double viscous = has.loss_of(h.extra).peak_force, reached = has.dents ? std::max(view.reached, overlap) : h.peak;
+  if (viscous > 0.0) return viscous - (contact.cohesive() ? contact.pull_off() : 0.0);
+  if (contact.cohesive()) return std::max(contact.cohesive_state(reached, h).force, 0.0);
+  if (!has.dents) return at_peak;
+  if (!contact.yielded(h.peak)) return reached > 0.0 ? contact.elastic_force(reached) : 0.0;
+  return reached >= h.peak ? contact.loading_beyond_yield(reached, h.extra) : contact.unloading(reached, contact.turning(h));
 }
 
 namespace {
@@ -46,29 +48,22 @@ double PairGranHysteretic::tally_totals()
   double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
   const int nlocal = atom->nlocal;
-  Contacts &c = contacts;
+  ContactList &c = contacts;
 
   const auto count = [&](const ScaledLaw &contact, const LawHistory &h, const BlockView &view, double dissipated,
                          double peak_force, double overlap, double weight) {
-    pvector[TANGENTIAL] += weight * tangential_energy_of(view);
+    pvector[TANGENTIAL] += weight * has.tangential_energy(view.spring, view.extra);
     pvector[FRICTIONAL] += weight * view.spring.loss;
-    if (has_initial_dents) peak_force = largest_force_of_run(contact, h, view, overlap);
-    const ViscousHistory viscous = viscous_of(h.extra);
-    pvector[VISCOUS] += weight * viscous.lost;
-    if (has_resistance) {
-      const ResistanceHistory resisted = resistance_of(h.extra);
+    pvector[VISCOUS] += weight * has.loss_of(h.extra).lost;
+    if (has.resistance) {
+      const ResistanceHistory resisted = has.resistance_of(h.extra);
       pvector[ROLLING] += weight * resisted.rolling.stored();
       pvector[ROLLED] += weight * resisted.rolling.loss;
       pvector[TWISTING] += weight * resisted.twisting.stored();
       pvector[TWISTED] += weight * resisted.twisting.loss;
     }
-    if (contact.cohesive()) {
-      pvector[ADHESIVE] += weight * cohesion_of(h.extra).lost;
-      const double reached = has_initial_dents ? std::max(view.reached, overlap) : h.peak;
-      peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
-    }
-    if (viscous.peak_force > 0.0) peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
-    largest_force = std::max(largest_force, peak_force);
+    if (contact.cohesive()) pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
+    largest_force = std::max(largest_force, largest_force_of_run(contact, h, view, overlap, peak_force));
     const int beyond = beyond_range(contact, h.peak);
     if (beyond > 0) pvector[BEYOND_HALF] += weight;
     if (beyond > 1) pvector[BEYOND_LAW] += weight;
@@ -79,26 +74,26 @@ double PairGranHysteretic::tally_totals()
 
   PairParameters p{};
   if (uniform && nlocal > 0) p = pair_parameters(0, 0);
-  c.each_pair([&](int, int k, int i, int j) {
+  c.each_dent([&](int, int k, int i, int j) {
     const double peak = c.peak[k];
-    if (peak == 0.0) return;
     const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
     if (!uniform) p = pair_parameters(i, j);
     const double overlap = p.radsum - distance(i, j);
-    const LawHistory h = law_history(k);
+    const LawHistory h = c.law_history(k);
     double dissipated = 0.0, peak_force = 0.0;
     if (p.contact.yielded(peak)) {
-      const int t = cached_turning(k, p.contact);
+      const int t = c.cached_turning(k, p.contact);
       if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
       dissipated = c.work_lost[t];
       peak_force = p.contact.peak_force(c.turnings[t]);
       if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
     } else {
-      peak_force = p.contact.hertz_force(peak);
-      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.hertz_energy(overlap);
+      peak_force = p.contact.elastic_force(peak);
+      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap);
     }
-    if (p.contact.cohesive() && cohesion(k)->joined > 0.0) elastic += weight * p.contact.cohesive_state(overlap, h).energy;
-    count(p.contact, h, block_view(k), dissipated, peak_force, overlap, weight);
+    if (p.contact.cohesive() && has.cohesion_of(c.block(k)).joined > 0.0)
+      elastic += weight * p.contact.cohesive_state(overlap, h).energy;
+    count(p.contact, h, c.view(k), dissipated, peak_force, overlap, weight);
   });
 
   ContactHistory &history = fix_history->history;
@@ -142,13 +137,13 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
   report.effective_radius = contact.effective_radius();
   report.tangential_force = tangential_force(view.spring);
   std::copy_n(view.spring.force, 3, report.tangential);
-  report.tangential_elastic = tangential_energy_of(view);
+  report.tangential_elastic = has.tangential_energy(view.spring, view.extra);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;
-  const ViscousHistory viscous = viscous_of(view.extra);
+  const ViscousHistory viscous = has.loss_of(view.extra);
   report.viscous_loss = viscous.lost;
-  if (has_resistance) {
-    const ResistanceHistory resisted = resistance_of(view.extra);
+  if (has.resistance) {
+    const ResistanceHistory resisted = has.resistance_of(view.extra);
     report.rolling_loss = resisted.rolling.loss;
     report.twisting_loss = resisted.twisting.loss;
     report.tangential_elastic += resisted.stored();
@@ -166,24 +161,21 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
       report.dissipated =
           contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
   } else {
-    report.force = contact.hertz_force(overlap);
-    report.peak_force = contact.hertz_force(h.peak);
-    report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.hertz_energy(overlap);
+    report.force = contact.elastic_force(overlap);
+    report.peak_force = contact.elastic_force(h.peak);
+    report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
   }
-  if (has_initial_dents) report.peak_force = largest_force_of_run(contact, h, view, overlap);
+  report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
   report.touches = report.force > 0.0;
   if (contact.cohesive()) {
-    const CohesionHistory history = cohesion_of(view.extra);
+    const CohesionHistory history = has.cohesion_of(view.extra);
     report.touches = history.joined > 0.0;
     const CohesiveState state = report.touches ? contact.cohesive_state(overlap, h) : CohesiveState();
     report.force = state.force;
     report.elastic = state.energy;
     report.adhesive_loss = history.lost;
-    const double reached = has_initial_dents ? std::max(view.reached, overlap) : h.peak;
-    report.peak_force = std::max(contact.cohesive_state(reached, h).force, 0.0);
   }
   if (overlap > 0.0 || report.touches) report.force += viscous.force;
-  if (viscous.peak_force > 0.0) report.peak_force = viscous.peak_force - (contact.cohesive() ? contact.pull_off() : 0.0);
 }
 
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
@@ -201,11 +193,11 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   std::vector<double> fresh;    // zero history of a pair that is not in the list
   BlockView view;
   if (k >= 0) {
-    report.dent = dent_of(k);
-    view = block_view(k);
+    report.dent = contacts.dent(k);
+    view = contacts.view(k);
     for (double &force : view.spring.force) force *= side;
   } else {
-    fresh.assign(contacts.n_extra, 0.0);
+    fresh.assign(has.n, 0.0);
     view.extra = view.initial_extra = fresh.data();
   }
   const bool near = p.contact.cohesive() || report.overlap > TouchingPairs::ROUNDING * p.radsum;
@@ -233,9 +225,7 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
 {
   require_contacts();
   require_finite_motion(lmp);
-  contacts.each_pair([&](int r, int k, int, int) {
-    if (contacts.peak[k] != 0.0) visit(report_pair(r, k));
-  });
+  contacts.each_dent([&](int r, int k, int, int) { visit(report_pair(r, k)); });
   ContactHistory &history = fix_history->history;
   history.each_record(atom->nlocal, [&](int i, int m, const ContactRecord &record) {
     if (!record.live) visit(report_forgotten(i, record, history.block(i, m)));
@@ -287,27 +277,14 @@ void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::functio
 {
   require_contacts();
   const auto [lower, higher] = std::minmax(one, other);
-  for (std::size_t r = 0; r < contacts.row.size(); r++)
-    if (contacts.row_sphere[r].tag == lower)
-      for (int k = contacts.begin[r]; k < contacts.begin[r + 1]; k++)
-        if (contacts.partner_sphere[k].tag == higher) visit(report_pair(r, k));
+  if (const auto [r, k] = contacts.find(lower, higher); k >= 0) visit(report_pair(r, k));
 }
 
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   require_contacts();
-  const Contacts &c = contacts;
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
-  // the rows of both parts are in the order of the IDs
-  const bool special = is_special(atom->type[i], atom->type[j]);
-  const auto rows = c.row_sphere.begin(), first = special ? rows + c.plain : rows;
-  const auto last = special ? c.row_sphere.end() : rows + c.plain;
-  const auto precedes = [](const Sphere &sphere, tagint tag) { return sphere.tag < tag; };
-  int found = -1;
-  for (auto r = std::lower_bound(first, last, lower, precedes) - rows; rows + r != last && rows[r].tag == lower; r++)
-    for (int k = c.begin[r]; k < c.begin[r + 1]; k++)
-      if (c.partner_sphere[k].tag == higher) found = k;
-  const Report report = report_pair(i, j, found, 1.0, rsq);
+  const Report report = report_pair(i, j, contacts.find(lower, higher).second, 1.0, rsq);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;

@@ -143,8 +143,9 @@ void PairGranHysteretic::set_elastic(Batch &batch)
       lines.add(m, *line, batch.overlap[m]);
       continue;
     }
-    batch.force[m] = contact.hertz_force(batch.overlap[m]);
-    if (has_friction) batch.circle[m] = std::sqrt(contact.circle_squared(batch.overlap[m], law_history(batch.k[m])));
+    batch.force[m] = contact.elastic_force(batch.overlap[m]);
+    if (has.friction)
+      batch.circle[m] = std::sqrt(contact.circle_squared(batch.overlap[m], contacts.law_history(batch.k[m])));
   }
   if (lines.size == 0) return;
   lines.compute();
@@ -157,7 +158,7 @@ void PairGranHysteretic::set_elastic(Batch &batch)
 
 void PairGranHysteretic::compute_special(Tally what)
 {
-  Contacts &c = contacts;
+  ContactList &c = contacts;
   const int rows = static_cast<int>(c.row.size());
   if (rows == c.plain) return;
   batch.size = 0;
@@ -168,14 +169,14 @@ void PairGranHysteretic::compute_special(Tally what)
       const CylinderPair::Separation found = separation(i, j);
       const bool touches =
           !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
-      const bool sticks = has_cohesion && cohesion(k)->active();
+      const bool sticks = has.cohesion && has.cohesion_of(c.block(k)).active();
       if (!sticks && (!touches || found.beyond > 0.0)) {
         if (touches && c.peak[k] > 0.0)
           error->one(FLERR,
                      "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
                      "longer cylinders",
                      atom->tag[i], atom->tag[j]);
-        if (has_spring(k)) release_contact(k);
+        if (c.has_spring(k)) release_contact(k);
         if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
         continue;
       }

@@ -233,7 +233,7 @@ class TestScript:
         text = script(tmp_path, boundary={"bottom": "fixed", "sides": "periodic"})
         assert re.search(r"^boundary +p p m$", text, re.M)
         assert re.search(r"^group +held id 109:144$", text, re.M)
-        assert re.search(r"^fix +motion mobile nve$", text, re.M)
+        assert re.search(r"^fix +motion mobile gran/nve$", text, re.M)
         assert "wall/gran" not in text
         assert re.search(r"^variable +bottom equal f_held\[3\]$", text, re.M)
 

@@ -18,6 +18,7 @@ STYLES = (
     "fix_gran_load",
     "fix_gran_absorb",
     "fix_gran_holder",
+    "fix_gran_nve",
     "fix_gran_timestep",
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",
@@ -134,3 +135,12 @@ def test_the_holder_stops_the_bead_that_was_hit(example):
     given = 0.5 * 7925 * np.pi / 6 * 0.01**3 * 0.05**2
     assert run["f_holder"][-1] == pytest.approx(given, rel=1e-6) and run["c_kinetic"][-1] < 1e-20 * given
     assert log.printed("path over that of the formula") == pytest.approx(1.0, abs=5e-3)
+
+
+def test_the_struck_row_moves_as_with_fix_nve(example, lmp, tmp_path):
+    log = example("struck_row")
+    assert 0.9 < log.printed("speed of the last bead over that of the first") < 1.0
+    (tmp_path / "in.nve").write_text(EXAMPLES["struck_row"][1].replace("gran/nve", "nve"), encoding="utf-8")
+    assert lmp(tmp_path / "in.nve").returncode == 0
+    for name, column in Log(tmp_path / "log.lammps").runs[0].items():
+        assert np.array_equal(column, log.runs[0][name]), name

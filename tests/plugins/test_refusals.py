@@ -38,6 +38,10 @@ REFUSED = {
         ("rate", "1 words after its name"),
         ("rate 1\ngroup none subtract all all\nfix more none gran/absorb rate 1\nrun 0", "its group none has no atoms"),
     ]),
+    "nve": (LIGHT, "fix more all gran/nve {}", [
+        ("z", "it takes no words, found 'z'"),
+        ("\nrun_style respa 2 2\nrun 0", "gran/nve does not work with run_style respa"),
+    ]),
     "holder": (ONE, "fix holder all gran/holder {}", [
         ("z 0.3", "2 words after its name"),
         ("w 0.3 9.81", "'w' is no direction"),

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* State of contacts in memory, of pairs, walls and cylinders alike: what a contact remembers beyond its largest overlap, where that
+   stands in its block of doubles, and what one timestep makes of it. No LAMMPS types.
+
+   The block has the doubles of the law in front, and behind them a history of each kind that is in use. They are found from its
+   end: the front has room for the law with the most doubles. */
+
+#ifndef GRANWAVE_CONTACT_MEMORY_H
+#define GRANWAVE_CONTACT_MEMORY_H
+
+#include "contact_law.h"
+#include "partial_slip.h"
+#include "resistance.h"
+#include "viscous_loss.h"
+
+#include <algorithm>
+
+namespace granwave {
+
+struct ContactMemory {
+  bool friction = false, dents = false;    // a spring, and what initial dents need: no parts of the block
+  bool slip = false, cohesion = false, resistance = false, loss = false;
+  bool loss_first = false;    // of walls: the loss stands before the others, of pairs behind them
+  int n = 0;                  // doubles of a block
+
+  SlipHistory &slip_of(double *block) const { return part<SlipHistory>(block, to_slip()); }
+  CohesionHistory &cohesion_of(double *block) const { return part<CohesionHistory>(block, to_cohesion()); }
+  ResistanceHistory &resistance_of(double *block) const { return part<ResistanceHistory>(block, to_resistance()); }
+  ViscousHistory &loss_of(double *block) const { return part<ViscousHistory>(block, to_loss()); }
+
+  /* Copies, which are those of a new contact where there is no such history. */
+  CohesionHistory cohesion_of(const double *block) const { return copy<CohesionHistory>(cohesion, block, to_cohesion()); }
+  ResistanceHistory resistance_of(const double *block) const
+  {
+    return copy<ResistanceHistory>(resistance, block, to_resistance());
+  }
+  ViscousHistory loss_of(const double *block) const { return copy<ViscousHistory>(loss, block, to_loss()); }
+
+  /* Doubles of all these histories. */
+  int size() const { return to_slip() + (loss_first ? size_of_loss() : 0); }
+
+  /* Energy stored by friction. */
+  double tangential_energy(const TangentialSpring &spring, const double *block) const
+  {
+    return slip ? part<SlipHistory>(const_cast<double *>(block), to_slip()).energy(spring)
+                : granwave::tangential_energy(spring);
+  }
+
+  /* Turn what a block holds into the start of a run: springs and necks stay, losses are 0. `keeps_law` if the doubles of the law
+     stay, too. */
+  void begin(double *block, bool keeps_law) const
+  {
+    if (!keeps_law) std::fill_n(block, n - size(), 0.0);
+    if (resistance) resistance_of(block).rolling.loss = resistance_of(block).twisting.loss = 0.0;
+    if (cohesion) cohesion_of(block).lost = 0.0;
+    if (loss) loss_of(block) = {};
+  }
+
+  /* End the spring of surfaces that have parted, or that friction does not hold. */
+  void release_spring(TangentialSpring &spring, double *block) const
+  {
+    if (slip && slip_of(block).active()) slip_of(block).release(spring);
+    else release(spring);
+  }
+
+ private:
+  int size_of_loss() const { return loss ? ViscousHistory::SIZE : 0; }
+  // doubles from each of them to the end
+  int to_resistance() const { return (loss_first ? 0 : size_of_loss()) + (resistance ? ResistanceHistory::SIZE : 0); }
+  int to_cohesion() const { return to_resistance() + (cohesion ? CohesionHistory::SIZE : 0); }
+  int to_slip() const { return to_cohesion() + (slip ? SlipHistory::SIZE : 0); }
+  int to_loss() const { return loss_first ? size() : size_of_loss(); }
+
+  template <class History> History &part(double *block, int to_end) const
+  {
+    return *reinterpret_cast<History *>(block + n - to_end);
+  }
+  template <class History> History copy(bool has, const double *block, int to_end) const
+  {
+    return has ? *reinterpret_cast<const History *>(block + n - to_end) : History();
+  }
+};
+
+struct Step {
+  double dt;
+  bool advances;    // false in a setup, so that a continued run is identical to an uninterrupted one, and in a minimization
+};
+
+/* Advance the cohesion of a contact. Returns its state, whose force includes that which makes good a jump.
+
+   turning     that of its peak if it has yielded
+   rounding    smaller overlaps are none
+   velocity    of approach */
+inline CohesiveState advance_cohesion(const ScaledLaw &law, CohesionHistory &history, const LawHistory &h,
+                                      const Turning *turning, double overlap, double rounding, double velocity,
+                                      const Step &step)
+{
+  CohesiveState state;
+  const bool joined = history.joined > 0.0;
+  if (law.joins(overlap, joined, rounding)) state = law.cohesive_state(overlap, h, turning);
+  const bool joins = state.circle_squared > 0.0;
+  if (!joins) state.circle_squared = state.pressing = 0.0;
+  if (!step.advances) {
+    state.force += history.start(overlap, joins, rounding);
+    return state;
+  }
+  const bool jumps = joins != joined;
+  const CohesiveState last = jumps && joined ? law.cohesive_state(history.overlap, h, turning) : CohesiveState();
+  const Jump jump = jumps ? law.jump(joins, overlap, h.peak, turning) : Jump{};
+  state.force += history.advance(overlap, joins, state, last, jump, velocity * step.dt, law.has_neck());
+  return state;
+}
+
+/* Advance the viscous loss of a contact. Returns the viscous force. Where a run is continued it is that of its last step, so
+   that it is identical to an uninterrupted one.
+
+   force          of the law, with the pull-off force of a contact with cohesion: where it would pull harder, it is cut off
+   coefficient    function that returns the force over the rate of the overlap */
+template <class Coefficient>
+double advance_loss(ViscousHistory &history, double overlap, double rounding, double force, double velocity,
+                    const Step &step, const Coefficient &coefficient)
+{
+  if (step.advances) return history.advance(overlap, force, coefficient(), velocity, step.dt);
+  if (history.continues(overlap, rounding)) return history.force;
+  return history.start(overlap, force, coefficient(), velocity, step.dt);
+}
+
+}    // namespace granwave
+
+#endif
