@@ -22,6 +22,7 @@
 #include "../laws/resistance.h"
 #include "../laws/exact_sum.h"
 #include "fix.h"
+#include "fix_gran_cylinder.h"
 #include "../laws/support.h"
 #include "../laws/tangential.h"
 #include "../laws/cylinders.h"
@@ -187,9 +188,9 @@ class FixWallGranHysteretic : public Fix {
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
   double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
-  granwave::Material body{}, wall{};                   // materials of the spheres and of the wall
-  bool plane_strain = false;                           // of cylinders
-  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  granwave::Material body{}, wall{};                       // materials of the spheres and of the wall
+  bool plane_strain = false;                               // of cylinders
+  std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
   std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   bool has_lines = false;                                              // true if any of them touches along a line
@@ -214,6 +215,7 @@ class FixWallGranHysteretic : public Fix {
       near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
   std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
   bool listed = false;          // true if this list is current
+  bool grows = false;           // true if radii may change during a run
   double listed_level = 0.0;    // position of the movable plane when it was made
   // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
   // variables of the law, present and initial

@@ -44,7 +44,7 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
+    fix_history->publish_contacts = fix_history->release_contacts = fix_history->lose_contacts = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
   if (allocated) {
@@ -113,12 +113,16 @@ void PairGranHysteretic::init_style()
     error->all(FLERR, "Pair style gran/hysteretic requires atom attributes radius and rmass (atom_style sphere)");
   if (!atom->tag_enable) error->all(FLERR, "Pair style gran/hysteretic requires atom IDs");
   if (force->newton_pair) error->all(FLERR, "Pair style gran/hysteretic requires 'newton off' (or 'newton off on')");
+  if (lost_contacts)
+    error->all(FLERR, "Fix {} holds the contacts of pair style gran/hysteretic and was deleted: never unfix it",
+               FixGranHystereticHistory::ID);
 
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
+  if (update->whichflag == 2) refuse_line_searches();
 
   bool any = has_friction, any_loss = has_loss, any_resistance = has_resistance, any_cohesion = has_cohesion,
-       any_slip = has_slip;
+       any_slip = has_slip, any_dashpot = false;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
@@ -129,6 +133,7 @@ void PairGranHysteretic::init_style()
       any_resistance = any_resistance || args.resistance;
       any_slip = any_slip || args.slips_partially();
       any_loss = any_loss || args.loss;
+      any_dashpot = any_dashpot || args.loss.kind == LossKind::DASHPOT;
       any_cohesion = any_cohesion || args.options.cohesion;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
@@ -155,6 +160,8 @@ void PairGranHysteretic::init_style()
   has_resistance = any_resistance;
   frozen = has_loss ? frozen_group(lmp) : 0;
   rigid = has_loss ? rigid_bodies(lmp) : nullptr;
+  if (any_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
+  radii_vary = radii_may_change(lmp);
   if (has_friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
@@ -174,6 +181,11 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->publish_contacts = [this] { publish_contacts(); };
     fix_history->release_contacts = [this] { release_contacts(); };
+    fix_history->lose_contacts = [this] {
+      fix_history = nullptr;
+      contacts.valid = false;
+      lost_contacts = true;
+    };
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;
@@ -211,6 +223,24 @@ void PairGranHysteretic::init_style()
         if (const auto *radius = static_cast<double *>(fix->extract("radius", itype))) mine[i] = std::max(mine[i], *radius);
       }
   MPI_Allreduce(mine.data(), largest_radius.data(), atom_types + 1, MPI_DOUBLE, MPI_MAX, world);
+}
+
+/* A line search tries positions that it does not keep, and each would leave its dent. */
+
+void PairGranHysteretic::refuse_line_searches()
+{
+  const std::string search = update->minimize_style;
+  if (search != "cg" && search != "sd" && search != "hftn") return;
+  for (int i = 1; i <= atom_types; i++)
+    for (int j = i; j <= atom_types; j++) {
+      const LawArguments &args = coefficients[i * (atom_types + 1) + j];
+      if (setflag[i][j] && (args.law->yields() || args.options.cohesion))
+        error->all(
+            FLERR,
+            "Pair style gran/hysteretic: min_style {} tries positions that it does not keep, and with law {} each would "
+            "leave its trace: use min_style fire",
+            search, args.words.front());
+    }
 }
 
 double PairGranHysteretic::init_one(int i, int j)

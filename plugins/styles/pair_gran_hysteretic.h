@@ -28,6 +28,7 @@
 #include "../laws/plastic_batch.h"
 #include "../laws/touching_pairs.h"
 #include "../laws/viscous_loss.h"
+#include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
 #include "pair.h"
 
@@ -216,6 +217,9 @@ class PairGranHysteretic : public Pair {
   }
 
   void publish_contacts();
+  void refuse_line_searches();
+  void require_room();
+  void require_largest_radii();
   void release_contacts();    // also invalidates the flat list
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
@@ -322,7 +326,7 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
-  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   bool has_special = false;
   std::vector<char> special_types;                                    // by pair of types
   std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
@@ -348,6 +352,8 @@ class PairGranHysteretic : public Pair {
   double now = 0.0;                                  // simulation time of this force evaluation
   bool springs_advance = false;                      // true if springs are updated in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
+  bool radii_vary = false;       // true if a fix may change radii during a run
+  bool lost_contacts = false;    // true if somebody else deleted it
 };
 
 }    // namespace LAMMPS_NS
