@@ -291,6 +291,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 void PairGranHysteretic::set_parameters()
 {
   parameters_by_type.clear();
+  if (radii_vary) return;
   if (uniform) {
     batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
     for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
