@@ -163,7 +163,7 @@ def other_commands() -> str:
     for section in tomllib.loads((MANUAL / "other_commands.toml").read_text(encoding="utf-8"))["section"]:
         text += [f"## {section['title']}", "", "| command | what happens |", "|---|---|"]
         for row in section["row"]:
-            refused = [f"**Refused**: {row['message'].replace('.*', '...')}."] if "message" in row else []
+            refused = [f"**Refused**: `{row['message'].replace('.*', '...')}`."] if "message" in row else []
             text.append(f"| {row['command']} | {' '.join([*refused, row.get('answer', '')]).strip()} |")
         text.append("")
     return "\n".join(text)
