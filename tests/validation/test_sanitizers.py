@@ -15,6 +15,7 @@ pytestmark = pytest.mark.validation
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.prefix) / "bin"
 OURS = re.compile(r"granwave(plugin|styles)\.so|_contact_laws\.|_number_reader\.|plugins/(styles|laws|bindings)/")
+COMMAND = "create<LAMMPS_NS::Command"  # LAMMPS itself does not delete a command that ends in an error
 KINDS = {
     "address": ("address,undefined", ["libasan.so", "libubsan.so"], ["tests/plugins"]),
     "thread": ("thread", ["libtsan.so"], ["tests/plugins/test_threads.py"]),
@@ -66,7 +67,7 @@ def reports(folder: Path) -> list[str]:
         text = path.read_text(encoding="utf-8", errors="replace")
         if "LeakSanitizer" in text:
             blocks = [block for block in text.split("\n\n") if "irect leak of" in block]
-            found += [block for block in blocks if OURS.search(block)]
+            found += [block for block in blocks if OURS.search(block) and COMMAND not in block]
         else:
             found.append(text)
     return found
@@ -82,6 +83,7 @@ def test_no_report(kind, tmp_path):
     ]
     environment = {name: f"{words}:log_path={tmp_path}/report" for name, words in OPTIONS.items()}
     environment |= {"LD_PRELOAD": ":".join(paths), "PYTHONPATH": str(site), "PYTHONMALLOC": "malloc"}
+    environment["UCX_TLS"] = "^cma"  # libasan takes the places in another process that UCX reads for its own
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
     done = subprocess.run(
         ["setarch", "-R", *command], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, check=False
