@@ -17,7 +17,7 @@ TOP = {
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",
     "pyproject.toml", "reproductions", "tests", "workflows",
 }  # fmt: skip
-LINES = {"reproductions": 9035, "plugins": 11460, "tests": 35670}
+LINES = {"reproductions": 9035, "plugins": 11630, "tests": 36210}
 
 
 def sources(room: str) -> Iterator[str]:
