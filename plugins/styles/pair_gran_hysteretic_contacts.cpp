@@ -129,7 +129,7 @@ void PairGranHysteretic::require_room()
 void PairGranHysteretic::require_largest_radii()
 {
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->radius[i] > largest_radius[atom->type[i]])
+    if (atom->radius[i] > largest_radius[atom->type[i]] * (1.0 + TouchingPairs::ROUNDING))
       error->one(FLERR,
                  "Sphere {} has the radius {:.6g}, above the largest of its type at the start of the run, {:.6g}: contacts "
                  "would be found too late; let an atom of the type have that radius, away from the others",
