@@ -10,6 +10,7 @@ import argparse
 import importlib
 import json
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -156,6 +157,18 @@ def interface(package: str) -> str:
     return "\n".join(["```{eval-rst}", *lines, "```"])
 
 
+def other_commands() -> str:
+    """Return the tables of what the styles do with other commands of LAMMPS, which their tests try."""
+    text = []
+    for section in tomllib.loads((MANUAL / "other_commands.toml").read_text(encoding="utf-8"))["section"]:
+        text += [f"## {section['title']}", "", "| command | what happens |", "|---|---|"]
+        for row in section["row"]:
+            refused = [f"**Refused**: `{row['message'].replace('.*', '...')}`."] if "message" in row else []
+            text.append(f"| {row['command']} | {' '.join([*refused, row.get('answer', '')]).strip()} |")
+        text.append("")
+    return "\n".join(text)
+
+
 def bibtex_entries() -> str:
     """Return the BibTeX entries of CITATION.cff."""
     return f"```bibtex\n{bibtex((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))}\n```"
@@ -175,6 +188,7 @@ _PARTS: dict[str, Callable[..., str]] = {
     "materials": materials,
     "lattices": lattices,
     "interface": interface,
+    "other_commands": other_commands,
     "bibtex": bibtex_entries,
 }
 

@@ -7,7 +7,7 @@
 #include "lammps.h"
 #include "modify.h"
 
-#include <list>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -22,7 +22,7 @@ struct Registration {
   void *handle;
 };
 using Register = void (*)(Registration *, void *);
-std::list<std::string> infos;    // LAMMPS stores pointers to them
+std::set<std::string> infos;    // LAMMPS stores pointers to them
 
 template <class Base, class Style> Base *create(LAMMPS *lmp) { return new Style(lmp); }
 template <class Base, class Style> Base *create_named(LAMMPS *lmp, int narg, char **arg)
@@ -37,9 +37,8 @@ extern "C" __attribute__((visibility("default"))) void granwave_add_styles(void 
   auto *lmp = static_cast<LAMMPS *>(instance);
   // releases before 2025 register a plugin once per process: add the style to the map of a second instance
   const auto add = [&](const char *style, const char *name, auto *creator, auto &known) {
-    infos.push_back(std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name);
-    Registration entry{lmp->version, style, name, infos.back().c_str(), "granwave", reinterpret_cast<void *>(creator),
-                       handle};
+    const auto info = infos.insert(std::string("granwave ") + GRANWAVE_VERSION + ": " + style + " style " + name).first;
+    Registration entry{lmp->version, style, name, info->c_str(), "granwave", reinterpret_cast<void *>(creator), handle};
     reinterpret_cast<Register>(regfunc)(&entry, lmp);
     known.emplace(name, creator);
   };

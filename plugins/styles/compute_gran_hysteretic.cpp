@@ -29,6 +29,8 @@ ComputeGranHysteretic::~ComputeGranHysteretic()
   delete[] vector;
 }
 
+/* Find the pair style, which a script may have replaced since the last run. */
+
 void ComputeGranHysteretic::init()
 {
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
@@ -39,6 +41,7 @@ void ComputeGranHysteretic::init()
 
 void ComputeGranHysteretic::start_atoms()
 {
+  ComputeGranHysteretic::init();
   invoked_peratom = update->ntimestep;
   if (atom->nmax > nmax) {
     memory->destroy(array_atom);
@@ -163,6 +166,7 @@ ComputeGranHystereticLocal::ComputeGranHystereticLocal(LAMMPS *lmp, int narg, ch
 
 void ComputeGranHystereticLocal::compute_local()
 {
+  ComputeGranHysteretic::init();
   invoked_local = update->ntimestep;
   values.clear();
   const auto append = [this](auto... numbers) {
@@ -212,6 +216,7 @@ ComputeGranHystereticContact::ComputeGranHystereticContact(LAMMPS *lmp, int narg
 
 void ComputeGranHystereticContact::compute_vector()
 {
+  ComputeGranHysteretic::init();
   invoked_vector = update->ntimestep;
   double mine[N_CONTACT + 1] = {};    // the last element counts the processors that have the pair
   pair->visit_pair(first, second, [&](const Report &report) {
@@ -252,6 +257,7 @@ void ComputeGranHystereticEnergy::compute_vector()
 void ComputeGranHystereticEnergy::sum_up()
 {
   if (summed == update->ntimestep && update->whichflag != 0) return;    // positions may be changed between runs
+  ComputeGranHysteretic::init();
   summed = update->ntimestep;
   constexpr int N = PairGranHysteretic::N_TOTALS;
   double mine[N + 1], sum[N + 1];

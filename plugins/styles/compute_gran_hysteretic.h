@@ -86,6 +86,11 @@ class ComputeGranHystereticEnergy : public ComputeGranHysteretic {
  public:
   static constexpr const char *STYLE = "gran/hysteretic/energy";
   ComputeGranHystereticEnergy(LAMMPS *, int, char **);
+  void init() override
+  {
+    ComputeGranHysteretic::init();
+    summed = -1;    // spheres and laws may have changed since the last run
+  }
   double compute_scalar() override;
   void compute_vector() override;
 

@@ -4,6 +4,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "force.h"
 #include "modify.h"
 #include "restart_state.h"
 
@@ -19,13 +20,14 @@ constexpr const char *USAGE =
     "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
 
-FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), shapes(atom->ntypes + 1)
+FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) :
+    Fix(lmp, narg, arg), cylinders(std::make_shared<Cylinders>(atom->ntypes))
 {
   if (narg > 4 && std::strcmp(arg[narg - 2], "line") == 0) {
     const std::string kind = arg[narg - 1];
     if (kind != "half-space" && kind != "plane-strain")
       error->all(FLERR, "Illegal fix {}: expected line half-space or plane-strain, found {}", STYLE, kind);
-    in_plane_strain = kind == "plane-strain";
+    cylinders->plane_strain = kind == "plane-strain";
     narg -= 2;
   }
   if (narg < 3 + WORDS || (narg - 3) % WORDS != 0) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
@@ -33,7 +35,7 @@ FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
     const int type = utils::inumeric(FLERR, arg[n], false, lmp);
     if (type < 1 || type > atom->ntypes)
       error->all(FLERR, "Illegal fix {}: expected a type from 1 to {}, found {}", STYLE, atom->ntypes, arg[n]);
-    Cylinder &cylinder = shapes[type];
+    Cylinder &cylinder = cylinders->shapes[type];
     if (!cylinder.is_sphere()) error->all(FLERR, "Illegal fix {}: found type {} twice", STYLE, type);
     cylinder.length = utils::numeric(FLERR, arg[n + 1], false, lmp);
     if (!(cylinder.length > 0.0 && std::isfinite(cylinder.length)))
@@ -49,17 +51,19 @@ FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
     if (square != 1.0)
       for (double &component : cylinder.axis) component /= std::sqrt(square);
   }
-  if (find(lmp)) error->all(FLERR, "Illegal fix {}: there is one already, {}", STYLE, find(lmp)->id);
+  for (const auto *other : modify->get_fix_list())
+    if (std::strcmp(other->style, STYLE) == 0)
+      error->all(FLERR, "Illegal fix {}: there is one already, {}", STYLE, other->id);
   restart_global = 1;
   scalar_flag = 1;
   global_freq = 1;
   extscalar = 1;
 }
 
-const FixGranCylinder *FixGranCylinder::find(LAMMPS *lmp)
+std::shared_ptr<const Cylinders> FixGranCylinder::find(LAMMPS *lmp)
 {
   for (const auto *fix : lmp->modify->get_fix_list())
-    if (const auto *const found = dynamic_cast<const FixGranCylinder *>(fix)) return found;
+    if (const auto *const found = dynamic_cast<const FixGranCylinder *>(fix)) return found->cylinders;
   return nullptr;
 }
 
@@ -82,7 +86,7 @@ void FixGranCylinder::setup(int)
 {
   if (!atom->omega_flag) return;
   for (int i = 0; i < atom->nlocal; i++) {
-    const Cylinder &cylinder = shapes[atom->type[i]];
+    const Cylinder &cylinder = cylinders->shape(atom->type[i]);
     if (cylinder.is_sphere()) continue;
     const double *const omega = atom->omega[i], *const axis = cylinder.axis;
     const double along = omega[0] * axis[0] + omega[1] * axis[1] + omega[2] * axis[2];
@@ -102,7 +106,7 @@ void FixGranCylinder::post_force(int)
 {
   if (!atom->torque_flag) return;
   for (int i = 0; i < atom->nlocal; i++) {
-    const Cylinder &cylinder = shapes[atom->type[i]];
+    const Cylinder &cylinder = cylinders->shape(atom->type[i]);
     if (cylinder.is_sphere()) continue;
     double *const torque = atom->torque[i];
     const double *const axis = cylinder.axis;
@@ -118,9 +122,9 @@ double FixGranCylinder::compute_scalar()
   if (!atom->omega_flag) return 0.0;
   double mine = 0.0, all = 0.0;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (shapes[atom->type[i]].is_sphere()) continue;
+    if (cylinders->shape(atom->type[i]).is_sphere()) continue;
     const double *const omega = atom->omega[i];
-    mine += 0.5 * 0.4 * (INERTIA - 1.0) * atom->rmass[i] * atom->radius[i] * atom->radius[i] *
+    mine += 0.5 * force->mvv2e * 0.4 * (INERTIA - 1.0) * atom->rmass[i] * atom->radius[i] * atom->radius[i] *
             (omega[0] * omega[0] + omega[1] * omega[1] + omega[2] * omega[2]);
   }
   MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, world);
@@ -132,6 +136,7 @@ double FixGranCylinder::compute_scalar()
 void FixGranCylinder::write_restart(FILE *fp)
 {
   if (comm->me != 0) return;
+  const auto &shapes = cylinders->shapes;
   std::vector<double> state = {double(shapes.size())};
   for (const Cylinder &one : shapes) state.insert(state.end(), {one.length, one.axis[0], one.axis[1], one.axis[2]});
   write_state(fp, state);
@@ -139,6 +144,7 @@ void FixGranCylinder::write_restart(FILE *fp)
 
 void FixGranCylinder::restart(char *buffer)
 {
+  const auto &shapes = cylinders->shapes;
   const double *value = read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
   bool same = *value++ == static_cast<double>(shapes.size());
   for (std::size_t type = 0; same && type < shapes.size(); type++, value += 4)

@@ -19,7 +19,23 @@ FixStyle(gran/cylinder,FixGranCylinder);
 #include "../laws/cylinders.h"
 #include "fix.h"
 
+#include <memory>
 #include <vector>
+
+namespace granwave {
+
+/* Cylinders by type, from 1; shared by all who use them, whatever becomes of the fix. */
+class Cylinders {
+ public:
+  explicit Cylinders(int types) : shapes(types + 1) {}
+
+  const Cylinder &shape(int type) const { return shapes[type]; }
+
+  std::vector<Cylinder> shapes;
+  bool plane_strain = false;    // true if parallel cylinders touch in plane strain, false if as half-spaces
+};
+
+}    // namespace granwave
 
 namespace LAMMPS_NS {
 
@@ -38,17 +54,11 @@ class FixGranCylinder : public Fix {
   void write_restart(FILE *) override;
   void restart(char *) override;
 
-  const granwave::Cylinder &shape(int type) const { return shapes[type]; }
-
-  /* True if parallel cylinders touch in plane strain, false if as half-spaces. */
-  bool plane_strain() const { return in_plane_strain; }
-
-  /* The fix of this style; null if there is none, and all particles are spheres. */
-  static const FixGranCylinder *find(LAMMPS *);
+  /* The cylinders of the fix of this style; null if there is none, and all particles are spheres. */
+  static std::shared_ptr<const granwave::Cylinders> find(LAMMPS *);
 
  private:
-  std::vector<granwave::Cylinder> shapes;    // by type, from 1
-  bool in_plane_strain = false;
+  std::shared_ptr<granwave::Cylinders> cylinders;
 };
 
 }    // namespace LAMMPS_NS

@@ -7,6 +7,7 @@
 #include "fix_gran_cylinder.h"
 #include "group.h"
 #include "modify.h"
+#include "motion.h"
 #include "restart_state.h"
 #include "update.h"
 
@@ -40,6 +41,7 @@ void FixGranDamping::init()
 {
   if (utils::strmatch(update->integrate_style, "^respa"))
     error->all(FLERR, "Fix {} does not work with run_style respa", style);
+  require_mechanical_units(lmp, fmt::format("Fix {} {}", style, id));
   if (group->count(igroup) == 0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", style, id, group->names[igroup]);
 }
 
@@ -107,7 +109,7 @@ double FixGranAbsorb::rate_at(const double *x) const
 void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
 {
   const bool turns = rate > 0.0 && atom->omega && atom->torque && atom->radius;
-  const auto *const cylinders = FixGranCylinder::find(lmp);
+  const auto cylinders = FixGranCylinder::find(lmp);
   const auto damp = [&](double &force, double velocity, double inertia, double c, double counted = 1.0) {
     const double at_end = (velocity + force / inertia * until_end) / (1.0 + c / inertia * until_end);
     force -= c * at_end;

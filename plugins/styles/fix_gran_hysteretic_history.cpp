@@ -34,6 +34,7 @@ FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char *
 
 FixGranHystereticHistory::~FixGranHystereticHistory()
 {
+  if (lose_contacts) lose_contacts();
   atom->delete_callback(id, Atom::GROW);
   atom->delete_callback(id, Atom::RESTART);
 }

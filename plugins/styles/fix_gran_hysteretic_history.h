@@ -48,8 +48,9 @@ class FixGranHystereticHistory : public Fix {
 
   granwave::ContactHistory history;
 
-  /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list. */
-  std::function<void()> publish_contacts, release_contacts;
+  /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list;
+     be told that the fix is deleted by somebody else. */
+  std::function<void()> publish_contacts, release_contacts, lose_contacts;
 
  private:
   void gather();

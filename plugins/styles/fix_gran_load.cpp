@@ -164,6 +164,7 @@ void FixGranLoad::init()
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize: its load is a function of time", STYLE);
+  require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   stepper = nullptr;
   for (auto *other : modify->get_fix_list())
     if (auto *const found = dynamic_cast<FixGranTimestep *>(other)) stepper = found;

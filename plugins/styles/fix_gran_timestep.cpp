@@ -12,6 +12,7 @@
 #include "force.h"
 #include "input.h"
 #include "modify.h"
+#include "motion.h"
 #include "output.h"
 #include "pair.h"
 #include "restart_state.h"
@@ -115,7 +116,10 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
 
 FixGranTimestep::~FixGranTimestep()
 {
-  if (update) update->dt = tick;
+  if (!update || update->dt == tick) return;
+  update->dt = tick;
+  for (auto *other : modify->get_fix_list())
+    if (other != this) other->reset_dt();
 }
 
 void FixGranTimestep::init()
@@ -125,6 +129,7 @@ void FixGranTimestep::init()
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize", STYLE);
   if (n_steps > 0 && update->dt != static_cast<double>(taken) * tick)
     error->all(FLERR, "Fix {} {}: the timestep was changed to {:g}; unfix it first", STYLE, id, update->dt);
+  require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   bool later = false;
   rotates = false;
   others.clear();
@@ -174,6 +179,7 @@ void FixGranTimestep::take(std::int64_t ticks)
 
 void FixGranTimestep::setup(int)
 {
+  if (is_rerun(*update)) error->all(FLERR, "Fix {} {} does not work with rerun", STYLE, id);
   reached = update->ntimestep;
   pending = true;
   if (n_steps == 0 || energy == 0.0) {    // else as without the cut between two runs

@@ -18,6 +18,7 @@ FixStyle(gran/timestep,FixGranTimestep);
 
 #include "../laws/step_controller.h"
 #include "fix.h"
+#include "fix_gran_cylinder.h"
 
 #include <cstdint>
 #include <string>
@@ -78,7 +79,7 @@ class FixGranTimestep : public Fix {
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
   bool rotates = false;
-  const class FixGranCylinder *cylinders = nullptr;
+  std::shared_ptr<const granwave::Cylinders> cylinders;
   std::vector<const Fix *> others;                           // that act at the end of some steps
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };

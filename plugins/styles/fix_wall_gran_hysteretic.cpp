@@ -115,6 +115,11 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
   if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
+  if (domain->triclinic && (tube || axis < 2) && (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
+    error->all(FLERR, "Fix {} {}: the box is tilted across the wall, which a periodic boundary would then shift", STYLE, id);
+  if (support || loss.kind == LossKind::DASHPOT)
+    require_mechanical_units(lmp, fmt::format("Fix {} {} with {}", STYLE, id, support ? "a support" : "a dashpot"));
+  grows = radii_may_change(lmp);
   init_cylinders();
   rigid = loss ? rigid_bodies(lmp) : nullptr;
   reset_dt();
@@ -136,6 +141,9 @@ void *FixWallGranHysteretic::extract(const char *name, int &dim)
 void FixWallGranHysteretic::setup(int)
 {
   listed = false;
+  if (is_rerun(*update) && (support || friction > 0.0 || loss || resistance || cohesive() || law.n_extra() > 0))
+    error->all(FLERR, "Fix {} {}: rerun lacks the steps between its snapshots, by which the history of a wall with {} grows",
+               STYLE, id, support ? "a support" : "more than a dent");
   evaluate();
 }
 
@@ -230,7 +238,7 @@ void FixWallGranHysteretic::evaluate()
   on_plane[0] = on_plane[1] = {};
   tallied = -1;
   const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
-  if (!listed || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
+  if (!listed || grows || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   if (rigid && arrived) {
     moved_mass.resize(atom->nmax);
     set_moved_masses(lmp, rigid, moved_mass);

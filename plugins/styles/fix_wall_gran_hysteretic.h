@@ -27,6 +27,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "../laws/exact_sum.h"
 #include "../laws/support.h"
 #include "fix.h"
+#include "fix_gran_cylinder.h"
 #include "update.h"
 
 #include <map>
@@ -167,9 +168,9 @@ class FixWallGranHysteretic : public Fix {
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
   double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
-  granwave::Material body{}, wall{};                   // materials of the spheres and of the wall
-  bool plane_strain = false;                           // of cylinders
-  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  granwave::Material body{}, wall{};                       // materials of the spheres and of the wall
+  bool plane_strain = false;                               // of cylinders
+  std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
   std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   bool has_lines = false;                                              // true if any of them touches along a line
@@ -195,6 +196,7 @@ class FixWallGranHysteretic : public Fix {
   std::vector<char> touched;    // 0: the sphere has touched no wall; 1: it may have
   std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
   bool listed = false;          // true if this list is current
+  bool grows = false;           // true if radii may change during a run
   double listed_level = 0.0;    // position of the movable plane when it was made
   // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
   // variables of the law, present and initial

@@ -19,15 +19,24 @@ using namespace granwave;
 
 double FixWallGranHysteretic::distance_squared(const double from[2], const double to[2]) const
 {
-  double sum = 0.0;
-  for (int d = 0; d < 2; d++) {
-    const int along = (axis + 1 + d) % 3;
-    double distance = to[d] - from[d], period = domain->periodicity[along] ? domain->prd[along] : 0.0;
-    if (tube) period = d == 0 ? tube->circumference() : domain->periodicity[2] ? domain->prd[2] : 0.0;
-    if (period > 0.0) distance -= period * std::round(distance / period);
-    sum += distance * distance;
+  double distance[2] = {to[0] - from[0], to[1] - from[1]};
+  const auto wrap = [&](int d, double period, double other) {
+    const double turns = period > 0.0 ? std::round(distance[d] / period) : 0.0;
+    distance[d] -= period * turns;
+    distance[1 - d] -= other * turns;
+  };
+  if (tube) {
+    wrap(0, tube->circumference(), 0.0);
+    wrap(1, domain->periodicity[2] ? domain->prd[2] : 0.0, 0.0);
+  } else {
+    const int along[2] = {(axis + 1) % 3, (axis + 2) % 3};
+    const bool first_is_last =
+        along[0] > along[1];    // across the later one of x, y, z a tilted box is shifted along the other
+    const double tilt = !domain->triclinic ? 0.0 : axis == 0 ? domain->yz : axis == 1 ? domain->xz : domain->xy;
+    for (const int d : {first_is_last ? 0 : 1, first_is_last ? 1 : 0})
+      wrap(d, domain->periodicity[along[d]] ? domain->prd[along[d]] : 0.0, along[d] > along[1 - d] ? tilt : 0.0);
   }
-  return sum;
+  return distance[0] * distance[0] + distance[1] * distance[1];
 }
 
 /* Energy dissipated by yielding at one wall in this run. */

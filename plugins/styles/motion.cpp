@@ -6,6 +6,7 @@
 #include "atom.h"
 #include "error.h"
 #include "fmt/format.h"
+#include "force.h"
 #include "modify.h"
 
 #include <algorithm>
@@ -103,6 +104,26 @@ void granwave::set_moved_masses(LAMMPS *lmp, Fix *rigid, std::vector<double> &ma
   if (!body || !total) return;
   for (int i = 0; i < atom->nlocal; i++)
     if (body[i] >= 0) masses[i] = total[body[i]];
+}
+
+bool granwave::is_rerun(const Update &update)
+{
+  return update.whichflag == 1 && update.setupflag &&
+         (update.ntimestep != update.firststep || update.laststep != update.firststep + update.nsteps);
+}
+
+void granwave::require_mechanical_units(LAMMPS *lmp, const std::string &what)
+{
+  if (lmp->force->ftm2v != 1.0 || lmp->force->mvv2e != 1.0)
+    lmp->error->all(FLERR, "{} needs units in which force is mass times acceleration (si, cgs, lj, micro, nano), found {}",
+                    what, lmp->update->unit_style);
+}
+
+bool granwave::radii_may_change(LAMMPS *lmp)
+{
+  for (const auto *fix : lmp->modify->get_fix_list())
+    if (utils::strmatch(fix->style, "^adapt") || utils::strmatch(fix->style, "^set$")) return true;
+  return false;
 }
 
 double granwave::simulated_time(const Update &update)

@@ -43,6 +43,15 @@ LAMMPS_NS::Fix *rigid_bodies(LAMMPS_NS::LAMMPS *);
 /* Set the masses that the owned spheres move with; the vector has at least as many elements. */
 void set_moved_masses(LAMMPS_NS::LAMMPS *, LAMMPS_NS::Fix *rigid, std::vector<double> &masses);
 
+/* True in `rerun`, whose snapshots have no steps between them: no run sets up at another step than its first. */
+bool is_rerun(const LAMMPS_NS::Update &);
+
+/* Stop with an error in units in which force is not mass times acceleration (real, metal, electron). */
+void require_mechanical_units(LAMMPS_NS::LAMMPS *, const std::string &what);
+
+/* True if a fix may change radii during a run: those of the start are then no guide. */
+bool radii_may_change(LAMMPS_NS::LAMMPS *);
+
 /* Simulation time of a force evaluation, bitwise identical for any division of a simulation into runs. */
 double simulated_time(const LAMMPS_NS::Update &);
 

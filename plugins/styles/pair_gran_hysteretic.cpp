@@ -44,7 +44,7 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
+    fix_history->publish_contacts = fix_history->release_contacts = fix_history->lose_contacts = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
   if (allocated) {
@@ -113,11 +113,16 @@ void PairGranHysteretic::init_style()
     error->all(FLERR, "Pair style gran/hysteretic requires atom attributes radius and rmass (atom_style sphere)");
   if (!atom->tag_enable) error->all(FLERR, "Pair style gran/hysteretic requires atom IDs");
   if (force->newton_pair) error->all(FLERR, "Pair style gran/hysteretic requires 'newton off' (or 'newton off on')");
+  if (lost_contacts)
+    error->all(FLERR, "Fix {} holds the contacts of pair style gran/hysteretic and was deleted: never unfix it",
+               FixGranHystereticHistory::ID);
 
   if (std::strncmp(update->integrate_style, "respa", 5) == 0)
     error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
+  if (update->whichflag == 2) refuse_line_searches();
 
   ContactMemory wanted = has;
+  bool any_dashpot = false;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
@@ -125,6 +130,7 @@ void PairGranHysteretic::init_style()
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
       args.extend(wanted);
+      any_dashpot = any_dashpot || args.loss.kind == LossKind::DASHPOT;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
     }
@@ -143,6 +149,8 @@ void PairGranHysteretic::init_style()
   has = wanted;
   frozen = has.loss ? frozen_group(lmp) : 0;
   rigid = has.loss ? rigid_bodies(lmp) : nullptr;
+  if (any_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
+  radii_vary = radii_may_change(lmp);
   if (has.friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
@@ -162,6 +170,11 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->publish_contacts = [this] { publish_contacts(); };
     fix_history->release_contacts = [this] { release_contacts(); };
+    fix_history->lose_contacts = [this] {
+      fix_history = nullptr;
+      contacts.valid = false;
+      lost_contacts = true;
+    };
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;
@@ -199,6 +212,24 @@ void PairGranHysteretic::init_style()
         if (const auto *radius = static_cast<double *>(fix->extract("radius", itype))) mine[i] = std::max(mine[i], *radius);
       }
   MPI_Allreduce(mine.data(), largest_radius.data(), atom_types + 1, MPI_DOUBLE, MPI_MAX, world);
+}
+
+/* A line search tries positions that it does not keep, and each would leave its dent. */
+
+void PairGranHysteretic::refuse_line_searches()
+{
+  const std::string search = update->minimize_style;
+  if (search != "cg" && search != "sd" && search != "hftn") return;
+  for (int i = 1; i <= atom_types; i++)
+    for (int j = i; j <= atom_types; j++) {
+      const LawArguments &args = coefficients[i * (atom_types + 1) + j];
+      if (setflag[i][j] && (args.law->yields() || args.options.cohesion))
+        error->all(
+            FLERR,
+            "Pair style gran/hysteretic: min_style {} tries positions that it does not keep, and with law {} each would "
+            "leave its trace: use min_style fire",
+            search, args.words.front());
+    }
 }
 
 double PairGranHysteretic::init_one(int i, int j)
@@ -249,6 +280,7 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 void PairGranHysteretic::set_parameters()
 {
   parameters_by_type.clear();
+  if (radii_vary) return;
   if (uniform) {
     batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
     for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);

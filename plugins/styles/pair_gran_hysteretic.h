@@ -28,6 +28,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #include "../laws/law_arguments.h"
 #include "../laws/plastic_batch.h"
 #include "contact_list.h"
+#include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
 #include "pair.h"
 
@@ -175,6 +176,9 @@ class PairGranHysteretic : public Pair {
   }
 
   void publish_contacts();
+  void refuse_line_searches();
+  void require_room();
+  void require_largest_radii();
   void release_contacts();    // also invalidates the flat list
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
@@ -240,7 +244,7 @@ class PairGranHysteretic : public Pair {
   std::vector<granwave::ContactLaw> laws;
   std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
-  const class FixGranCylinder *cylinders = nullptr;    // null if there are none
+  std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   bool has_special = false;
   std::vector<char> special_types;                                    // by pair of types
   std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
@@ -261,6 +265,8 @@ class PairGranHysteretic : public Pair {
   double now = 0.0;                                  // simulation time of this force evaluation
   granwave::Step step{};                             // that histories are advanced by in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
+  bool radii_vary = false;       // true if a fix may change radii during a run
+  bool lost_contacts = false;    // true if somebody else deleted it
 };
 
 }    // namespace LAMMPS_NS

@@ -24,15 +24,9 @@ void PairGranHysteretic::build_contacts()
   const int nall = atom->nlocal + atom->nghost;
   const double reach = gap + neighbor->skin;
 
-  const double widest = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + reach;
-  for (int axis = 0; axis < domain->dimension; axis++)
-    if (const double least = 2.0 * widest + longest_cylinder(axis); domain->periodicity[axis] && domain->prd[axis] < least)
-      error->all(FLERR,
-                 "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
-                 "directly and across the boundary; it must be at least {:.3g}",
-                 domain->prd[axis], "xyz"[axis], least);
-
-  uniform = true;
+  require_room();
+  require_largest_radii();
+  uniform = !radii_vary;
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
 
   std::vector<std::pair<int, int>> plain, special;
@@ -50,7 +44,7 @@ void PairGranHysteretic::build_contacts()
         if (near_special(i, j)) special.emplace_back(i, j);
         continue;
       }
-      const double far = radius[i] + radius[j] + reach;
+      const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
       if (distance_squared(i, j) < far * far) plain.emplace_back(i, j);
     }
   }
@@ -70,6 +64,48 @@ void PairGranHysteretic::build_contacts()
   if (has.friction || has.loss) c.touched = c.groups.bits([&c](int k) { return c.has_spring(k); });
   c.valid = true;
   c.published = false;
+}
+
+/* Stop with an error if two spheres could meet both directly and across a periodic boundary. */
+
+void PairGranHysteretic::require_room()
+{
+  const double reach = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + gap + neighbor->skin;
+  for (int axis = 0; axis < domain->dimension; axis++)
+    if (const double least = 2.0 * reach + longest_cylinder(axis); domain->periodicity[axis] && domain->prd[axis] < least)
+      error->all(FLERR,
+                 "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
+                 "directly and across the boundary; it must be at least {:.3g}",
+                 domain->prd[axis], "xyz"[axis], least);
+  if (!domain->triclinic) return;
+  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic: cylinders need a box that is not triclinic");
+  int most[3];    // images along the edges of the box
+  for (int axis = 0; axis < 3; axis++) most[axis] = domain->periodicity[axis] && axis < domain->dimension ? 2 : 0;
+  const double *const h = domain->h;
+  double nearest = INFINITE;
+  for (int i = -most[0]; i <= most[0]; i++)
+    for (int j = -most[1]; j <= most[1]; j++)
+      for (int k = -most[2]; k <= most[2]; k++)
+        if (i != 0 || j != 0 || k != 0)
+          nearest = std::min(nearest, std::hypot(i * h[0] + j * h[5] + k * h[4], j * h[1] + k * h[3], k * h[2]));
+  if (nearest < 2.0 * reach)
+    error->all(
+        FLERR,
+        "Pair style gran/hysteretic: the tilted periodic box has images at a distance of {:.3g}, where two spheres could "
+        "meet twice; it must be at least {:.3g}",
+        nearest, 2.0 * reach);
+}
+
+/* Stop with an error if a sphere has grown beyond those that the neighbor lists reckon with. */
+
+void PairGranHysteretic::require_largest_radii()
+{
+  for (int i = 0; i < atom->nlocal; i++)
+    if (atom->radius[i] > largest_radius[atom->type[i]] * (1.0 + TouchingPairs::ROUNDING))
+      error->one(FLERR,
+                 "Sphere {} has the radius {:.6g}, above the largest of its type at the start of the run, {:.6g}: contacts "
+                 "would be found too late; let an atom of the type have that radius, away from the others",
+                 atom->tag[i], atom->radius[i], largest_radius[atom->type[i]]);
 }
 
 /* Stop with an error if a sphere moves by a large part of its radius in one timestep, or a face by a large part of the radius

@@ -285,7 +285,10 @@ void PairGranHysteretic::compute_forces(Tally what)
 {
   ContactList &c = contacts;
   const int nall = atom->nlocal + atom->nghost, rows = c.plain;
-  if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) set_parameters();
+  if (c.resting.compare(atom->x[0], nall, atom->radius, uniform ? 1 : nall)) {
+    if (radii_vary) require_largest_radii();
+    set_parameters();
+  }
   pairs.x = c.resting.coordinates(0);
   pairs.y = c.resting.coordinates(1);
   pairs.z = c.resting.coordinates(2);
@@ -320,6 +323,11 @@ void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) require_finite_motion(lmp);
+  if (is_rerun(*update) && (has.friction || fix_history->history.layout().n_extra > 0))
+    error->all(
+        FLERR,
+        "Pair style gran/hysteretic: rerun lacks the steps between its snapshots, by which the history of contacts with "
+        "more than a dent grows");
   if (!contacts.valid) build_contacts();
   set_masses();
   contacts.published = false;

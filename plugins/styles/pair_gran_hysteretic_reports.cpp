@@ -283,6 +283,8 @@ void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::functio
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   require_contacts();
+  if (std::fabs(rsq - distance_squared(i, j)) > 1e-9 * rsq)
+    error->one(FLERR, "Pair style gran/hysteretic has forces of present contacts only: pair_write is not supported");
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
   const Report report = report_pair(i, j, contacts.find(lower, higher).second, 1.0, rsq);
   svector[OVERLAP] = report.overlap;

@@ -74,9 +74,8 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
     const bool swapped = itype > jtype;
     const double length = geometry->length();
     const LineContact line =
-        cylinders->plane_strain()
-            ? LineContact::plane_strain(args.first, second, swapped ? rj : ri, swapped ? ri : rj, length)
-            : LineContact(args.first, second, 2.0 * effective_radius(ri, rj), length);
+        cylinders->plane_strain ? LineContact::plane_strain(args.first, second, swapped ? rj : ri, swapped ? ri : rj, length)
+                                : LineContact(args.first, second, 2.0 * effective_radius(ri, rj), length);
     pair.line = std::make_unique<ElasticContact>(line, VALID * radius);
     pair.contact = ScaledLaw(of_types, radius, *pair.line);
   }

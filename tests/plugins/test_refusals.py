@@ -94,7 +94,7 @@ REFUSED = {
         ("z force table words.txt", "line 3 of table .* must be two numbers, found '1 one'"),
     ]),
     "runs with a load": (ONE + PUSHED, "{}", [
-        ("minimize 0 0 1 1", "does not work with minimize"),
+        ("min_style fire\nminimize 0 0 1 1", "does not work with minimize"),
         ("group none subtract all all\nfix more none gran/load z force harmonic 1 1\nrun 0", "has no atoms"),
         ("fix more all gran/load z displacement harmonic 1 1\nrun 0", "that fix nve motion integrates"),
     ]),
