@@ -21,7 +21,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
-from granwave.lammps_inputs.deck.script import input_script, part
+from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import (
     disk_space_message,
     free_space,
@@ -40,6 +40,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, EN
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
+from granwave.workflows.run.initial_state import make_spheres
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
@@ -280,7 +281,12 @@ class _Run:
                 script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            self._set_up(engine, part(script, "setup"), stop)
+            setup = part(script, "setup")
+            if not go_on and not assemble(self.case).bars:
+                before, _, setup = setup.partition(f"{READ_DATA}\n")
+                engine.commands(before)
+                make_spheres(engine, assemble(self.case))
+            self._set_up(engine, setup, stop)
             if not go_on and self.case.precompression:
                 found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
