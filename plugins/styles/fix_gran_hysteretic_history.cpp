@@ -157,5 +157,8 @@ int FixGranHystereticHistory::size_restart(int i)
 int FixGranHystereticHistory::maxsize_restart()
 {
   if (publish_contacts) publish_contacts();
-  return AtomState::HEAD + most_numbers();
+  // LAMMPS keeps what the first processor says, and calls this on all
+  int mine = AtomState::HEAD + most_numbers(), most;
+  MPI_Allreduce(&mine, &most, 1, MPI_INT, MPI_MAX, world);
+  return most;
 }

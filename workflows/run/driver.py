@@ -33,6 +33,7 @@ from granwave.lammps_inputs.directories import (
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, clear_scratch, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.processes import Processes
@@ -115,7 +116,7 @@ def run_case(
     directory = results_directory(directory)
     options = {"resume": resume, "force": force, "figures": figures, "n_ranks": comm.size}
     with held(directory, comm):
-        what = on_first(comm, lambda: _prepare(case, directory, **options))
+        what = shared(comm, lambda ranks: _prepare(case, directory, processes=ranks, **options))
         run = _Run(case, directory, comm, progress, checkpoint_interval)
         if what == ANALYSE:
             try:
@@ -393,7 +394,9 @@ class _Run:
             self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
-        self.record.checkpoint = record.write_checkpoint(engine, self.comm, self.directory, self.record.checkpoint)
+        self.record.checkpoint = record.write_checkpoint(
+            engine, self.comm, self.directory, self.record.checkpoint, parts=written_in_parts(assemble(self.case))
+        )
         self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
         on_first(self.comm, lambda: record.keep_checkpoint(self.directory, self.record.checkpoint))
