@@ -168,6 +168,18 @@ def test_restart_keeps_the_history_of_every_law(lammps, tmp_path, law, steps):
         assert value(again, formula) == value(lmp, formula)
 
 
+@pytest.mark.parametrize("name", ["whole.restart", "part.%.restart"])
+def test_restart_of_ranks_with_unlike_histories(log_of, lammps, tmp_path, name):
+    """The first rank has a sphere alone, the second one with six contacts: LAMMPS asks for the size of the largest."""
+    places = [(-0.1, 0.0, 0.0)] + [(0.1, 0.0, 0.0)] * 7
+    for k, (axis, side) in enumerate(((a, s) for a in range(3) for s in (-1, 1)), start=2):
+        places[k] = tuple(x + side * (2 * R - 2e-5) * (a == axis) for a, x in enumerate(places[1]))
+    script = script_of(places)
+    log_of(f"processors 2 1 1\n{script}run 400\nwrite_restart {tmp_path}/{name}\n", ranks=2)
+    again, whole = lammps(f"{resumed(script, tmp_path / name)}run 400"), lammps(f"{script}run 800")
+    same(*(state(lmp, "x", "v") for lmp in (whole, again)))
+
+
 def test_restart_keeps_initial_dents(lammps, tmp_path):
     dent = 20 * LAW.yield_overlap
     (tmp_path / "dents.txt").write_text(f"1 2 {dent:.17g}")

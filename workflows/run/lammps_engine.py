@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave import plugins
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import RunError
 from granwave.workflows.run.progress import not_enough_memory
 
 if TYPE_CHECKING:
@@ -91,14 +91,6 @@ class Engine:
     def id_form(self) -> str:
         """Type of ids: ``i4``, or ``i8`` where LAMMPS was built with -D LAMMPS_SIZES=bigbig."""
         return f"i{self.lammps.extract_setting('tagint')}"
-
-    def check_ids(self, largest: int) -> None:
-        """Raise InputError if the ids of this LAMMPS do not go up to the largest that is needed."""
-        if largest > (most := np.iinfo(self.id_form).max):
-            raise InputError(
-                f"packing.size: found ids up to {largest}, expected at most {most}, as this LAMMPS has ids of 32 bits: "
-                "take a smaller packing, or build LAMMPS with -D LAMMPS_SIZES=bigbig, and granwave against it"
-            )
 
     def per_atom(self, name: str) -> NDArray[Any]:
         """Return values of this rank's own atoms, as LAMMPS holds them: writing to the array changes them."""
