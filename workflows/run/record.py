@@ -199,8 +199,8 @@ def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Pro
                 return f"{path}: has {found} bytes, had {size} at the checkpoint"
         summed = [name for name in whole | checkpoint["sizes"] if name in sums]
         tasks = [(directory / name, (whole | checkpoint["sizes"])[name], (0, 0)) for name in summed]
-        for name, found in zip(summed, processes.map(_sum, tasks), strict=True):
-            if found != sums[name]:
+        for name, now in zip(summed, processes.map(_sum, tasks), strict=True):
+            if now != sums[name]:
                 return f"{directory / name}: is not what the run wrote: its checksum differs"
     except (AttributeError, KeyError, TypeError):
         return f"{directory / RECORD_FILE}: its checkpoint cannot be read"
