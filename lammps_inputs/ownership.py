@@ -117,7 +117,7 @@ def refuse_foreign(directory: Path, names: Iterable[str], marker: Marker | None 
 def foreign(directory: Path, names: Iterable[str], marker: Marker | None = None) -> list[str]:
     """Return those of ``names``, or obstacles to them, that granwave did not write; folders may be shared."""
     marker = marker or read_marker(directory)
-    own: Collection[str] = marker.files if marker else ()
+    own = {file for name in (marker.files if marker else ()) for file in (name, *files_of(directory, name))}
     found = []
     for name in names:
         if obstacle := _obstacle(directory, name):

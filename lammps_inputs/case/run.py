@@ -160,7 +160,8 @@ class Output:
         default=False,
     )
     parts: bool | Literal["auto"] = schema.custom(
-        "files of snapshots and contacts, one from each rank instead of one from all; auto: from 10 million spheres on",
+        "files of snapshots, contacts and checkpoints, one from each rank instead of one from all; "
+        "auto: from 10 million spheres on",
         _parse_parts,
         default="auto",
     )

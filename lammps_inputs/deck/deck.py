@@ -92,10 +92,7 @@ def _row(assembly: Assembly, body: int, diameter: float) -> str:
     LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
     """
     species = assembly.species[body]
-    density = species.material.density
-    if species.shape is not None:
-        density = density_as_sphere(density, diameter, species.shape)
-    constants = f"{diameter:.17g} {density:.17g}"
+    constants = f"{diameter:.17g} {density_as_sphere(species.material.density, diameter, species.shape):.17g}"
     words = ("%.17g %.17g %.17g", constants, "0") if assembly.bars else (constants, "%.17g %.17g %.17g")
     return f"%d {body + 1} {joined(words)}\n"
 
@@ -115,7 +112,8 @@ def _bonds(assembly: Assembly) -> list[str]:
     return rows
 
 
-def _header(assembly: Assembly) -> str:
+def box_of(assembly: Assembly) -> NDArray[np.float64]:
+    """Return the lowest and highest x, y, z of the box: (3, 2), m."""
     lattice = assembly.lattice
     low, high = assembly.bounds()
     low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
@@ -123,8 +121,12 @@ def _header(assembly: Assembly) -> str:
         lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
         low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
         high[:2] = low[:2] + np.array(lattice.lengths)
-    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for a, b, x in zip(low, high, "xyz", strict=True))
-    bars = assembly.bars
+    return np.stack([low, high], axis=1)
+
+
+def _header(assembly: Assembly) -> str:
+    lattice, bars = assembly.lattice, assembly.bars
+    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for (a, b), x in zip(box_of(assembly), "xyz", strict=True))
     n_bonds = sum(bar.section.elements for bar in bars)
     bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
     return (

@@ -147,7 +147,8 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
         prefix, suffix = run_directory.CHECKPOINT_FILE.split("{}")
-        name = run_directory.FRAMES_RESUMED[form].format(restart_from.removeprefix(prefix).removesuffix(suffix))
+        step = restart_from.removeprefix(prefix).removesuffix(suffix).removesuffix(f".{run_directory.RANK}")
+        name = run_directory.FRAMES_RESUMED[form].format(step)
     return of_each_rank(name) if parts else name
 
 

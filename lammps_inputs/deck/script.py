@@ -22,6 +22,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, MO
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
+READ_DATA = f"read_data       {DATA_FILE}"
 
 _HARMFUL = re.compile(r"""[^ -~]|["&]""")  # not ASCII, or joins lines even in a comment
 _SKIN = 0.1  # skin distance of the neighbour list, diameters
@@ -109,7 +110,7 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        f"read_restart    {restart_from}" if restart_from else f"read_data       {DATA_FILE}",
+        f"read_restart    {restart_from}" if restart_from else READ_DATA,
         *_bars(assembly),
     ]
 

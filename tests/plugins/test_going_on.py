@@ -168,16 +168,16 @@ def test_restart_keeps_the_history_of_every_law(lammps, tmp_path, law, steps):
         assert value(again, formula) == value(lmp, formula)
 
 
-def test_contacts_on_another_rank_than_the_first_are_restarted(log_of, tmp_path):
-    """The first rank, whose only sphere is alone, writes the room that the contacts of all need."""
-    row = [(0.0, 0.0, 2 * R * (10 + k)) for k in range(5)]
-    first = "processors 1 1 2\n" + script_of(
-        [(0.0, 0.0, 0.0), *row], velocities=[(0, 0, 0), (0, 0, 2.0)], extra="run 2000\nwrite_restart half.restart"
-    )
-    assert "PotEng" in log_of(first, ranks=2)
-    read = "newton off\natom_modify map yes\nread_restart half.restart\nneighbor 1e-3 bin\nfix motion all nve\n"
-    log = log_of(read + "compute ep all pair gran/hysteretic\nthermo_style custom step c_ep[1] c_ep[2]\nrun 0")
-    assert float(re.findall(r"^ +2000 +(\S+)", log, re.MULTILINE)[-1]) > 0.0
+@pytest.mark.parametrize("name", ["whole.restart", "part.%.restart"])
+def test_restart_of_ranks_with_unlike_histories(log_of, lammps, tmp_path, name):
+    """The first rank has a sphere alone, the second one with six contacts: LAMMPS asks for the size of the largest."""
+    places = [(-0.1, 0.0, 0.0)] + [(0.1, 0.0, 0.0)] * 7
+    for k, (axis, side) in enumerate(((a, s) for a in range(3) for s in (-1, 1)), start=2):
+        places[k] = tuple(x + side * (2 * R - 2e-5) * (a == axis) for a, x in enumerate(places[1]))
+    script = script_of(places)
+    log_of(f"processors 2 1 1\n{script}run 400\nwrite_restart {tmp_path}/{name}\n", ranks=2)
+    again, whole = lammps(f"{resumed(script, tmp_path / name)}run 400"), lammps(f"{script}run 800")
+    same(*(state(lmp, "x", "v") for lmp in (whole, again)))
 
 
 def test_restart_keeps_initial_dents(lammps, tmp_path):

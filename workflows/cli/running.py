@@ -80,7 +80,7 @@ def run(options: argparse.Namespace) -> int:
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 
-def _how(options: argparse.Namespace) -> dict[str, bool]:
+def _how(options: argparse.Namespace) -> dict[str, Any]:
     return {name: getattr(options, name) for name in ("resume", "force", "figures")}
 
 

@@ -269,7 +269,7 @@ def scan(
         return ScanRuns(place)
 
 
-def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: bool) -> None:
+def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: Any) -> None:
     """Run a case on MPI ranks in processes of their own; arguments as in `granwave.workflows.run.driver.run_case`.
 
     Raises

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.ownership import claim, clear, figure_files, output_
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
+from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     FIGURES_DIRECTORY,
@@ -45,10 +46,19 @@ logger = logging.getLogger(__name__)
 START, CONTINUE, ANALYSE, FINISHED = "start", "continue", "analyse", "finished"
 
 
-def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: int, figures: bool = True) -> str:
+def decide(
+    case: Case,
+    directory: Path,
+    *,
+    resume: bool,
+    force: bool,
+    n_ranks: int,
+    figures: bool = True,
+    processes: Processes = ALONE,
+) -> str:
     """Decide what to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
 
-    Changes nothing.
+    Changes nothing. ``processes`` read the files of the checkpoint.
 
     Raises
     ------
@@ -68,7 +78,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
         case=_without_figures(case),
         read=lambda there: _without_figures(case_from_dict(there, directory / CASE_FILE)),
     ):
-        found = _remaining_work(directory)
+        found = _remaining_work(directory, processes)
         if found == FINISHED:
             return found
         refuse_foreign(directory, names)
@@ -83,7 +93,7 @@ def decide(case: Case, directory: Path, *, resume: bool, force: bool, n_ranks: i
     return START
 
 
-def _remaining_work(directory: Path) -> str:
+def _remaining_work(directory: Path, processes: Processes) -> str:
     """Decide what remains to be done in the directory of a run of the same case; warn about damaged files."""
     _refuse_by_hand(directory)
     there, fault = record.read(directory), result_fault(directory)
@@ -96,7 +106,7 @@ def _remaining_work(directory: Path) -> str:
         way = ANALYSE
     else:
         saved = seen.checkpoint if seen else None
-        useless = record.checkpoint_fault(directory, saved) if saved else ""
+        useless = record.checkpoint_fault(directory, saved, processes) if saved else ""
         way = CONTINUE if saved and not useless else START
         if useless:
             logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)

@@ -21,7 +21,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
-from granwave.lammps_inputs.deck.script import input_script, part
+from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import (
     disk_space_message,
     free_space,
@@ -33,6 +33,7 @@ from granwave.lammps_inputs.directories import (
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.ownership import claim, clear, clear_scratch, output_names
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD
 from granwave.lammps_inputs.processes import Processes
@@ -40,6 +41,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, EN
 from granwave.workflows.run import record
 from granwave.workflows.run.checks import TOLERANCE, Balance, check_coordination, check_equilibrium, expected_neighbours
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
+from granwave.workflows.run.initial_state import make_spheres
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
@@ -114,7 +116,7 @@ def run_case(
     directory = results_directory(directory)
     options = {"resume": resume, "force": force, "figures": figures, "n_ranks": comm.size}
     with held(directory, comm):
-        what = on_first(comm, lambda: _prepare(case, directory, **options))
+        what = shared(comm, lambda ranks: _prepare(case, directory, processes=ranks, **options))
         run = _Run(case, directory, comm, progress, checkpoint_interval)
         if what == ANALYSE:
             try:
@@ -280,7 +282,12 @@ class _Run:
                 script = on_first(self.comm, lambda: resumed(assemble(self.case), deck.schedule))
             if not go_on and self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
-            self._set_up(engine, part(script, "setup"), stop)
+            setup = part(script, "setup")
+            if not go_on and not assemble(self.case).bars:
+                before, _, setup = setup.partition(f"{READ_DATA}\n")
+                engine.commands(before)
+                make_spheres(engine, assemble(self.case))
+            self._set_up(engine, setup, stop)
             if not go_on and self.case.precompression:
                 found = on_first(self.comm, lambda: check_equilibrium(self.case, self.directory))
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
@@ -387,7 +394,9 @@ class _Run:
             self.lost_before_block = self.balance.row["dissipated"]
 
     def _checkpoint(self, engine: Engine) -> None:
-        self.record.checkpoint = record.write_checkpoint(engine, self.comm, self.directory, self.record.checkpoint)
+        self.record.checkpoint = record.write_checkpoint(
+            engine, self.comm, self.directory, self.record.checkpoint, parts=written_in_parts(assemble(self.case))
+        )
         self.record.checkpoint["lost_before_block"] = self.lost_before_block
         on_first(self.comm, lambda: self.record.write(self.directory))
         on_first(self.comm, lambda: record.keep_checkpoint(self.directory, self.record.checkpoint))

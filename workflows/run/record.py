@@ -1,7 +1,9 @@
 """Record of a run by the driver, `run.json`: state, versions, ranks, attempts; and its checkpoints.
 
 A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A resumed run
-truncates its output files to these sizes and appends, so that nothing is repeated.
+truncates its output files to these sizes and appends, so that nothing is repeated. Of a packing whose snapshots are
+written in parts (`granwave.lammps_inputs.packing.motion.written_in_parts`) each rank writes its own part, a few a file
+where there are many, and any number of ranks can read them.
 """
 
 from __future__ import annotations
@@ -19,8 +21,18 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.files import checksum, read_json, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, output_names, own_file, read_marker
-from granwave.lammps_inputs.run_directory import CHECKPOINT_FILE, DATA_FILE, RECORD_FILE, SCRIPT_FILE
+from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.run_directory import (
+    CHECKPOINT_FILE,
+    DATA_FILE,
+    RANK,
+    RECORD_FILE,
+    SCRIPT_FILE,
+    files_of,
+    of_each_rank,
+)
 from granwave.workflows.run.mpi import on_first
+from granwave.workflows.run.ranks import shared
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -105,11 +117,13 @@ def _record(content: dict[str, Any] | None) -> Record | None:
         return None
 
 
-_FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", r"\d+"))
+_MOST_PARTS = 64  # files of a checkpoint in parts; more ranks share them
+_BASE = "base"  # in the name of the file that LAMMPS writes beside the parts, in place of the number of a rank
+_FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", rf"\d+(\.({RANK}|{_BASE}))?"))
 
 
 def write_checkpoint(
-    engine: Engine, comm: Intracomm, directory: Path, previous: dict[str, Any] | None = None
+    engine: Engine, comm: Intracomm, directory: Path, previous: dict[str, Any] | None = None, *, parts: bool = False
 ) -> dict[str, Any]:
     """Write a checkpoint; the previous one remains until `keep_checkpoint` is called with the new one.
 
@@ -117,6 +131,8 @@ def write_checkpoint(
     ----------
     previous
         Checkpoint before this one, of whose output files only what was added since is read.
+    parts
+        Each rank writes its own.
 
     Returns
     -------
@@ -124,32 +140,47 @@ def write_checkpoint(
         Name of the restart file, step, and sizes and CRC-32 for `checkpoint_fault` and `cut_back`.
     """
     name = CHECKPOINT_FILE.format(engine.step)
-    on_first(comm, lambda: claim(directory, [name]))
-    engine.commands(f"write_restart {name}")
+    name = of_each_rank(name) if parts else name
+    names = list(dict.fromkeys([name, name.replace(RANK, _BASE)]))
+
+    def prepare() -> None:
+        clear(directory, names)  # parts of a session that was killed, perhaps on more ranks
+        claim(directory, names)
+
+    on_first(comm, prepare)
+    engine.commands(f"write_restart {name}" + f" nfile {min(comm.size, _MOST_PARTS)}" * parts)
     comm.barrier()
-    return on_first(comm, lambda: _checkpoint_of(directory, name, engine.step, previous or {}))
+    return shared(comm, lambda ranks: _checkpoint_of(directory, names, engine.step, previous or {}, ranks))
 
 
-def _checkpoint_of(directory: Path, restart: str, step: int, previous: dict[str, Any]) -> dict[str, Any]:
+def _checkpoint_of(
+    directory: Path, names: list[str], step: int, previous: dict[str, Any], processes: Processes
+) -> dict[str, Any]:
     outputs = [name for name in output_names(directory) if (directory / name).is_file()]
+    written = [file for name in names for file in files_of(directory, name)]
     sizes = {name: (directory / name).stat().st_size for name in sorted(outputs)}
-    whole = {name: (directory / name).stat().st_size for name in (restart, DATA_FILE, SCRIPT_FILE)}
+    whole = {name: (directory / name).stat().st_size for name in (*written, DATA_FILE, SCRIPT_FILE)}
     before = previous.get("sums", {})
     read = {name: (size, before[name]) for name, size in previous.get("sizes", {}).items() if name in before}
-    sums = {name: checksum(directory / name, size, after=read.get(name, (0, 0))) for name, size in sizes.items()}
-    sums |= {name: checksum(directory / name) for name in whole}
-    return {"file": restart, "step": step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
+    tasks = [(directory / name, size, read.get(name, (0, 0))) for name, size in (sizes | whole).items()]
+    sums = dict(zip(sizes | whole, processes.map(_sum, tasks), strict=True))
+    return {"file": names[0], "step": step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
+
+
+def _sum(task: tuple[Path, int, tuple[int, int]]) -> int:
+    path, size, after = task
+    return checksum(path, size, after=after)
 
 
 def keep_checkpoint(directory: Path, checkpoint: dict[str, Any] | None) -> None:
     """Remove the restart files of all checkpoints but this one."""
     marker = read_marker(directory)
-    kept = checkpoint["file"] if checkpoint else None
-    clear(directory, [name for name in (marker.files if marker else ()) if _FILE.fullmatch(name) and name != kept])
+    kept = (checkpoint["file"], checkpoint["file"].replace(RANK, _BASE)) if checkpoint else ()
+    clear(directory, [name for name in (marker.files if marker else ()) if _FILE.fullmatch(name) and name not in kept])
 
 
-def checkpoint_fault(directory: Path, checkpoint: dict[str, Any]) -> str:
-    """Describe why a run cannot go on from a checkpoint; empty if it can.
+def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:
+    """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read its files.
 
     It is of another minor version, whose restart files may differ, or a file is not what the run wrote. Output files
     may have grown.
@@ -166,8 +197,11 @@ def checkpoint_fault(directory: Path, checkpoint: dict[str, Any]) -> str:
             found = path.stat().st_size
             if found < size or (found != size and name in whole):
                 return f"{path}: has {found} bytes, had {size} at the checkpoint"
-            if name in sums and checksum(path, size) != sums[name]:
-                return f"{path}: is not what the run wrote: its checksum differs"
+        summed = [name for name in whole | checkpoint["sizes"] if name in sums]
+        tasks = [(directory / name, (whole | checkpoint["sizes"])[name], (0, 0)) for name in summed]
+        for name, now in zip(summed, processes.map(_sum, tasks), strict=True):
+            if now != sums[name]:
+                return f"{directory / name}: is not what the run wrote: its checksum differs"
     except (AttributeError, KeyError, TypeError):
         return f"{directory / RECORD_FILE}: its checkpoint cannot be read"
     return ""

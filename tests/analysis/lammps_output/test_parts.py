@@ -208,7 +208,7 @@ def test_parts_of_another_run(run):
 
 
 @pytest.mark.parametrize("form", ["binary", "text"])
-def test_resumed_run(tmp_path, monkeypatch, form):
+def test_resumed_run(tmp_path, monkeypatch, caplog, form):
     """It may have another number of ranks, and writes files of its own."""
     case = case_of(output=IN_PARTS | {"dump_format": form}, boundary={"bottom": "wall"}, size=(4, 4, 3))
     run_case(case, tmp_path / "whole", figures=False)
@@ -217,7 +217,14 @@ def test_resumed_run(tmp_path, monkeypatch, form):
         looks = iter(range(1000))
         patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
         assert run_case(case, tmp_path / "cut", figures=False).state == "interrupted"
+    assert [path.name.split(".")[1] for path in sorted((tmp_path / "cut").glob("checkpoint-*"))] == ["0", "base"]
+    shutil.copytree(tmp_path / "cut", tmp_path / "killed")
+    next((tmp_path / "killed").glob("checkpoint-*.0.restart")).unlink()
+    assert run_case(case, tmp_path / "killed", figures=False, resume=True).state == "finished"
+    assert ".0.restart: is missing; the run begins again" in caplog.text
     assert run_case(case, tmp_path / "cut", figures=False, resume=True).state == "finished"
+    assert "read_restart" in (tmp_path / "cut" / "log.lammps").read_text()
+    assert not list((tmp_path / "cut").glob("checkpoint-*"))
     suffix = {"binary": "bin", "text": "dump"}[form]
     assert len(list((tmp_path / "cut" / "dumps").glob(f"spheres-*.0.{suffix}"))) == 1
     whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
