@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 18170, "lammps_inputs": 8535, "workflows": 9800}
+STATEMENTS = {"analysis": 18170, "lammps_inputs": 8535, "workflows": 9801}
 FILES = 300  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",
     "pyproject.toml", "reproductions", "tests", "workflows",
 }  # fmt: skip
-LINES = {"reproductions": 9035, "plugins": 11460, "tests": 35670}
+LINES = {"reproductions": 9035, "plugins": 11460, "tests": 35690}
 
 
 def sources(room: str) -> Iterator[str]:
