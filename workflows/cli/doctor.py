@@ -66,7 +66,7 @@ def examine(profile: Path | None = None) -> list[Finding]:
     """Check all parts that a run needs, and those that a profile of a cluster names."""
     found, path, wrong = versions(), plugins.library(), check_release()
     listed = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
-    missing = {name for name, version in found.items() if version == "not installed"} - {"mpich"}  # a site's MPI will do
+    missing = {name for name, version in found.items() if version == "not installed"} - {"mpich"}  # or a site's MPI
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
         f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"

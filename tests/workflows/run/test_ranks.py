@@ -103,3 +103,25 @@ def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
     for _ in range(3):
         ended = subprocess.run(command, timeout=120, env=PLAIN, capture_output=True, text=True)
         assert (ended.returncode, ended.stdout, ended.stderr) == (status, "", "")
+
+
+def test_mpiexec_of_the_environment_or_of_the_path(tmp_path, monkeypatch):
+    """A site's own is taken where the environment has none; without any, `--np` says what to do."""
+    own, site = tmp_path / "env" / "bin" / "mpiexec", tmp_path / "site" / "mpiexec"
+    for program in (own, site):
+        program.parent.mkdir(parents=True)
+        program.write_text("#!/bin/sh\n")
+        program.chmod(0o755)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "env"))
+    monkeypatch.setenv("PATH", str(site.parent))
+    assert mpi.find_mpiexec() == str(own)
+    own.unlink()
+    assert mpi.command(2, ["run", "fcc-small"])[:3] == [str(site), "-n", "2"]
+    site.unlink()
+    with pytest.raises(InputError, match=r"no mpiexec in .*env/bin or in PATH; pip install mpich"):
+        mpi.command(2, ["run", "fcc-small"])
+
+
+def test_what_a_process_that_is_no_rank_keeps(monkeypatch):
+    monkeypatch.setattr(os, "environ", {"OMPI_COMM_WORLD_RANK": "1", "PMI_RANK": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1"})
+    assert mpi.alone() == {"OMPI_ALLOW_RUN_AS_ROOT": "1"}
