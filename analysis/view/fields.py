@@ -43,6 +43,10 @@ class Instants:
     quantities: tuple[str, ...]
     values: Callable[[int, str], NDArray[np.float64]]
 
+    def at(self, numbers: Sequence[int]) -> Instants:
+        """Return some of the instants, by their numbers."""
+        return Instants(self.times[list(numbers)], self.quantities, lambda n, name: self.values(numbers[n], name))
+
 
 def instants_of(result: Result) -> Instants:
     """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record of a chain."""
@@ -114,15 +118,13 @@ class Field:
         return np.concatenate([blank, np.column_stack([level, scale])]).astype(np.float32)
 
 
-def fields(result: Result, instants: Instants, frames: Sequence[int], rows: NDArray[np.int64] | slice) -> list[Field]:
+def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) -> list[Field]:
     """Return the fields of a run that are not zero throughout.
 
     Parameters
     ----------
     instants
-        Instants of the run.
-    frames
-        Numbers of those that are shown.
+        Instants that are shown.
     rows
         Rows of the spheres.
     """
@@ -143,7 +145,7 @@ def fields(result: Result, instants: Instants, frames: Sequence[int], rows: NDAr
     for name, label, quantity, colours, limits in wanted:
         if quantity not in instants.quantities:
             continue
-        frame_values = (instants.values(number, quantity) for number in frames)
+        frame_values = (instants.values(number, quantity) for number in range(len(instants.times)))
         values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values])
         largest = float(np.max(values, initial=0.0))
         if not largest > 0:

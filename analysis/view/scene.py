@@ -10,7 +10,6 @@ import html
 import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -43,40 +42,24 @@ _SIDES = 32  # of a cylinder
 _BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
-    """Spheres and snapshots of a run that are on the page.
-
-    Attributes
-    ----------
-    rows
-        Rows of the spheres, rising: (n,).
-    instants
-        Instants of the run.
-    frames
-        Numbers of those on the page, rising.
-    note
-        A sentence on what is left out; empty if nothing is.
-    """
-
-    rows: NDArray[np.int64]
-    instants: Instants
-    frames: Sequence[int]
-    note: str
-
-
-def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
+def plot_of(result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], note: str) -> k3d.Plot:
     """Return the plot of a run.
 
     Parameters
     ----------
+    instants
+        Instants that are on the page.
+    rows
+        Rows of the spheres that are, rising: (n,).
     found
         Fields; the first is shown at the start.
+    note
+        A sentence on what is left out; empty if nothing is.
     """
     import k3d  # brings the widgets of notebooks along
 
-    place = _MILLI * (result["spheres/position"][chosen.rows] - result.origin)
-    times = [float(_MICRO * chosen.instants.times[number]) for number in chosen.frames]
+    place = _MILLI * (result["spheres/position"][rows] - result.origin)
+    times = (_MICRO * instants.times).tolist()
     camera = _camera(result, place)
     bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
     plot = k3d.plot(
@@ -93,7 +76,7 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
         name=result.case.name,
         antialias=1,
     )
-    for one in (*_spheres(result, chosen, found, place, times), *_walls(result), *_bars(result)):
+    for one in (*_spheres(result, instants, rows, found, place), *_walls(result), *_bars(result)):
         plot += one
     text = partial(k3d.text2d, is_html=True, label_box=False)
     for field in found:
@@ -101,8 +84,11 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
         plot += text(_colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
     clock = {_key(time): f"{time:.1f} µs" for time in times}
     plot += text(clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock")
-    title = _title(result, chosen)
-    plot += text(title, position=[0.005, 0.01], reference_point="lt", size=1.0, color=_INK, name="title")
+    called, number = result.assembly.grains_called, f"{len(rows):,}".replace(",", " ")
+    lines = [f"<b>{html.escape(result.case.name)}</b>", f"{number} {called}, {len(times)} snapshots"]
+    lines += [html.escape(line) for line in (note, in_grains("lengths in mm from the struck sphere", called)) if line]
+    corner = {"position": [0.005, 0.01], "reference_point": "lt", "size": 1.0}
+    plot += text("<br>".join(lines), **corner, color=_INK, name="title")
     cuts, cut = _cuts(result, place, camera)
     plot.time = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot.camera = camera
@@ -115,27 +101,19 @@ def _key(time: float) -> str:
     return f"{time:.9g}"
 
 
-def _title(result: Result, chosen: Chosen) -> str:
-    case = result.case
-    number = f"{len(chosen.rows):,}".replace(",", " ")
-    called = result.assembly.grains_called
-    counts = f"{number} {called}, {len(chosen.frames)} snapshots"
-    lines = [f"<b>{html.escape(case.name)}</b>", counts, *([html.escape(chosen.note)] if chosen.note else [])]
-    return "<br>".join([*lines, in_grains("lengths in mm from the struck sphere", called)])
-
-
 def _spheres(
-    result: Result, chosen: Chosen, found: Sequence[Field], place: NDArray[np.float64], times: Sequence[float]
+    result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], place: NDArray[np.float64]
 ) -> Iterator[Any]:
     """Make the grains of every field: cylinders, spheres that stay in their places, and those that move."""
     import k3d
 
-    moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
+    times = (_MICRO * instants.times).tolist()
+    moved = [_MILLI * instants.values(number, "displacement")[rows] for number in range(len(times))]
     steps = {_key(time): one for time, one in zip(times, moved, strict=True)}
-    radius = _MILLI * result["spheres/radius"][chosen.rows]
+    radius = _MILLI * result["spheres/radius"][rows]
     away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * 2 * radius
     grain_shapes = result.assembly.grain_shapes()
-    shapes = [grain_shapes[row] for row in chosen.rows]
+    shapes = [grain_shapes[row] for row in rows]
     is_round = np.array([one is None for one in shapes])
 
     def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
@@ -144,26 +122,26 @@ def _spheres(
         scale = {"attribute": levels, "color_range": [0.0, 1.0], "color_map": field.colours.ravel()}
         return scale | {"name": f"{field.name}{what}", "group": field.name, "visible": field is found[0]}
 
-    if len(rows := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
-        outlines = np.stack([_outline(one, radius[row]) for row in rows if (one := shapes[row])])
+    if len(own := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
+        outlines = np.stack([_outline(one, radius[row]) for row in own if (one := shapes[row])])
         n_corners = outlines.shape[1]
-        faces = (np.arange(len(rows))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
+        faces = (np.arange(len(own))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
         corners = {
-            key: ((place + one)[rows][:, None] + outlines).reshape(-1, 3).astype(np.float32)
+            key: ((place + one)[own][:, None] + outlines).reshape(-1, 3).astype(np.float32)
             for key, one in steps.items()
         }
         for field in found:
-            of_field = look(field, rows, ", cylinders", n_corners)
+            of_field = look(field, own, ", cylinders", n_corners)
             yield k3d.mesh(corners, faces, flat_shading=False, side="double", **of_field)
-    for rows, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
-        if not len(rows):
+    for own, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
+        if not len(own):
             continue
-        positions: Any = place[rows].astype(np.float32)
+        positions: Any = place[own].astype(np.float32)
         if what:
-            positions = {key: (place[rows] + one[rows]).astype(np.float32) for key, one in steps.items()}
-        sizes = (2 * radius[rows]).astype(np.float32)
+            positions = {key: (place[own] + one[own]).astype(np.float32) for key, one in steps.items()}
+        sizes = (2 * radius[own]).astype(np.float32)
         for field in found:
-            yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, rows, what))
+            yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, own, what))
 
 
 def _outline(shape: Cylinder, radius: float) -> NDArray[np.float64]:
