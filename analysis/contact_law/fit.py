@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from pandas import DataFrame
 from scipy.optimize import minimize_scalar
 
+from granwave.analysis.contact_law.curves import Curve
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
-from granwave.analysis.contact_law.measured_curve import Curve
 from granwave.analysis.errors import did_you_mean
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material

@@ -10,7 +10,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from granwave.analysis.document.cells import (
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Note,
+    Report,
+    Section,
+    Table,
     case_column,
     label_of,
     show,
@@ -19,7 +28,6 @@ from granwave.analysis.document.cells import (
     value_cell,
     value_column,
 )
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Report, Section, Table
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.packing3d import packing_3d
 from granwave.analysis.figures.series import label, panels

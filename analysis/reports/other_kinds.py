@@ -9,8 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import BLANK, is_number, value_cell
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table, is_number, value_cell
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.inference import tables as inference
 from granwave.analysis.reports.inputs import Run

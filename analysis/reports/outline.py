@@ -5,8 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from granwave.analysis.document.cells import named, show, text_table, tidied, value_cell, value_column
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Group, Note, Report, Section, Table, Tone
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Group,
+    Note,
+    Report,
+    Section,
+    Table,
+    Tone,
+    named,
+    show,
+    text_table,
+    tidied,
+    value_cell,
+    value_column,
+)
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.answer import answer_blocks, main_figures

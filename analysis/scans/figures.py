@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from pandas import DataFrame, Series, concat
 
-from granwave.analysis.document.cells import is_number
+from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of

@@ -19,8 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view.fields import fields, instants_of
-from granwave.analysis.view.scene import plot_of
+from granwave.analysis.view.scene import fields, instants_of, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text

@@ -17,8 +17,7 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame, Series
 
-from granwave.analysis.document.cells import show
-from granwave.analysis.document.model import Table
+from granwave.analysis.document.model import Table, show
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.geometry import preferred_directions
@@ -35,8 +34,7 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     masses,
     variants,
 )
-from granwave.analysis.studies.study import Sketch
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Sketch, numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 
 FRACTION = "Dissipation / input energy"

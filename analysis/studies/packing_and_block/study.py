@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.document.cells import percent, show, spread_cell
-from granwave.analysis.document.model import Cell, Column, Note, Table
+from granwave.analysis.document.model import Cell, Column, Note, Table, percent, show, spread_cell
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.studies.packing_and_block import figures, zone
 from granwave.analysis.studies.packing_and_block.impacts import (
@@ -31,8 +30,7 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     variants,
 )
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Sketch
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Sketch, numeric, table_of
 
 TITLE = "Comparison"
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved

@@ -12,9 +12,8 @@ from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, S
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, table
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_title
 
 _MOST = 12  # curves of a figure
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))

@@ -14,9 +14,8 @@ from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, S
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series, table
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_title
 
 AllSeries = Sequence[Sequence[TargetRun]]
 

@@ -16,9 +16,8 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import expected_displacement, spectrum_curves
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title, time_label
 from granwave.analysis.studies.study import Picture, Row
-from granwave.analysis.studies.titles import impact_title, time_label
 from granwave.lammps_inputs.case.boundary import Plate
 
 TEXT = (

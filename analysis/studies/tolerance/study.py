@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales, ticks_at
 from granwave.analysis.figures.series import COLOURS, label, legend_outside, panels
@@ -28,8 +27,7 @@ from granwave.analysis.statistics import (
     seeds_needed,
 )
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.analysis.studies.tolerance.packings import (
     ARRIVAL,
     AXES,

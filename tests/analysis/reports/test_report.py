@@ -6,8 +6,7 @@ import json
 
 import pytest
 
-from granwave.analysis.document.cells import named, percent, show
-from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
+from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned, named, percent, show
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports import figures

@@ -17,7 +17,7 @@ from PIL import Image
 from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view import page, scene
-from granwave.analysis.view.fields import LEVELS, fields, instants_of
+from granwave.analysis.view.scene import LEVELS, fields, instants_of
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
