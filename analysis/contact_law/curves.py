@@ -17,19 +17,16 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_csv_rows
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
 
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)

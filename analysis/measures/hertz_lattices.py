@@ -31,21 +31,19 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import jv, jvp
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array, width
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import assemble
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
 
 Values = TypeVar("Values", float, Array)
 

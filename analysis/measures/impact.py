@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
-
-if TYPE_CHECKING:
-    from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import Result
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 

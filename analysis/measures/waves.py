@@ -9,18 +9,15 @@ layers a point of the half sphere below, cut into cells of equal solid angle.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of
-
-if TYPE_CHECKING:
-    from granwave.analysis.result.reader import Result
 
 AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
 LAYER_BINS = 72  # of 5 degrees

@@ -17,12 +17,13 @@ from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
 from granwave.analysis.result.hdf5_file import AT_ONCE, rows_of, rows_of_all
 from granwave.analysis.result.not_a_run import damage_of, why_no_run
@@ -37,9 +38,6 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
 
 
 def moved_mass(assembly: Assembly) -> float:

@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.result.writer import BALANCE_REFUSED
@@ -22,9 +22,6 @@ from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.run_directory import CASE_FILE
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
 
 AnyCase = TypeVar("AnyCase")
 Kind = TypeVar("Kind", bound="AnyRun[Any]")
