@@ -50,7 +50,6 @@ Values = TypeVar("Values", float, Array)
 _REACH = 5  # diameters ahead and behind of the travelling wave
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
 
-
 SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 _GEOMETRY_ROUNDS = 20
 _PER_BODY = 64  # grid points of the travelling wave

@@ -29,7 +29,6 @@ from granwave.lammps_inputs.contact.law import flat_contact
 
 _POINTS = 2000  # of Hertz's force in time
 
-
 _FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
 _MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
 

@@ -25,7 +25,6 @@ RINGS, PER_RING = 8, 24  # of the half sphere: cells in the angle to the impact 
 _ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
 _REACHED = 0.02  # share of the energy at the outermost spheres from which on the wave has reached them
 
-
 _LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
 _FEWEST_LAYERS = 4  # that a wave speed is taken from
 _STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere

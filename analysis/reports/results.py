@@ -281,7 +281,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        label = (not runs[0].has_balance and other_kinds.LABELS.get(key)) or label_of(key, called)
+        label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(key, called)
         row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
