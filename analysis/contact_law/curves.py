@@ -19,11 +19,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, new_figure, save_as
+from granwave.analysis.figures.series import panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_csv_rows
@@ -119,8 +119,7 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and right."""
     table = law_table(law, max_overlap, velocity)
     branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]
-    figure: Figure = new_figure(2.7)
-    axes = figure.subplots()
+    figure, axes = panels(2.7)
     for n, colour in enumerate(_COLOURS, start=1):
         rows = branch == f"unloading_{n}"
         label = "unloading and reloading" if n == len(_COLOURS) else None
@@ -207,8 +206,7 @@ def write_restitution(
     table = {"contact": np.repeat(list(curves), _POINTS), "velocity_m_s": velocity, "restitution": values}
 
     def draw() -> Drawing:
-        figure = new_figure(2.4)
-        axes = figure.subplots()
+        figure, axes = panels(2.4)
         for (name, curve), (colour, line) in zip(curves.items(), _LINES, strict=False):
             axes.semilogx(*curve, line, color=colour, label=name)
         axes.set(xlabel="Impact velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0, 1.05))
@@ -303,15 +301,11 @@ def read_curve(path: str | Path) -> Curve:
     if errors:
         raise InputError(errors[:_FAULTS] + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS))
     overlap, force = (_COLUMNS[what][names[what]] * np.array(columns[names[what]]) for what in ("overlap", "force"))
-    return _curve(str(path), overlap, force, branch if named else None)
+    return curve_of(overlap, force, branch if named else None, str(path))
 
 
-def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None) -> Curve:
+def curve_of(overlap: Array, force: Array, branch: Sequence[str] | None = None, source: str = "curve") -> Curve:
     """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of measurement."""
-    return _curve("curve", np.asarray(overlap, float), np.asarray(force, float), branch)
-
-
-def _curve(source: str, overlap: Array, force: Array, branch: Sequence[str] | None) -> Curve:
     if branch is None:
         names, peak = _branches(overlap)
     else:

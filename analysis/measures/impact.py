@@ -94,15 +94,13 @@ class Rays:
 
     @property
     def difference(self) -> Array:
-        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,)."""
+        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,).
+
+        Symmetry makes it 0 when one sphere is struck.
+        """
         complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
         largest = complete.max(axis=1, initial=0.0)
         return (largest - complete.min(axis=1, initial=np.inf)) / np.where(largest > 0, largest, 1.0)
-
-    @property
-    def max_difference(self) -> float:
-        """The largest of `difference`; symmetry makes it 0 when one sphere is struck."""
-        return float(self.difference.max(initial=0.0))
 
 
 def rays(result: Result) -> Rays:

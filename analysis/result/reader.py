@@ -16,7 +16,6 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import h5py
@@ -132,23 +131,19 @@ class Result:
     def __enter__(self) -> Result:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __contains__(self, name: str) -> bool:
-        try:
+        with self._intact(name):
             return name in self.file
-        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
-            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     @contextlib.contextmanager
     def _intact(self, name: str) -> Iterator[None]:
         """Raise OutputFormatError where HDF5 cannot read, as its checksums tell."""
         try:
             yield
-        except (OSError, RuntimeError) as error:
+        except (KeyError, OSError, RuntimeError) as error:
             raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     def __getitem__(self, name: str) -> NDArray:

@@ -28,12 +28,7 @@ import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import (
-    contacts_path,
-    frames_path,
-    read_frames,
-    read_wall_contacts,
-)
+from granwave.analysis.lammps_output.dumps import contacts_path, frames_path, read_frames, read_wall_contacts
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
