@@ -162,10 +162,7 @@ def fit_drawing(fit: Fit) -> Drawing:
     few = slice(None, None, max(curve.force.size // 400, 1))
     above.plot(overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve")
     grid = np.linspace(0, curve.peak.max(), _POINTS)
-    for law, colour, line, label in (
-        (fit.published, GREY, "--", "published constants"),
-        (fit.law, BLUE, "-", "fit"),
-    ):
+    for law, colour, line, label in ((fit.published, GREY, "--", "published constants"), (fit.law, BLUE, "-", "fit")):
         above.plot(grid * _MICRO, law.loading_force(grid), line, color=colour, lw=0.8, label=label)
         for turn in curve.turns:
             path = np.linspace(float(law.residual_overlap(np.array([turn]))[0]), turn, _POINTS)

@@ -128,12 +128,7 @@ def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
     start = left + 0.02 * (right - left)
     axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
     axes.annotate(
-        f"{length:g} mm",
-        (start + length / 2, bottom),
-        (0, 3),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
+        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
     )
 
 

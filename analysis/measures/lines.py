@@ -232,12 +232,7 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
     return Decay(-float(slope), -float(slope + bend), best, -single, len(x))
 
 
-def parted_at(
-    distance: Array,
-    peak: Array,
-    wide: Array,
-    share: float = PARTED,
-) -> float | None:
+def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:
     """Return the distance of the first grain whose peak differs by a share from that in a wider crystal, m; None: none.
 
     Parameters

@@ -94,12 +94,7 @@ def write_result(
 
 
 def _write(
-    file: h5py.File,
-    directory: Path,
-    at_once: int,
-    scratch: Callable[[], Path],
-    case: Case | None,
-    processes: Processes,
+    file: h5py.File, directory: Path, at_once: int, scratch: Callable[[], Path], case: Case | None, processes: Processes
 ) -> None:
     path = directory / files.CASE_FILE
     if not path.exists():
