@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.figures.series import panels
@@ -304,8 +304,9 @@ def read_curve(path: str | Path) -> Curve:
     return curve_of(overlap, force, branch if named else None, str(path))
 
 
-def curve_of(overlap: Array, force: Array, branch: Sequence[str] | None = None, source: str = "curve") -> Curve:
+def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None, source: str = "curve") -> Curve:
     """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of measurement."""
+    overlap, force = np.asarray(overlap, float), np.asarray(force, float)
     if branch is None:
         names, peak = _branches(overlap)
     else:
