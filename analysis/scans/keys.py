@@ -353,7 +353,7 @@ def means_of(scan: ScanResult) -> Means:
         done = [point for point in scan.points if point.status == "done"]
         counts = [1] * len(done)
         found = dict.fromkeys(key for point in done for key in point.summary)
-        values = {key: [point.summary.get(key) for point in done] for key in found}
+        values: dict[str, list[Any]] = {key: [point.summary.get(key) for point in done] for key in found}
         columns = {key: [float(one) if is_number(one) else None for one in column] for key, column in values.items()}
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}

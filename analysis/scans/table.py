@@ -251,18 +251,11 @@ class ScanData(Mapping[str, NDArray]):
             for name, column in self.columns.items()
             if name not in self.varied
         }
-        coordinates: dict[str, Any] = {
-            key: (key, found, {"units": column_unit(key, self.units)}) for key, found in values.items()
-        }
+        coordinates = {}
         for key in self.varied:
-            if key not in axes:
-                leader = next(axis for axis in axes if determines(labels[axis], labels[key]))
-                follows = dict(zip(labels[leader], labels[key], strict=True))
-                coordinates[key] = (
-                    leader,
-                    [follows[value] for value in values[leader]],
-                    {"units": column_unit(key, self.units)},
-                )
+            leader = key if key in axes else next(axis for axis in axes if determines(labels[axis], labels[key]))
+            follows = dict(zip(labels[leader], labels[key], strict=True))
+            coordinates[key] = (leader, list(follows.values()), {"units": column_unit(key, self.units)})
         return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
 
 
