@@ -20,47 +20,25 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.contact.law import velocity_normalised
 
 _HOME = {
-    "MissingOutputError": "errors",
-    "OutputFormatError": "errors",
-    "Result": "result.reader",
-    "ScanResult": "scans.result",
-    "analyse": "pipeline",
-    "draw_figures": "figures.run_figures",
-    "law_drawing": "contact_law.curves",
-    "law_table": "contact_law.curves",
-    "read_scan": "scans.table",
-    "summarise": "summary",
-    "universe": "result.universe",
-    "velocity_normalised": "summary",
-    "write_law": "contact_law.curves",
-    "write_report": "reports.report",
-    "write_result": "result.writer",
-}
-
+    "errors": ("MissingOutputError", "OutputFormatError"), "result.reader": ("Result",),
+    "scans.result": ("ScanResult",), "pipeline": ("analyse",), "figures.run_figures": ("draw_figures",),
+    "contact_law.curves": ("law_drawing", "law_table", "write_law"), "scans.table": ("read_scan",),
+    "summary": ("summarise", "velocity_normalised"), "result.universe": ("universe",),
+    "reports.report": ("write_report",), "result.writer": ("write_result",),
+}  # fmt: skip
 __all__ = [
-    "MissingOutputError",
-    "OutputFormatError",
-    "Result",
-    "ScanResult",
-    "analyse",
-    "draw_figures",
-    "law_drawing",
-    "law_table",
-    "read_scan",
-    "summarise",
-    "universe",
-    "velocity_normalised",
-    "write_law",
-    "write_report",
+    "MissingOutputError", "OutputFormatError", "Result", "ScanResult", "analyse", "draw_figures", "law_drawing",
+    "law_table", "read_scan", "summarise", "universe", "velocity_normalised", "write_law", "write_report",
     "write_result",
-]
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> object:
     """Import a public name from its module."""
-    if name not in _HOME:
+    home = next((module for module, names in _HOME.items() if name in names), None)
+    if home is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+    return getattr(importlib.import_module(f"{__name__}.{home}"), name)
 
 
 def __dir__() -> list[str]:

@@ -26,15 +26,8 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, FILM_FILE, RESULT_FI
 
 logger = logging.getLogger(__name__)
 
-_IN_TIME = (  # figures that need no values of spheres and contacts
-    "energies",
-    "timestep",
-    "bottom_force",
-    "target",
-    "impactor_velocity",
-    "probes",
-    "accelerations",
-)
+#: Figures that need no values of spheres and contacts.
+_IN_TIME = ("energies", "timestep", "bottom_force", "target", "impactor_velocity", "probes", "accelerations")
 
 
 def analyse(
@@ -90,27 +83,12 @@ def analyse(
         return _analyse(Path(directory), report, figures, at_once, processes)
 
 
-def _check_deck(directory: Path) -> None:
-    """Check the deck for edits; damage of its data file has a message of its own, with the line."""
-    try:
-        check_deck(directory)
-    except InputError:
-        list(read_data(directory))
-        raise
-
-
 def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
     """Return the names of the figures to draw; None: all."""
     if n_spheres <= MOST_DRAWN:
         return None
-    logger.warning(
-        "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
-        "granwave figures %s  draws them all the same",
-        directory,
-        n_spheres,
-        MOST_DRAWN,
-        directory,
-    )
+    text = "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
+    logger.warning(text + "granwave figures %s  draws them all the same", directory, n_spheres, MOST_DRAWN, directory)
     return _IN_TIME
 
 
@@ -121,7 +99,11 @@ def _analyse(
         raise MissingOutputError(why_no_run(directory))
     check_case(directory)
     case = check_complete(directory)
-    _check_deck(directory)
+    try:
+        check_deck(directory)
+    except InputError:
+        list(read_data(directory))  # damage of it has a message of its own, with the line
+        raise
     check_unchanged(directory, processes)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")

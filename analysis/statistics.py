@@ -91,7 +91,7 @@ def half_width(deviation: float, n: int, confidence: float = CONFIDENCE) -> floa
     return _student(confidence, n - 1) * deviation / math.sqrt(n) if n > 1 else math.nan
 
 
-def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE) -> int:
+def seeds_needed(deviation: float, wanted: float) -> int:
     """Return the number of values of this standard deviation for a half-width of at most ``wanted``.
 
     Raises
@@ -101,10 +101,10 @@ def seeds_needed(deviation: float, wanted: float, confidence: float = CONFIDENCE
     """
     if not wanted > 0:
         raise ValueError(f"found a half-width of {wanted}, expected a positive one")
-    if not half_width(deviation, _MOST_SEEDS, confidence) <= wanted:
+    if not half_width(deviation, _MOST_SEEDS) <= wanted:
         raise ValueError(f"a half-width of {wanted} takes more than {_MOST_SEEDS} values, expected a wider one")
     wide = range(2, _MOST_SEEDS + 1)  # the half-width decreases with their number
-    return wide[bisect.bisect_left(wide, True, key=lambda n: half_width(deviation, n, confidence) <= wanted)]
+    return wide[bisect.bisect_left(wide, True, key=lambda n: half_width(deviation, n) <= wanted)]
 
 
 def differ_significantly(first: Estimate, second: Estimate, confidence: float = CONFIDENCE) -> bool | None:

@@ -279,7 +279,9 @@ def _walls(result: Result) -> Summary:
     peak, ground_peak = (bare.peak_force, bare.ground_peak_force) if bare else (None, None)
     over = found is not None and found.force.argmax() < len(found.force) - 1  # else it still rises: no peak is known
     reduction = _ratio(peak, found.force) if found and over else None
-    mass, height = _mass(result), _height(result)
+    # the sum is the same to the last digit however the packing is parted
+    mass = math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing].tolist())
+    height = _height(result)
     return {
         "wall_peak_force_N": found.peak_force if found else None,
         "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
@@ -306,11 +308,6 @@ def _ratio(without: float | None, force: Array) -> float | None:
     """Return a force without the packing over the largest rise of one with it."""
     largest = float((force - force[0]).max())
     return without / largest if largest > 0 and without else None
-
-
-def _mass(result: Result) -> float:
-    """Mass of the packing, strikers left out, kg; the same to the last digit however it is parted."""
-    return math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing].tolist())
 
 
 def _height(result: Result) -> float:

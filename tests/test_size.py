@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 18170, "lammps_inputs": 8535, "workflows": 9912}
-FILES = 300  # of these together
+STATEMENTS = {"analysis": 17940, "lammps_inputs": 8535, "workflows": 9920}
+FILES = 292  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",

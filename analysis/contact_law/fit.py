@@ -18,23 +18,20 @@ import logging
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from pandas import DataFrame
 from scipy.optimize import minimize_scalar
 
+from granwave._contact_laws import ContactLaw
+from granwave.analysis.contact_law.curves import Curve
 from granwave.analysis.contact_law.fit_search import Search, uncertainties
-from granwave.analysis.contact_law.measured_curve import Curve
 from granwave.analysis.errors import did_you_mean
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
 
 YIELD = "yield_strength"
 

@@ -13,17 +13,8 @@ import numpy as np
 import tomli_w
 
 from granwave.analysis.contact_law.fit import YIELD, Fit, bearing, deviation
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    Columns,
-    Drawing,
-    FigureFolder,
-    new_figure,
-    style,
-    write_csv,
-)
+from granwave.analysis.figures.series import panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Columns, Drawing, FigureFolder, style, write_csv
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
@@ -166,16 +157,12 @@ def fit_drawing(fit: Fit) -> Drawing:
     """Draw the curve with both laws, and their deviations below."""
     curve = fit.curve
     off, published_off = deviation(curve, fit.law), deviation(curve, fit.published)
-    figure = new_figure(4.0)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    figure, above, below = panels(4.0, rows=2, sharex=True, height_ratios=(3, 2))
     loading, overlap = curve.loading, curve.overlap * _MICRO
     few = slice(None, None, max(curve.force.size // 400, 1))
     above.plot(overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve")
     grid = np.linspace(0, curve.peak.max(), _POINTS)
-    for law, colour, line, label in (
-        (fit.published, GREY, "--", "published constants"),
-        (fit.law, BLUE, "-", "fit"),
-    ):
+    for law, colour, line, label in ((fit.published, GREY, "--", "published constants"), (fit.law, BLUE, "-", "fit")):
         above.plot(grid * _MICRO, law.loading_force(grid), line, color=colour, lw=0.8, label=label)
         for turn in curve.turns:
             path = np.linspace(float(law.residual_overlap(np.array([turn]))[0]), turn, _POINTS)

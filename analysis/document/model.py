@@ -1,14 +1,30 @@
-"""Content of a report, apart from its format: sections of tables, figures and notes.
+"""Content of a report, apart from its format: sections of tables, figures and notes, and cells of values.
 
 The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown and PDF are three writers of this model.
 All texts are plain: a writer escapes what its format needs.
+
+Cells and columns have names, units and numbers as text of a summary or a case, without clutter. Clutter are columns
+and rows without a value, and digits that are nothing but rounding.
+
+A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The scale is the largest
+number of the same unit that belongs to the same run (its energies, say); where it is the only one of its unit, or has
+none, the largest of all runs.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from granwave.analysis.formatting.numbers import interval, plain
+from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
+from granwave.analysis.quantities import ENTRIES, quantity
+from granwave.analysis.summary_table import meaning_of
+from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 Tone = Literal["", "lead", "good", "note", "bad"]
 _COLUMN = 4.3  # inches: a column of a journal, and a quarter
@@ -204,3 +220,182 @@ def changed(part: Any, kind: type, change: Callable[[Any], Any]) -> Any:
         names = [field.name for field in dataclasses.fields(part)]
         return dataclasses.replace(part, **{name: changed(getattr(part, name), kind, change) for name in names})
     return part
+
+
+BLANK = "\u2013"  # a value that does not apply
+_EMPTY = ("", BLANK)
+_DIGITS = 5
+_ROUNDING = 1e-12
+_LEAST = 1e-100
+_UNIT = "Unit"  # heading of the column that has the units where each row is a quantity
+
+
+def label_of(key: str, called: str = SPHERES) -> str:
+    """Label of a value of a summary; ``called``: what the grains of its runs are called."""
+    return in_grains(quantity(key).label, called)
+
+
+def meaning_in(key: str, called: str = SPHERES) -> str:
+    """Meaning of a value of a summary, likewise."""
+    return in_grains(meaning_of(key), called)
+
+
+def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
+    """Meanings of the values that any of these summaries has, folded away; nothing if there are none."""
+    explained = [entry for entry in ENTRIES if entry.meaning]
+    shown = [entry for entry in explained if any(summary.get(entry.name) is not None for summary in summaries)]
+    if not shown:
+        return ()
+    title = "What these values mean"
+    called = grains_called_in(summaries)
+    heads = ("Quantity", "In summary.json", "Meaning")
+    rows = [(in_grains(entry.label, called), entry.name, in_grains(entry.meaning, called)) for entry in shown]
+    return (Group(title, (text_table(title, heads, rows, captioned=False),), folded=True),)
+
+
+def text_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any) -> Table:
+    """Table of texts, the first of each row its key; ``options``: as of `Table`."""
+    cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
+    return Table(caption, (Column(heads[0], key=True), *map(Column, heads[1:])), cells, **options)
+
+
+def unit_of_value(key: str) -> str:
+    """Unit of a key of a summary, empty where it has none."""
+    return printed_unit(quantity(key).unit)
+
+
+def value_column(key: str, called: str = SPHERES) -> Column:
+    """Column of a value of the summary; ``called``: what the grains of its runs are called."""
+    return Column(label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called))
+
+
+def case_column(key: str, unit: str, *, numeric: bool) -> Column:
+    """Column of a key of the case, with its unit as people write it."""
+    return Column(key, unit, numeric=numeric, key=True)
+
+
+def show(value: Any) -> str:
+    """A value of a summary or a case as text; numbers with five digits."""
+    if value is None:
+        return BLANK
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return _float(value)
+    if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(item, dict) for item in value)):
+        return as_label(value)
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(show(item) for item in value) + "]"
+    return str(value)
+
+
+def named(labels: Sequence[str], most: int = 6) -> str:
+    """A list of runs, cut when it is long; points of one scan are named by their numbers after the first."""
+    texts, before = [], None
+    for label in labels[:most]:
+        scan, _, number = label.rpartition(" #")
+        texts.append(f"#{number}" if scan and scan == before else label)
+        before = scan
+    more = f" and {len(labels) - most} more" if len(labels) > most else ""
+    return ", ".join(texts) + more
+
+
+def percent(value: float) -> str:
+    """A difference in per cent, with its sign."""
+    text = f"{value:+.2g}" if abs(value) < 1 else f"{value:+.3g}"
+    return "0 %" if value == 0 else f"{plain(text)} %"
+
+
+def value_cell(value: Any, **more: Any) -> Cell:
+    """Cell of a value; numbers sort as such."""
+    sort = value
+    if isinstance(value, bool):
+        sort = float(value)
+    elif isinstance(value, (int, float)):
+        sort = float(value) if -1e300 < value < 1e300 else None  # NaN too
+    elif value is not None:
+        sort = show(value)
+    return Cell(show(value), sort, **more)
+
+
+def spread_cell(mean: float | None, half_width: float | None) -> Cell:
+    """Cell of a mean with its interval or deviation, where there is one, and no digit beyond those it tells."""
+    if mean is None or not half_width or not math.isfinite(half_width):
+        return value_cell(mean)
+    return Cell(interval(mean, half_width), mean)
+
+
+def is_number(value: Any) -> bool:
+    """An integer or a float, but no truth value."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def significant(value: float, digits: int) -> str:
+    """A number with so many significant digits."""
+    return _float(value, digits)
+
+
+def _float(value: float, digits: int = _DIGITS) -> str:
+    if math.isnan(value):
+        return "not a number"
+    if math.isinf(value):
+        return "infinite"
+    text = f"{value:.{digits}g}"
+    if 1e5 <= abs(value) < 1e7:
+        text = f"{float(text):.0f}"
+    return plain(text)
+
+
+def tidied(report: Report) -> Report:
+    """The report with all its tables tidied."""
+    found: Report = changed(report, Table, tidied_table)
+    return found
+
+
+def tidied_table(table: Table) -> Table:
+    """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
+    rows, numbers = _without_rounding(table), _columns_of_numbers(table)
+    if table.by_row and numbers:
+        rows = [row for row in rows if any(row[n].text not in _EMPTY for n in numbers)] or rows
+    kept = [n for n in range(len(table.columns)) if not rows or any(row[n].text not in _EMPTY for row in rows)]
+    return table.keeping(kept, rows=rows)
+
+
+def _columns_of_numbers(table: Table) -> list[int]:
+    return [n for n, column in enumerate(table.columns) if column.numeric and not column.key]
+
+
+def _without_rounding(table: Table) -> list[list[Cell]]:
+    """Return the cells by row and column, with a bound in place of each number that is rounding."""
+    rows, shown = [list(row) for row in table.rows], _columns_of_numbers(table)
+    if not rows or not shown:
+        return rows
+    sizes = np.array([[max(map(abs, _numbers(row[n])), default=0.0) for n in shown] for row in rows])
+    units = [table.columns[n].unit for n in shown]
+    if table.by_row:  # then a quantity is a row
+        of_units = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
+        units, sizes = [row[of_units[0]].text if of_units else "" for row in rows], sizes.T
+    scales = np.empty_like(sizes)  # by run and quantity
+    for unit in set(units):
+        alike = np.array([one == unit for one in units])
+        of_a_run = unit != "" and alike.sum() > 1
+        scales[:, alike] = sizes[:, alike].max(axis=1 if of_a_run else 0, keepdims=True)
+    limits = np.maximum(_ROUNDING * scales, _LEAST)
+    rounding = (sizes > 0) & (sizes < limits)
+    if table.by_row:
+        limits, rounding = limits.T, rounding.T
+    for row, n in np.argwhere(rounding):
+        bound = f"< 1e{math.ceil(math.log10(limits[row, n]) - 1e-9)}"  # the power of ten above
+        rows[row][shown[n]] = dataclasses.replace(rows[row][shown[n]], text=bound)
+    return rows
+
+
+def _numbers(cell: Cell) -> tuple[float, ...]:
+    """A value, ``0.7``, or a mean and its half-width, ``0.70 ± 0.25``; nothing of any other text."""
+    try:
+        found = tuple(map(float, cell.text.split(" ± ")))
+    except ValueError:
+        return ()
+    return found if all(map(math.isfinite, found)) else ()

@@ -10,7 +10,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -110,23 +110,23 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
             scan = read_scan(directory)
         except OutputFormatError as error:
             raise InputError(str(error)) from None
-        with staged(output) as staging:
-            _SCAN_WRITERS[to](scan, staging.path)
-        return staging.placed
+        with staged(output) as (path_of, placed):
+            _SCAN_WRITERS[to](scan, path_of)
+        return placed
     if to == "ovito":
         return _export_recipe(directory, output)
     try:
         result = Result(directory)
     except (MissingOutputError, OutputFormatError) as error:
         raise InputError(str(error)) from None
-    with result, staged(output, outdated) as staging:
+    with result, staged(output, outdated) as (path_of, placed):
         try:
-            _RUN_WRITERS[to](result, staging.path)
+            _RUN_WRITERS[to](result, path_of)
         except OSError as error:
             if error.errno is not None or "errno" in str(error):  # an error of writing
                 raise
             raise InputError(result.damaged(error)) from None
-    return staging.placed
+    return placed
 
 
 def _export_recipe(directory: Path, output: Path) -> list[Path]:
@@ -141,87 +141,37 @@ def _export_recipe(directory: Path, output: Path) -> list[Path]:
         )
     source = Path(ovito_scene.__file__).read_text(encoding="utf-8")
     run = os.path.relpath(directory.resolve(), output.resolve())
-    with staged(output) as staging:
+    with staged(output) as (path_of, placed):
         text = source.replace(f"RUN = {json.dumps(ovito_scene.RUN)}", f"RUN = {json.dumps(run)}", 1)
-        staging.path(OVITO_SCRIPT).write_text(text, encoding="utf-8")
-    return staging.placed
-
-
-class Staging:
-    """Scratch directory inside the output directory.
-
-    Attributes
-    ----------
-    scratch
-        Directory to write to; removed at the end of `staged`.
-    placed
-        Paths of the files moved into place, in the order of creation.
-    """
-
-    def __init__(self, output: Path, scratch: Path) -> None:
-        self.output = output
-        self.scratch = scratch
-        self.placed: list[Path] = []
-        self._names: list[str] = []
-
-    def path(self, name: str) -> Path:
-        """Return the scratch path for a file of this name."""
-        self._names.append(name)
-        return self.scratch / name
-
-    @contextmanager
-    def naming(self) -> Iterator[None]:
-        """Make system errors that name no file name the last one begun."""
-        try:
-            with naming(self.output):
-                yield
-        except OSError as error:
-            if error.filename == str(self.output) and self._names:
-                error.filename = str(self.output / self._names[-1])
-            elif error.filename is not None:
-                error.filename = str(error.filename).replace(str(self.scratch), str(self.output))
-            raise
-
-    def place(self, outdated: str) -> None:
-        """Move the files into place, in order, and remove those left by earlier exports.
-
-        Parameters
-        ----------
-        outdated
-            Regular expression; files of earlier exports whose full names match, and that were not written now, are
-            removed.
-
-        Raises
-        ------
-        InputError
-            A file of such a name exists, and granwave did not write it; no file was moved.
-        """
-        claim(self.output, self._names)
-        for name in self._names:
-            os.replace(self.scratch / name, self.output / name)
-            self.placed.append(self.output / name)
-        marker = read_marker(self.output)
-        own = [name for name in (marker.files if marker else ()) if name not in self._names]
-        clear(self.output, [name for name in own if re.fullmatch(outdated, name)])
+        path_of(OVITO_SCRIPT).write_text(text, encoding="utf-8")
+    return placed
 
 
 @contextmanager
-def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
-    """Give a scratch directory whose files are moved to ``output`` at the end, or none on an error.
+def staged(output: Path, outdated: str = _NOTHING) -> Iterator[tuple[Callable[[str], Path], list[Path]]]:
+    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on an error.
 
     Parameters
     ----------
     output
         Output directory; created if necessary, and removed again on failure if created here.
     outdated
-        As in `Staging.place`.
+        Regular expression; files of earlier exports whose full names match, and that were not written now, are
+        removed.
+
+    Yields
+    ------
+    function, list
+        Scratch path for a file of a name; and the paths of the files, once they are in place.
 
     Raises
     ------
     InputError
-        The directory cannot be written to, or a file exists that granwave did not write.
+        The directory cannot be written to, or a file exists that granwave did not write; no file was moved.
     """
     made = [path for path in (output, *output.parents) if not path.exists()]
+    names: list[str] = []
+    placed: list[Path] = []
     try:
         output.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".granwave-export-", dir=output))
@@ -230,16 +180,32 @@ def staged(output: Path, outdated: str = "(?!)") -> Iterator[Staging]:
         raise InputError(
             f"{output}: cannot be written to ({error.strerror}); choose another directory with -o"
         ) from None
-    staging = Staging(output, scratch)
+
+    def path_of(name: str) -> Path:
+        names.append(name)
+        return scratch / name
+
     try:
-        with staging.naming():
-            yield staging
-            staging.place(outdated)
+        with naming(output):
+            yield path_of, placed
+            claim(output, names)
+            for name in names:
+                os.replace(scratch / name, output / name)
+                placed.append(output / name)
+            marker = read_marker(output)
+            own = [name for name in (marker.files if marker else ()) if name not in names]
+            clear(output, [name for name in own if re.fullmatch(outdated, name)])
+    except OSError as error:  # one that names no file is of the last begun
+        if error.filename == str(output) and names:
+            error.filename = str(output / names[-1])
+        elif error.filename is not None:
+            error.filename = str(error.filename).replace(str(scratch), str(output))
+        raise
     finally:
         for path in scratch.iterdir():
             discard(path)
         shutil.rmtree(scratch, ignore_errors=True)
-        if not staging.placed:
+        if not placed:
             _remove_empty(made)
 
 

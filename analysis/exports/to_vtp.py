@@ -31,14 +31,9 @@ if TYPE_CHECKING:
 
 OUTDATED = r"(spheres|contacts)_\d{4,}\.vtp"
 _OF_RUN = (
-    "peak_overlap",
-    "peak_force",
-    "dissipated_energy",
-    "friction_energy",
-    "viscous_energy",
-    "initial_overlap",
+    "peak_overlap", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy", "initial_overlap",
     "initial_force",
-)
+)  # fmt: skip
 
 Arrays = Mapping[str, NDArray]
 

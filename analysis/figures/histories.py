@@ -70,7 +70,8 @@ def energies(result: Result) -> Drawing | None:
     lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
     label(lower, y="|Residual|\n/ input")
     time_axis(lower, time)
-    columns = {"time_s": time, **{f"{_column(part)}_J": values for part, values in parts.items()}}
+    named = {part.replace("'s ", "_").replace(" ", "_"): values for part, values in parts.items()}
+    columns = {"time_s": time, **{f"{name}_J": values for name, values in named.items()}}
     columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
     return Drawing(figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual})
 
@@ -97,10 +98,6 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
         if not result.yields and float(np.abs(parts["yielding"]).max()) <= _ROUNDING * result.energy_input:
             del parts["yielding"]
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
-
-
-def _column(part: str) -> str:
-    return part.replace("'s ", "_").replace(" ", "_")
 
 
 def bottom_force(result: Result) -> Drawing | None:

@@ -61,13 +61,13 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     values = colouring.values[kept]
     colours = colormaps[colouring.map](colouring.norm(np.clip(values, colouring.low, colouring.high)))[:, :3]
     colours[values < colouring.low] = to_rgb(BLANK)
-    picture = painted(_surface(result, kept, camera), colours)
-    left, right, bottom, top = (edge * _MILLI for edge in picture.extent)
+    surface = _surface(result, kept, camera)
+    left, right, bottom, top = (edge * _MILLI for edge in surface.extent)
     figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    pixels = picture.pixels
+    pixels = painted(surface, colours)
     if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
         alpha = pixels[..., 3:]
         pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
@@ -82,7 +82,7 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
     _mark_impact(axes, place * _MILLI, beyond - place, right - left)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
-    rows = kept[picture.visible]
+    rows = kept[surface.visible]
     columns = {"id": result["spheres/id"][rows]}
     columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
     return Drawing(figure, columns | {colouring.column: colouring.values[rows]})
@@ -128,12 +128,7 @@ def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
     start = left + 0.02 * (right - left)
     axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
     axes.annotate(
-        f"{length:g} mm",
-        (start + length / 2, bottom),
-        (0, 3),
-        textcoords="offset points",
-        ha="center",
-        va="bottom",
+        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
     )
 
 

@@ -327,11 +327,7 @@ def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
 
 
 def colour_bar(
-    figure: Figure,
-    axes: list[Axes],
-    colouring: Colouring,
-    values: NDArray[np.float64],
-    location: str = "bottom",
+    figure: Figure, axes: list[Axes], colouring: Colouring, values: NDArray[np.float64], location: str = "bottom"
 ) -> None:
     """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the scale."""
     below = bool(np.any((values > 0) & (values < colouring.low)))

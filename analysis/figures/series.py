@@ -1,15 +1,36 @@
-"""Parts that figures share: panels and their labels, curves against time, legends above, names of columns."""
+"""Parts that figures share: panels and their labels, curves against time, legends above, names of columns.
+
+Figures are handed over to pyplot, to be changed and shown by the user.
+"""
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, new_figure
+from granwave.analysis.errors import MissingDataError, did_you_mean
+from granwave.analysis.figures.scales import least_span
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    WIDTH,
+    Drawing,
+    NotDrawn,
+    new_figure,
+    style,
+)
 
 _MICRO = 1e6  # in a second
 _MOST_POINTS = 20_000  # of a curve; the CSV file has all
@@ -55,20 +76,9 @@ def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
 
-def one_panel(height: float, xlabel: str, ylabel: str, width: float = WIDTH, **settings: Any) -> tuple[Figure, Axes]:
-    """Make an empty figure with one panel.
-
-    Parameters
-    ----------
-    height, width
-        Size of the figure, inches.
-    xlabel, ylabel
-        Labels of the axes.
-    settings
-        Further settings of the axes: ``xscale``, ``ylim``, ...
-    """
-    figure = new_figure(height, width)
-    axes = figure.subplots()
+def one_panel(height: float, xlabel: str, ylabel: str, **settings: Any) -> tuple[Figure, Axes]:
+    """Make a figure, of a height in inches, with one panel and its labels; ``settings``: of ``Axes.set``."""
+    figure, axes = panels(height)
     axes.set(xlabel=xlabel, ylabel=ylabel, **settings)
     return figure, axes
 
@@ -104,24 +114,64 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
 
 
-def legend_outside(figure: Figure, ncols: int = 0, *, left: bool = False, **options: Any) -> None:
-    """Put the legend of the first panel above all panels.
-
-    Parameters
-    ----------
-    ncols
-        Columns; 0 for one row.
-    left
-        True to place it at the left, else in the middle.
-    options
-        Further options of a legend: ``fontsize``, ``title``, ...
-    """
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    place: Any = f"outside upper {'left' if left else 'center'}"
-    figure.legend(handles, labels, loc=place, ncols=ncols or len(labels), **options)
+def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:
+    """Put the legend of the first panel above all panels; ``options``: of a legend, such as ``title``."""
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=ncols, **options)
 
 
 def column_name(words: str) -> str:
     """Convert text to the name of a column or a file: ``FCC, 314 µs`` becomes ``FCC_314_us``."""
     kept = "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in words.replace("µ", "u"))
     return "_".join(filter(None, kept.split("_")))
+
+
+_HEIGHT = 2.6  # inches, of a figure that pyplot makes
+_COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
+
+
+def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None) -> Axes | list[Axes] | None:
+    """Draw a figure and hand it to pyplot, without saving it.
+
+    Parameters
+    ----------
+    width
+        As in `granwave.analysis.figures.style.style`.
+
+    Returns
+    -------
+    Axes, list of Axes or None
+        Its axes without colour bars, a list if there are several; None if there is nothing to draw.
+    """
+    from matplotlib import pyplot
+
+    with style(width):
+        drawing = draw()
+        if drawing is None:
+            return None
+        if isinstance(drawing, NotDrawn):
+            raise MissingDataError(str(drawing))
+        least_span(drawing.figure)
+        drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
+    pyplot.figure(drawing.figure)
+    found = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
+    return found[0] if len(found) == 1 else found
+
+
+@contextlib.contextmanager
+def own_style() -> Iterator[None]:
+    """Apply `granwave.analysis.figures.style.STYLE`, with its colours in turn, to figures that pyplot makes."""
+    usual: dict[Any, Any] = {
+        "axes.prop_cycle": cycler(color=COLOURS),
+        "figure.constrained_layout.use": True,
+        "figure.figsize": (WIDTH, _HEIGHT),
+    }
+    with style(), mpl.rc_context(usual):
+        yield
+
+
+def no_figure(owner: str, name: str, names: Iterable[str]) -> MissingDataError:
+    """Return the error that there is no figure of a name."""
+    names = list(names)
+    near = did_you_mean(str(name), names)
+    hint = f"{near} " if near else ""
+    return MissingDataError(f"{owner}: has no figure {name}; {hint}figures are {', '.join(names) or 'none'}")

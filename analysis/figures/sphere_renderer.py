@@ -64,25 +64,6 @@ class Camera:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
-    """Coloured spheres and cylinders.
-
-    Attributes
-    ----------
-    pixels
-        Red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the top.
-    extent
-        Left, right, bottom and top in the plane of the picture, m.
-    visible
-        Rows of the spheres that can be seen, rising: (n_visible,).
-    """
-
-    pixels: NDArray[np.float32]
-    extent: tuple[float, float, float, float]
-    visible: NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
 class Surface:
     """Spheres as they are seen and lit, without colours: most of the work, and the same for all quantities.
 
@@ -147,8 +128,12 @@ def lit_surface(
     return Surface(fine, *_light(grains, fine, pitch), visible, extent)
 
 
-def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
-    """Colour a surface; ``colours``: red, green, blue of all spheres from 0 to 1, (n_spheres, 3)."""
+def painted(surface: Surface, colours: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Colour a surface.
+
+    Returns red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the top. ``colours``: red,
+    green, blue of all spheres from 0 to 1, (n_spheres, 3).
+    """
     n_rows, n_columns = (size // _OVERSAMPLING for size in surface.front.shape)
     shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(np.float32)  # the last one: blank, -1
     pixels = np.empty((n_rows, n_columns, 4), dtype=np.float32)  # premultiplied by alpha
@@ -163,7 +148,7 @@ def painted(surface: Surface, colours: NDArray[np.float64]) -> Picture:
             pixels[lines, :, channel] = _mean_of_squares(np.clip(lit, 0.0, 1.0, out=lit))
         pixels[lines, :, 3] = _mean_of_squares((front >= 0).astype(np.float32))
     pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
-    return Picture(np.clip(pixels[::-1], 0.0, 1.0), surface.extent, surface.visible)
+    return np.clip(pixels[::-1], 0.0, 1.0)
 
 
 def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:

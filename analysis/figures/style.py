@@ -55,14 +55,9 @@ DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value
 
 STYLE: dict[Any, Any] = {
-    "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 8,
-    "axes.labelsize": 8,
     "axes.titlesize": 8,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "legend.fontsize": 8,
     "legend.frameon": False,
     "legend.handlelength": 1.6,
     "axes.linewidth": 0.6,
@@ -75,7 +70,6 @@ STYLE: dict[Any, Any] = {
     "ytick.major.width": 0.6,
     "xtick.minor.width": 0.4,
     "ytick.minor.width": 0.4,
-    "mathtext.fontset": "dejavusans",
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-4, 5),
     "savefig.dpi": RESOLUTION,

@@ -50,7 +50,6 @@ NOISE = {
     "angular_acceleration": (1e-12, 1e15),
 }
 
-
 Place = float | tuple[tuple[float, ...], tuple[float, ...]]  # along the axis of its name; or point and normal
 
 

@@ -22,7 +22,6 @@ LARGEST_STRAIN = 1.0
 _INSIDE = 0.5  # distance over the sum of the radii below which two rows cannot be two grains
 _EVEN = 0.01  # of the interval: frames farther off their time are not evenly spaced
 
-
 _Motion = dict[float, tuple[Array, ...]]  # accelerations, angular velocities and their rates by time
 
 

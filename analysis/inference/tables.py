@@ -34,8 +34,9 @@ ENTRIES = (
     Quantity("largest_force_N", "Largest contact force"),
     Quantity("mean_normal_force_N", "Mean normal force", "Of the contacts that bear a force."),
     Quantity("n_sliding_contacts", "Sliding contacts", "Tangential force within 0.1 % of friction times normal force."),
-    Quantity("residual_fraction", "Residuals", "Root of the sum of squares of the residuals over that of the data."),
-    Quantity("chi2_per_equation", "chi^2 over free equations",
+    Quantity("residual_fraction", "Unexplained, of the data",
+             "Root of the sum of squares of the residuals over that of the data."),
+    Quantity("chi2_per_equation", "Chi squared for each free equation",
              "Weighted squares of the residuals over the number of equations without that of the forces: near 1 if "
              "noise and friction are right; null without known noise."),
     Quantity("standard_error_fraction", "Standard error of the forces",
@@ -43,10 +44,11 @@ ENTRIES = (
     Quantity("repetitions", meaning="Number of repetitions with noise."),
     Quantity("youngs_modulus_Pa", "Young's modulus", "Given or found; of the first grain. Null for measured stresses."),
     Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if it was given."),
-    Quantity("true_force_error", "Error of the forces",
+    Quantity("true_force_error", "Error of the forces, of the true ones",
              "Of measurements made of a run: root of the sum of squares of the errors over that of the true forces; "
              "mean of all repetitions."),
-    Quantity("noise", meaning="Of measurements made of a run: noise over the root mean square, or a list."),
+    Quantity("noise", "Noise of strains and accelerations",
+             "Of measurements made of a run: noise over the root mean square, or a list."),
     Quantity("frame_rate_Hz", meaning="Of measurements made of a run: frames per second of the camera."),
     Quantity("position_noise_m", meaning="Of measurements made of a run: error of measured places."),
     Quantity("acceleration_error", "Error of the accelerations",
@@ -55,7 +57,6 @@ ENTRIES = (
     Quantity("versions"),
 )  # fmt: skip
 QUANTITIES = {entry.name: entry for entry in ENTRIES}
-
 
 _SLIDING = 1e-3  # of the limit of friction
 _ERRORS = 2.0  # standard errors that a normal force exceeds to count as found

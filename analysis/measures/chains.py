@@ -6,11 +6,12 @@ import math
 import re
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.hertz_lattices import ChainScales
 from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
@@ -19,10 +20,6 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.contact.law import Viscous, pair_contact, sphere_contact, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-
 
 _ON_AXIS = 1e-6  # of a diameter
 _PROBE = re.compile(r"contact_(\d+)_(\d+)_force")

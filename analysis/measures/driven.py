@@ -38,7 +38,6 @@ _HEARD = 0.05  # of the largest value of the spectrum, below which a frequency d
 _FADING = 0.1  # part of the record, its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
 
-
 MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # of the load's frequency
 _COMPARED = 33  # loads at which the branches are compared
 _FEWEST_INSTANTS = 8  # instants that a slope is fitted to

@@ -37,7 +37,6 @@ _LEVEL = 1 - 1e-9  # cosine from which two directions are the same
 _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
 _LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
 
-
 _BY_TREE = 3_000_000  # distances from which on a tree gains more than loading it takes
 _BLOCK = 200_000  # distances that are computed at a time, whose numbers fit into the processor's cache
 

@@ -31,27 +31,24 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cache
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import jv, jvp
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array, width
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-
 Values = TypeVar("Values", float, Array)
 
 _REACH = 5  # diameters ahead and behind of the travelling wave
 _NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
-
 
 SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 _GEOMETRY_ROUNDS = 20

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
-
-if TYPE_CHECKING:
-    from granwave.analysis.result.reader import Result
+from granwave.analysis.result.reader import Result
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
@@ -97,15 +94,13 @@ class Rays:
 
     @property
     def difference(self) -> Array:
-        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,)."""
+        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,).
+
+        Symmetry makes it 0 when one sphere is struck.
+        """
         complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
         largest = complete.max(axis=1, initial=0.0)
         return (largest - complete.min(axis=1, initial=np.inf)) / np.where(largest > 0, largest, 1.0)
-
-    @property
-    def max_difference(self) -> float:
-        """The largest of `difference`; symmetry makes it 0 when one sphere is struck."""
-        return float(self.difference.max(initial=0.0))
 
 
 def rays(result: Result) -> Rays:

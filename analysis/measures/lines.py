@@ -27,7 +27,6 @@ Arrays = dict[str, Array]
 _BESIDE = 0.5  # diameters, of a straight line
 _FEWEST_VALUES = 3  # that a test of normality takes
 
-
 _LEAST = 2  # points on each side of the border
 _TRIALS = 60  # borders tried in each interval before the best is refined
 PARTED = 0.03  # of the peak speed: from there on two crystals differ
@@ -233,12 +232,7 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
     return Decay(-float(slope), -float(slope + bend), best, -single, len(x))
 
 
-def parted_at(
-    distance: Array,
-    peak: Array,
-    wide: Array,
-    share: float = PARTED,
-) -> float | None:
+def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:
     """Return the distance of the first grain whose peak differs by a share from that in a wider crystal, m; None: none.
 
     Parameters

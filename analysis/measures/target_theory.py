@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
@@ -25,14 +24,10 @@ from scipy.special import beta
 from granwave.analysis.measures.signals import Array, width
 from granwave.analysis.measures.target import Reached, period_of
 from granwave.lammps_inputs.case.boundary import Plate
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
 
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-
-
 _POINTS = 2000  # of Hertz's force in time
-
 
 _FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
 _MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle

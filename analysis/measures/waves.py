@@ -9,25 +9,21 @@ layers a point of the half sphere below, cut into cells of equal solid angle.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of
-
-if TYPE_CHECKING:
-    from granwave.analysis.result.reader import Result
 
 AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
 LAYER_BINS = 72  # of 5 degrees
 RINGS, PER_RING = 8, 24  # of the half sphere: cells in the angle to the impact axis, and around it
 _ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
 _REACHED = 0.02  # share of the energy at the outermost spheres from which on the wave has reached them
-
 
 _LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
 _FEWEST_LAYERS = 4  # that a wave speed is taken from

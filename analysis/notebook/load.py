@@ -147,7 +147,7 @@ class ScanRuns:
         MissingDataError
             There is no figure of this name.
         """
-        from granwave.analysis.notebook.axes import draw_axes, no_figure
+        from granwave.analysis.figures.series import draw_axes, no_figure
         from granwave.analysis.scans.figures import drawings
 
         axes = draw_axes(lambda: drawings(self.result).get(name))

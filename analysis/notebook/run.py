@@ -330,7 +330,7 @@ class Run(Mapping[str, Any]):
             There is no figure of this name, or it does not apply to this run.
         """
         from granwave.analysis.figures.run_figures import FIGURES
-        from granwave.analysis.notebook.axes import draw_axes, no_figure
+        from granwave.analysis.figures.series import draw_axes, no_figure
 
         if self._is_continuum or name not in FIGURES:
             raise no_figure(self.name, name, () if self._is_continuum else FIGURES)

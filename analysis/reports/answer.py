@@ -10,8 +10,21 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import label_of, spread_cell, value_column
-from granwave.analysis.document.model import Beside, Block, Cell, Column, Figure, Gallery, Group, Note, Part, Table
+from granwave.analysis.document.model import (
+    Beside,
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Group,
+    Note,
+    Part,
+    Table,
+    label_of,
+    spread_cell,
+    value_column,
+)
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantity

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,22 +10,28 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from granwave.analysis.document.cells import case_column, label_of, show, text_table, unit_of_value, value_cell
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Note, Report, Section, Table
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Note,
+    Report,
+    Section,
+    Table,
+    case_column,
+    label_of,
+    show,
+    text_table,
+    unit_of_value,
+    value_cell,
+    value_column,
+)
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.packing3d import packing_3d
-from granwave.analysis.figures.style import (
-    BLUE,
-    GREY,
-    ORANGE,
-    Drawing,
-    FigureFolder,
-    NotDrawn,
-    attempt,
-    legend_above,
-    new_figure,
-    style,
-)
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, FigureFolder, attempt, legend_above, style
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import by_key
@@ -125,17 +131,14 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
         name for name in dict.fromkeys(("mass_kg", "height_m", *limits)) if name not in objectives and name in table
     ]
     spread = [f"{name}_{end}" for name in objectives for end in ("low", "high") if f"{name}_{end}" in table]
-    heads = [Column("Design", key=True)]
-    heads += [Column(label_of(name), unit_of_value(name), numeric=True) for name in objectives]
+    heads = [Column("Design", key=True), *map(value_column, objectives)]
     heads += [Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True) for name in spread]
     heads += [
         Column(label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True) for name in known
     ]
     heads += [case_column(key, "", numeric=False) for key in keys]
-    cells = tuple(
-        tuple(value_cell(_plain(row[name])) for name in ("number", *objectives, *spread, *known, *keys))
-        for _, row in rows.iterrows()
-    )
+    shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
+    cells = tuple(tuple(map(value_cell, row)) for row in shown)
     return Table("Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True)
 
 
@@ -150,10 +153,6 @@ def _bounds(limit: Mapping[str, float]) -> str:
     """Return the bounds of a limit as a heading has them."""
     ends = {"low": "at least", "high": "at most"}
     return "".join(f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None)
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if hasattr(value, "item") else value
 
 
 def _checks(best: Mapping[str, Any]) -> Table:
@@ -179,24 +178,22 @@ def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> di
     """Draw the figures of a search and save them; return them by name."""
     ran = table[table["state"].isin(["complete", "refused"])].dropna(subset=list(found["objectives"]))
     folder = FigureFolder(directory)
-    makers = {
+    makers: dict[str, Callable[[], Drawing | None]] = {
         "packing": lambda: _packing(found, directory),
         "convergence": lambda: _convergence(found, table[table["directory"].notna()]),
         "front": lambda: _front(found, ran),
-        "importance": lambda: _importance(found),
+        "importance": lambda: _importance(found["importance"]),
         "coordinates": lambda: _coordinates(found, ran),
     }
-    figures = {}
     with style():
-        for name, make in makers.items():
-            drawing = attempt(f"figure {name}", make)
+        drawn = {name: attempt(f"figure {name}", make) for name, make in makers.items()}
+        for name, drawing in drawn.items():
             folder.save(drawing, name, formats=())
-            if isinstance(drawing, Drawing):
-                figures[name] = picture_of(drawing, name, _CAPTIONS[name])
-    return figures
+        shown = {name: drawing for name, drawing in drawn.items() if isinstance(drawing, Drawing)}
+        return {name: picture_of(drawing, name, _CAPTIONS[name]) for name, drawing in shown.items()}
 
 
-def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | NotDrawn | None:
+def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | None:
     if not found["best"]:
         return None
     try:
@@ -206,11 +203,6 @@ def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | NotDrawn | 
         return None
 
 
-def _axis(name: str) -> str:
-    unit = unit_of_value(name)
-    return f"{label_of(name)} ({unit})" if unit else label_of(name)
-
-
 def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     ((name, which), *others) = found["objectives"].items()
     if others or not ran[name].notna().any():
@@ -218,8 +210,7 @@ def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     values = ran[name].where(ran["state"] == "complete").to_numpy(float)
     so_far = np.fmin.accumulate(values) if which == "smallest" else np.fmax.accumulate(values)
     number = np.arange(1, len(ran) + 1)
-    figure = new_figure(2.6)
-    axes = figure.subplots()
+    figure, axes = panels(2.6)
     axes.plot(number, ran[name], ".", color=GREY, label="designs")
     axes.step(number, so_far, where="post", color=BLUE, label="best so far")
     columns = {"number": number, name: ran[name], "best_so_far": so_far}
@@ -230,7 +221,7 @@ def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     if 0 < 3 * ran[name].min() < ran[name].max():
         axes.set_yscale("log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(xlabel="Designs run", ylabel=_axis(name))
+    label(axes, "Designs run", value_column(name).title)
     legend_above(axes, 3)
     return Drawing(figure, columns)
 
@@ -240,24 +231,20 @@ def _front(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
         return None
     x, y = found["objectives"]
     front = [[one["objective"][name] for one in found["front"]] for name in (x, y)]
-    figure = new_figure(2.8)
-    axes = figure.subplots()
+    figure, axes = panels(2.8)
     axes.plot(ran[x], ran[y], ".", color=GREY, label="designs")
     axes.plot(*front, "o-", color=BLUE, label="front")
-    axes.set(xlabel=_axis(x), ylabel=_axis(y))
+    label(axes, value_column(x).title, value_column(y).title)
     legend_above(axes, 2)
     return Drawing(figure, {x: ran[x], y: ran[y], f"front_{x}": front[0], f"front_{y}": front[1]})
 
 
-def _importance(found: Mapping[str, Any]) -> Drawing | None:
-    shares = found["importance"]
+def _importance(shares: Mapping[str, float] | None) -> Drawing | None:
     if not shares:
         return None
-    figure = new_figure(0.8 + 0.22 * len(shares))
-    axes = figure.subplots()
-    names = list(shares)[::-1]
-    axes.barh(names, [shares[name] for name in names], color=BLUE)
-    axes.set(xlabel="Share of variance", xlim=(0, 1))
+    figure, axes = panels(0.8 + 0.22 * len(shares))
+    axes.barh(list(shares)[::-1], list(shares.values())[::-1], color=BLUE)
+    label(axes, "Share of variance", xlim=(0, 1))
     return Drawing(figure, {"variable": list(shares), "share": list(shares.values())})
 
 
@@ -268,22 +255,15 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     (name, which), *_ = found["objectives"].items()
     scaled = pd.DataFrame({key: _scaled(ran[key]) for key in (*keys, name)})
     goodness = 1 - scaled[name] if which == "smallest" else scaled[name]
-    figure = new_figure(3.2, width=max(3.4, 0.7 * len(keys) + 1.5))
-    axes = figure.subplots()
+    figure, axes = panels(3.2, width=max(3.4, 0.7 * len(keys) + 1.5))
     places = range(len(keys) + 1)
     for row, good, number in zip(scaled.to_numpy(), goodness, ran["number"], strict=True):
-        chosen = number == found["best"]["number"]
-        axes.plot(
-            places,
-            row,
-            color=ORANGE if chosen else BLUE,
-            alpha=1.0 if chosen else 0.1 + 0.6 * good**3,
-            lw=2 if chosen else 0.8,
-            zorder=3 if chosen else 2,
-        )
-    labels = [f"{label}\n{_ends(ran[key])}" for key, label in zip((*keys, name), (*keys, label_of(name)), strict=True)]
-    axes.set_xticks(places, labels, rotation=30, ha="right")
-    axes.set(ylabel="Value, from first to last", yticks=[0, 1])
+        chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3}
+        others: dict[str, Any] = {"color": BLUE, "alpha": 0.1 + 0.6 * good**3, "lw": 0.8, "zorder": 2}
+        axes.plot(places, row, **(chosen if number == found["best"]["number"] else others))
+    names = zip((*keys, name), (*keys, label_of(name)), strict=True)
+    axes.set_xticks(places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right")
+    label(axes, y="Value, from first to last", yticks=[0, 1])
     return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
 
 

@@ -266,7 +266,8 @@ def _pictures(
         try:
             figures.append(_picture(path, item, inputs, name, what, width, in_words=True))
         except _UNREADABLE as error:
-            damaged.append(Note(f"{inputs.path(path)} cannot be shown: {_first_line(error)}", "note"))
+            why = (str(error).splitlines() or [type(error).__name__])[0].split(": ")[0]
+            damaged.append(Note(f"{inputs.path(path)} cannot be shown: {why}", "note"))
     there = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
     there += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
     there = [one for one in there if isinstance(item, Run) and (item.directory / one[0]).is_file()]
@@ -334,7 +335,3 @@ def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
     axes.set_ylim(0, 1.0 if max(share.max() for _, _, share in curves) <= 1 else None)
     legend_above(axes, 2)
     return Drawing(figure, {})
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).splitlines() or [type(error).__name__])[0].split(": ")[0]

@@ -9,10 +9,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import BLANK, is_number, value_cell
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table, is_number, value_cell
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.inference import tables as inference
+from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Run
 from granwave.analysis.spectra import quantities as spectra
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
@@ -20,55 +20,33 @@ from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 _PASSES = 0.5  # of the driven grain's amplitude
 _MOST_STRETCHES = 3  # of frequency, in a sentence
 _EXACT = 1e-9  # below which what is unexplained is rounding
-#: Rows of other kinds of results: key, label, unit, and how many of it make one of summary.json.
+#: Rows of other kinds of results, by their keys in summary.json.
 _OF_INFERENCE = (
-    ("n_grains", "Grains", "", 1.0),
-    ("n_contacts", "Candidate contacts", "", 1.0),
-    ("n_significant_contacts", "Contacts with a force above two standard errors", "", 1.0),
-    ("n_loaded_contacts", "Contacts with any force", "", 1.0),
-    ("n_sliding_contacts", "Contacts that slide", "", 1.0),
-    ("largest_force_N", "Largest contact force", "N", 1.0),
-    ("mean_normal_force_N", "Mean normal force", "N", 1.0),
-    ("noise", "Noise of strains and accelerations", "%", 100.0),
-    ("true_force_error", "Error of the forces, of the true ones", "%", 100.0),
-    ("standard_error_fraction", "Standard error of the forces", "%", 100.0),
-    ("acceleration_error", "Error of the accelerations", "%", 100.0),
-    ("residual_fraction", "Unexplained, of the data", "%", 100.0),
-    ("chi2_per_equation", "Chi squared for each free equation", "", 1.0),
-    ("youngs_modulus_Pa", "Young's modulus", "GPa", 1e-9),
-    ("youngs_modulus_error_Pa", "Standard error of Young's modulus", "GPa", 1e-9),
-    ("n_equations", "Equations", "", 1.0),
-    ("n_unknowns", "Unknowns", "", 1.0),
-)
+    "n_grains", "n_contacts", "n_significant_contacts", "n_loaded_contacts", "n_sliding_contacts", "largest_force_N",
+    "mean_normal_force_N", "noise", "true_force_error", "standard_error_fraction", "acceleration_error",
+    "residual_fraction", "chi2_per_equation", "youngs_modulus_Pa", "youngs_modulus_error_Pa", "n_equations",
+    "n_unknowns",
+)  # fmt: skip
 _OF_SPECTRA = (
-    ("highest_frequency_Hz", "Highest frequency", "kHz", 1e-3),
-    ("lowest_frequency_Hz", "Lowest frequency", "kHz", 1e-3),
-    ("widest_gap_Hz", "Widest gap", "kHz", 1e-3),
-    ("widest_gap_relative", "Its width, of its middle", "%", 100.0),
-    ("attenuation_in_widest_gap", "Largest attenuation there, from plane to plane (ln)", "", 1.0),
-    ("attenuation_spacing_m", "Distance of these planes", "mm", 1e3),
-    ("speeds_m_s", "Speeds of long waves", "m/s", 1.0),
-    ("largest_amplitude_ratio", "Largest amplitude of each sensor, over the drive's", "", 1.0),
-    ("least_participation_ratio", "Smallest participation ratio", "", 1.0),
-    ("static_force_N", "Mean static force", "N", 1.0),
-    ("contact_stiffness_N_per_m", "Mean contact stiffness", "N/m", 1.0),
-    ("unit_frequency_Hz", "Unit of frequency, root of stiffness over mass", "kHz", 1e-3),
-    ("n_grains_in_cell", "Grains of the cell", "", 1.0),
-    ("n_grains", "Grains", "", 1.0),
-    ("n_left_out", "Grains left out, that bear no load", "", 1.0),
-    ("n_contacts_in_cell", "Contacts of the cell", "", 1.0),
-    ("n_contacts", "Contacts that bear a force", "", 1.0),
-    ("n_bands", "Bands", "", 1.0),
-    ("n_modes", "Modes", "", 1.0),
-    ("n_floppy", "Floppy modes", "", 1.0),
-)
+    "highest_frequency_Hz", "lowest_frequency_Hz", "widest_gap_Hz", "widest_gap_relative",
+    "attenuation_in_widest_gap", "attenuation_spacing_m", "speeds_m_s", "largest_amplitude_ratio",
+    "least_participation_ratio", "static_force_N", "contact_stiffness_N_per_m", "unit_frequency_Hz",
+    "n_grains_in_cell", "n_grains", "n_left_out", "n_contacts_in_cell", "n_contacts", "n_bands", "n_modes", "n_floppy",
+)  # fmt: skip
+_IN_PER_CENT = (
+    "noise", "true_force_error", "standard_error_fraction", "acceleration_error", "residual_fraction",
+    "widest_gap_relative",
+)  # fmt: skip
+_SHOWN_IN = {"Hz": ("kHz", 1e-3), "Pa": ("GPa", 1e-9), "m": ("mm", 1e3)}
 TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
 _PER_CENT, _ROUNDING = 100.0, 1e-9  # shares below are errors of rounding
-#: Labels of the values of these results.
-LABELS = {
-    entry.name: entry.label
-    for entry in (*inference.ENTRIES, *spectra.OF_BANDS, *spectra.OF_MODES, *spectra.OF_TRANSMISSION)
-}
+_OF_WAVES = {entry.name: entry for entry in (*spectra.OF_BANDS, *spectra.OF_MODES, *spectra.OF_TRANSMISSION)}
+
+
+def label_in(run: Run, key: str) -> str:
+    """Return the label of a value of such a result; empty if it is not known."""
+    entries = inference.QUANTITIES if run.is_inference else _OF_WAVES
+    return entries[key].label if key in entries else ""
 
 
 def by_kind(runs: Sequence[Run]) -> list[list[Run]]:
@@ -84,7 +62,9 @@ def table_of(runs: Sequence[Run], caption: str) -> Table:
     """Make a table of inferences or small waves: a row for each value, a column for each run."""
     entries = _OF_INFERENCE if runs[0].is_inference else _OF_SPECTRA
     rows = []
-    for key, label, unit, scale in entries:
+    for key in entries:
+        label, unit = label_in(runs[0], key), quantity(key).unit
+        unit, scale = ("%", _PER_CENT) if key in _IN_PER_CENT else _SHOWN_IN.get(unit, (unit, 1.0))
         cells = [_span_cell(run.summary.get(key), scale) for run in runs]
         rows.append((Cell(label, label), *cells, Cell(unit)))
     heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]

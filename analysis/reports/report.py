@@ -2,17 +2,27 @@
 
 Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the disk, and shows paths
 relative to itself.
+
+HTML and Markdown are written by ``templates``; the PDF is as a browser would print the page.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import io
 import os
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
-from granwave.analysis.document.model import Report, cleaned
+import jinja2
+import matplotlib as mpl
+from markupsafe import Markup, escape
+
+from granwave.analysis.document.model import Figure, Report, Table, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.design import design_report
 from granwave.analysis.reports.inputs import read_inputs
@@ -22,6 +32,185 @@ from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 from granwave.lammps_inputs.run_directory import is_design
+
+Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
+_FOLDER = Path(__file__).with_name("templates")
+
+
+def template(name: str, *, escapes: bool, filters: Filters) -> jinja2.Template:
+    """Read a template, in which an unknown name is an error.
+
+    Parameters
+    ----------
+    escapes
+        True if all texts are escaped for HTML.
+    filters
+        Functions that it applies to texts and parts of a report.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_FOLDER),
+        autoescape=escapes,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters.update(filters)
+    return environment.get_template(name)
+
+
+def text_of(name: str) -> str:
+    """Return the text of a file of the folder."""
+    return (_FOLDER / name).read_text(encoding="utf-8")
+
+
+_ACROSS = 12  # most columns of a table on a page of paper
+_MOST_KEYS = 4  # key columns that are repeated in its parts
+
+
+def html_page(report: Report, *, paper: bool = False) -> str:
+    """Return the page; its Content-Security-Policy allows only its own script, style and embedded pictures.
+
+    Parameters
+    ----------
+    paper
+        True for the page that the PDF prints: unfolded, without script, policy and links to files.
+    """
+    css, script = text_of("report.css") + text_of("print.css"), text_of("report.js")
+    own = f"style-src '{_hash(css)}'; script-src '{_hash(script)}'"
+    policy = f"default-src 'none'; img-src data:; {own}; base-uri 'none'; form-action 'none'"
+    titles = {section.slug: section.title for section in report.sections}
+    filters: Filters = {"data_uri": data_uri, "breakable": breakable, "parts": parts}
+    form = template("report.html.j2", escapes=True, filters=filters)
+    page = form.render(report=report, titles=titles, css=Markup(css), script=Markup(script), policy=policy, paper=paper)
+    return page.lstrip()
+
+
+def data_uri(png: bytes) -> str:
+    """Return the data URI of a picture."""
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def breakable(name: str) -> Markup:
+    """Allow line breaks after dots and underscores of a key."""
+    text = str(escape(name))
+    return Markup(text.replace(".", ".<wbr>").replace("_", "_<wbr>"))
+
+
+def parts(table: Table) -> list[Table]:
+    """Split a table into tables that are narrow enough for paper, each with the key columns.
+
+    The other columns are shared out evenly; the captions count the parts.
+    """
+    keys = [n for n, column in enumerate(table.columns) if column.key][:_MOST_KEYS]
+    others = [n for n in range(len(table.columns)) if n not in keys]
+    number = -(-len(others) // (_ACROSS - len(keys)))
+    if number < 2:
+        return [table]
+    found = []
+    for part in range(number):
+        kept = [*keys, *others[part * len(others) // number : (part + 1) * len(others) // number]]
+        caption = f"{table.caption}, part {part + 1} of {number}"
+        found.append(table.keeping(kept, caption=caption, captioned=True))
+    return found
+
+
+def _hash(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
+
+
+_SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
+_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # what a list begins with
+_BLANK_LINES = re.compile(r"\n{3,}")
+
+
+def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
+    """Return the text, and the pictures by file name.
+
+    Parameters
+    ----------
+    folder
+        Name of the directory of the pictures beside the text.
+    """
+    pictures: dict[str, bytes] = {}
+
+    def file(figure: Figure) -> str:
+        """Keep the picture of a figure, and return its path from the text."""
+        name, number = f"{figure.name}.png", 2
+        while name in pictures and pictures[name] != figure.png:
+            name, number = f"{figure.name}-{number}.png", number + 1
+        pictures[name] = figure.png
+        return f"{quote(folder)}/{name}"
+
+    titles = {section.slug: section.title for section in report.sections}
+    anchors = {slug: title.lower().replace(" ", "-") for slug, title in titles.items()}  # as GitHub has them
+    filters: Filters = {
+        "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
+    }  # fmt: skip
+    form = template("report.md.j2", escapes=False, filters=filters)
+    text = form.render(report=report, titles=titles, anchors=anchors)
+    return _BLANK_LINES.sub("\n\n", text).strip() + "\n", pictures
+
+
+def _escape(text: str) -> str:
+    """Escape markup in a text, and put it on one line."""
+    text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return _SPECIAL.sub(r"\\\1", " ".join(text.split()))
+
+
+_FONTS = {"normal": "DejaVuSans.ttf", "bold": "DejaVuSans-Bold.ttf"}  # come with matplotlib
+_MARK = b"% report of granwave\n"  # after the end of the PDF, where readers skip it
+_ADDRESS = "granwave:/"  # of the page, and of the fonts as it asks for them
+
+
+def pdf_file(report: Report) -> bytes:
+    """Return the PDF; it has no date, so that equal reports give equal bytes.
+
+    It ends with a comment by which granwave knows it again.
+
+    Raises
+    ------
+    InputError
+        PlutoPrint is not installed.
+    """
+    try:
+        import plutoprint
+    except ImportError as error:
+        raise InputError(
+            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, pip install plutoprint, or write "
+            ".html and print that from a browser"
+        ) from None
+
+    class OwnFiles(plutoprint.ResourceFetcher):
+        """Pictures in the page, and its fonts: neither files nor the network, whatever a text says."""
+
+        def fetch_url(self, url: str) -> plutoprint.ResourceData:
+            if url.startswith("data:"):
+                return plutoprint.default_resource_fetcher.fetch_url(url)
+            name = url.removeprefix(_ADDRESS)
+            if name not in _FONTS.values():
+                raise ValueError(f"{url}: not of this page")
+            return plutoprint.ResourceData((Path(mpl.get_data_path(), "fonts", "ttf", name)).read_bytes(), "font/ttf")
+
+    book = plutoprint.Book(plutoprint.PAGE_SIZE_A4.landscape(), media=plutoprint.MEDIA_TYPE_PRINT)
+    book.custom_resource_fetcher = OwnFiles()
+    book.load_html(html_page(report, paper=True), user_style=_font_faces(), base_url=_ADDRESS)
+    book.set_metadata(plutoprint.PDF_METADATA_TITLE, report.title)
+    book.set_metadata(plutoprint.PDF_METADATA_AUTHOR, "granwave")
+    book.set_metadata(plutoprint.PDF_METADATA_CREATION_DATE, "2000-01-01T00:00:00Z")
+    stream = io.BytesIO()
+    book.write_to_pdf_stream(stream)
+    return stream.getvalue().rstrip() + b"\n" + _MARK
+
+
+def _font_faces() -> str:
+    """Return the style by which text has the same letters everywhere, also where no font is installed."""
+    faces = (
+        f'@font-face {{ font-family: "Granwave Sans"; font-weight: {weight}; src: url("{_ADDRESS}{quote(name)}"); }}'
+        for weight, name in _FONTS.items()
+    )
+    return "\n".join([*faces, 'body { font-family: "Granwave Sans" !important; }'])
+
 
 SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
@@ -122,16 +311,10 @@ def _folder(output: Path) -> Path:
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
     if suffix == ".html":
-        from granwave.analysis.reports.writers import html_page
-
         replace_text(output, html_page(report))
     elif suffix == ".pdf":
-        from granwave.analysis.reports.writers import pdf_file
-
         replace_bytes(output, pdf_file(report))
     else:
-        from granwave.analysis.reports.writers import markdown
-
         folder = _folder(output)
         text, pictures = markdown(report, folder.name)
         before = _pictures_of(output, folder)

@@ -6,8 +6,17 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.cells import (
+from granwave.analysis.document.model import (
     BLANK,
+    Block,
+    Cell,
+    Column,
+    Group,
+    Note,
+    Part,
+    Section,
+    Table,
+    Tone,
     case_column,
     is_number,
     label_of,
@@ -19,7 +28,6 @@ from granwave.analysis.document.cells import (
     value_cell,
     value_column,
 )
-from granwave.analysis.document.model import Block, Cell, Column, Group, Note, Part, Section, Table, Tone
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
@@ -35,6 +43,7 @@ MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
 MOST_OF_A_RUN, MOST_KEYS = 4, 2  # keys and values, and keys, in the compact table of runs
 _NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
+_LONGEST = 600  # characters of a reason
 _STATUS = "Status"
 _MATERIAL, _OF_MATERIAL = "material.name", "material."
 #: Values that packings and blocks do not share, or mean otherwise.
@@ -272,7 +281,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_summary_cell(run.summary.get(key)) for run in runs]
-        label = (not runs[0].has_balance and other_kinds.LABELS.get(key)) or label_of(key, called)
+        label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(key, called)
         row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
@@ -340,6 +349,6 @@ def _why(point: Point, inputs: Inputs) -> tuple[Cell, Cell]:
     return reason, Cell(inputs.path(target), link=inputs.link(target))
 
 
-def _short(text: str, longest: int = 600) -> str:
+def _short(text: str) -> str:
     text = text.strip()
-    return text if len(text) <= longest else text[: longest - 1] + "…"
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 1] + "…"

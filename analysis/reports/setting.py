@@ -6,8 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.cells import show, text_table
-from granwave.analysis.document.model import Block, Group, Note
+from granwave.analysis.document.model import Block, Group, Note, show, text_table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan

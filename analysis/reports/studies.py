@@ -8,8 +8,22 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.document.cells import BLANK, named, percent, significant, value_cell
-from granwave.analysis.document.model import Block, Cell, Column, Figure, Gallery, Group, Note, Section, Table
+from granwave.analysis.document.model import (
+    BLANK,
+    Block,
+    Cell,
+    Column,
+    Figure,
+    Gallery,
+    Group,
+    Note,
+    Section,
+    Table,
+    named,
+    percent,
+    significant,
+    value_cell,
+)
 from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
@@ -92,18 +106,14 @@ def _agreement(found: Sequence[Study]) -> str:
     close = [sum(deviation <= limit for deviation, _ in rows) for limit in _CLOSE]
     text = f"Of {len(rows)} values that the sources give, {close[0]} of ours lie within {_percent(_CLOSE[0])}"
     text += f" and {close[1]} within {_percent(_CLOSE[1])}"
-    as_theory = sum(deviation > _CLOSE[1] and _is_theory(row) for deviation, row in rows)
+    far = [row for deviation, row in rows if deviation > _CLOSE[1] and row.theory and row.ours is not None]
+    as_theory = sum(abs(row.ours / row.theory - 1) <= _CLOSE[0] for row in far)  # type: ignore[operator]
     if as_theory:
         text += f"; {as_theory} more lie within {_percent(_CLOSE[0])} of theory"
     worst, row = max(rows, key=lambda pair: pair[0])
     if worst > 1:
         return f"{text}. Remarks tell why the rest differ."
     return f"{text}; the largest difference is {_percent(worst)} ({row.quantity[:1].lower()}{row.quantity[1:]})."
-
-
-def _is_theory(row: Row) -> bool:
-    """Return True if our value is that of theory."""
-    return bool(row.theory) and row.ours is not None and abs(row.ours / (row.theory or 1.0) - 1) <= _CLOSE[0]
 
 
 def _percent(share: float) -> str:

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +19,9 @@ from numpy.typing import NDArray
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.hdf5_file import rows_of, sorted_once
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.assembly import assemble
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.material import Material
 
 LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 

@@ -99,7 +99,6 @@ _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, 
 _UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
-
 Pieces = list[tuple[int, bytes | NDArray]]  # of a column: first row, and a whole chunk or values
 
 

@@ -192,15 +192,13 @@ def line_groups(
             "distance": np.concatenate([[0.0], np.cumsum(apart)]),
             **own,
             **pulses,
-            "lateral_force": _lateral(own["force_sums"], row, int(lateral)),
+            # half the sum of the contact forces along the axis at the peaks, N; NaN without a peak
+            "lateral_force": np.where(
+                row >= 0, own["force_sums"][np.maximum(row, 0), np.arange(len(row)), lateral] / 2, np.nan
+            ),
             "largest_speed": speed.max(axis=0),
         }
     return groups
-
-
-def _lateral(sums: NDArray[np.float64], row: NDArray[np.int64], axis: int) -> NDArray[np.float64]:
-    """Return half the sum of the contact forces along an axis at the peaks: (n,), N; NaN without a peak."""
-    return np.where(row >= 0, 0.5 * sums[np.maximum(row, 0), np.arange(len(row)), axis], np.nan)
 
 
 ARRIVAL = 0.05  # of the reference speed

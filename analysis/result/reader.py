@@ -16,13 +16,13 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import h5py
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError
 from granwave.analysis.result.hdf5_file import AT_ONCE, rows_of, rows_of_all
 from granwave.analysis.result.not_a_run import damage_of, why_no_run
@@ -37,9 +37,6 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
 
 
 def moved_mass(assembly: Assembly) -> float:
@@ -134,23 +131,19 @@ class Result:
     def __enter__(self) -> Result:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __contains__(self, name: str) -> bool:
-        try:
+        with self._intact(name):
             return name in self.file
-        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
-            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     @contextlib.contextmanager
     def _intact(self, name: str) -> Iterator[None]:
         """Raise OutputFormatError where HDF5 cannot read, as its checksums tell."""
         try:
             yield
-        except (OSError, RuntimeError) as error:
+        except (KeyError, OSError, RuntimeError) as error:
             raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
 
     def __getitem__(self, name: str) -> NDArray:

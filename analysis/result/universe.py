@@ -50,8 +50,7 @@ class ResultReader(ReaderBase):
         path = Path(self.filename)
         if changed := changed_result(path.parent, [path.name]):
             raise OutputFormatError(changed)
-        self._file = h5py.File(self.filename, "r")
-        self._spheres = self._file[GROUP]
+        self._open()
         self._data = [name for name in DATA if name in self._spheres]
         self._times = self._spheres["position/time"][()]
         self._steps = self._spheres["position/step"][()]
@@ -80,8 +79,7 @@ class ResultReader(ReaderBase):
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__ = state
-        self._file = h5py.File(self.filename, "r")
-        self._spheres = self._file[GROUP]
+        self._open()
         self[self.ts.frame]
 
     def close(self) -> None:
@@ -89,10 +87,13 @@ class ResultReader(ReaderBase):
         if hasattr(self, "_file"):
             self._file.close()
 
+    def _open(self) -> None:
+        self._file = h5py.File(self.filename, "r")
+        self._spheres = self._file[GROUP]
+
     def _reopen(self) -> None:
         if not self._file:
-            self._file = h5py.File(self.filename, "r")
-            self._spheres = self._file[GROUP]
+            self._open()
         self.ts = self._Timestep(self.n_atoms, velocities=True, **self._ts_kwargs)
         self.ts.frame = -1
 

@@ -28,12 +28,7 @@ import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import (
-    contacts_path,
-    frames_path,
-    read_frames,
-    read_wall_contacts,
-)
+from granwave.analysis.lammps_output.dumps import contacts_path, frames_path, read_frames, read_wall_contacts
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
@@ -99,12 +94,7 @@ def write_result(
 
 
 def _write(
-    file: h5py.File,
-    directory: Path,
-    at_once: int,
-    scratch: Callable[[], Path],
-    case: Case | None,
-    processes: Processes,
+    file: h5py.File, directory: Path, at_once: int, scratch: Callable[[], Path], case: Case | None, processes: Processes
 ) -> None:
     path = directory / files.CASE_FILE
     if not path.exists():

@@ -18,7 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator, NullLocator
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame
 
@@ -37,7 +37,7 @@ _LINE = 0.15  # inches, height of a line of names
 _AXIS = 0.78 * WIDTH  # inches, length of a horizontal axis
 _BAR = 0.24 * WIDTH  # inches, width of a colour scale
 _CHARACTER = 0.066  # inches, approximate width of a character
-_SHORT = 4  # characters of a category up to which names that have no room are left out
+_HANDLE = 5  # characters that a mark in a legend takes
 _LINE_OF_NAME, _LINE_OF_LEGEND = 28, 52  # characters
 _MOST_ANNOTATED = 8  # columns and rows of a map with numbers in its cells
 _MOST_MARKED = 60  # points of a curve with markers
@@ -113,49 +113,34 @@ def draw_curves(
 def draw_bars(
     found: DataFrame, ticks: Sequence[str], x_title: str, y_title: str, others: Sequence[Key], columns: Titles
 ) -> Drawing:
-    """Draw bars by category, side by side for each curve.
+    """Draw bars by category, one below the other, and those of each curve.
 
-    On a logarithmic axis points are drawn instead. Bars are horizontal if the names of categories have no room. Bars of
-    plastic zones that reach a boundary are open, pale if a wave returned from one.
+    On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are open, pale if a wave
+    returned from one.
     """
-    n_curves, room = found.curve.nunique(), _CHARACTER * (max(map(len, ticks)) + 1)
-    lying = max(map(len, ticks)) > _SHORT and room * len(ticks) > _AXIS
-    names = [textwrap.fill(name, _LINE_OF_NAME) if lying else name for name in ticks]
+    n_curves, names = found.curve.nunique(), [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
     lines = max(max(name.count("\n") + 1 for name in names), 0.8 * n_curves)
-    size = (0.6 + _LINE * (lines + 0.5) * len(ticks), 1.5 * WIDTH) if lying else (_HEIGHT, WIDTH)
-    figure = new_figure(*size)
+    figure = new_figure(0.8 + _LINE * (lines + 0.5) * len(ticks), 1.5 * WIDTH)
     axes = figure.subplots()
-    along, across = (axes.yaxis, axes.xaxis) if lying else (axes.xaxis, axes.yaxis)
-    step = 1 if lying else -(-len(ticks) * room // _AXIS)
-    along.set_minor_locator(NullLocator())
-    along.set_tick_params(which="both", length=0)
-    along.set_ticks(np.arange(0, len(names), step), names[:: int(step)])
-    (axes.set_ylim if lying else axes.set_xlim)(*((len(ticks) - 0.4, -0.6) if lying else (-0.6, len(ticks) - 0.4)))
-    along.set_label_text(x_title)
-    across.set_label_text(y_title)
+    axes.set_yticks(range(len(names)), names)
+    axes.tick_params(axis="y", which="both", length=0)
+    axes.set(xlabel=y_title, ylabel=x_title, ylim=(len(ticks) - 0.4, -0.6))
     logarithmic, width = _is_wide(found["mean"].to_numpy()), 0.8 / n_curves if n_curves > 1 else 0.6
+    axes.set(**({"xscale": "log"} if logarithmic else {"xmargin": 0.08}))
     handles: dict[str, Any] = {}
     for m, (_, part) in enumerate(found.groupby("curve")):
-        place, errors = part.x + (m - (n_curves - 1) / 2) * width, _errors(part, "xerr" if lying else "yerr")
+        place, errors = part.x + (m - (n_curves - 1) / 2) * width, _errors(part, "xerr")
         look = _look(m, 1, joined=False) | {"markersize": 5}
         fill = {"facecolor": look["color"], "hatch": _HATCHES[m // len(_COLOURS) % len(_HATCHES)]}
         if logarithmic:
-            x, y = (part["mean"], place) if lying else (place, part["mean"])
-            axes.errorbar(x, y, **look, **errors)
-            draw_marks(axes, x, y, part["mark"], look["marker"], 5, look["color"])
+            axes.errorbar(part["mean"], place, **look, **errors)
+            draw_marks(axes, part["mean"], place, part["mark"], look["marker"], 5, look["color"])
         else:
-            bars = (axes.barh if lying else axes.bar)(
-                place, part["mean"], 0.92 * width, ecolor="black", **fill, **errors
-            )
+            bars = axes.barh(place, part["mean"], 0.92 * width, ecolor="black", **fill, **errors)
             for bar, mark in zip(bars, part["mark"], strict=True):
-                if mark:
-                    bar.set(**_marked_fill(Mark(mark), look["color"]))
+                bar.set(**(_marked_fill(Mark(mark), look["color"]) if mark else {}))
         label = ", ".join(key.text(part.row.iloc[0]) for key in others)
         handles |= {label: Line2D([], [], **look) if logarithmic else mpl.patches.Patch(**fill)} if label else {}
-    if logarithmic:
-        (axes.set_xscale if lying else axes.set_yscale)("log")
-    else:
-        (axes.set_xmargin if lying else axes.set_ymargin)(0.08)
     for mark, text in _marks(found).items():
         open_marker = Line2D([], [], **marked_marker(mark, "o", 4.5, "black"))
         handles[text] = open_marker if logarithmic else mpl.patches.Patch(**_marked_fill(mark, "black"))
@@ -302,14 +287,12 @@ def _norm(key: Key, found: DataFrame) -> Normalize:
 
 def _legend(figure: Figure, entries: Mapping[str, Any]) -> None:
     """Put a legend above, with as many columns as there is room for; the figure grows by its height."""
+    if not entries:
+        return
     labels = [textwrap.fill(label, _LINE_OF_LEGEND) for label in entries]
-    for columns in range(min(len(labels), 4), 0, -1):
-        legend = figure.legend(
-            list(entries.values()), labels, loc="outside upper center", ncols=columns, columnspacing=1.2,
-            handletextpad=0.5, labelspacing=0.3, borderaxespad=0.2,
-        )  # fmt: skip
-        box = legend.get_window_extent()
-        if columns == 1 or box.width < figure.bbox.width:
-            figure.set_figheight(figure.get_figheight() + box.height / figure.dpi)
-            return
-        legend.remove()
+    widest = _CHARACTER * (max(len(line) for label in labels for line in label.split("\n")) + _HANDLE)
+    legend = figure.legend(
+        list(entries.values()), labels, loc="outside upper center", columnspacing=1.2, handletextpad=0.5,
+        labelspacing=0.3, borderaxespad=0.2, ncols=min(int(max(figure.get_figwidth() // widest, 1)), len(labels), 4),
+    )  # fmt: skip
+    figure.set_figheight(figure.get_figheight() + legend.get_window_extent().height / figure.dpi)

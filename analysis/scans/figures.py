@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from pandas import DataFrame, Series, concat
 
-from granwave.analysis.document.cells import is_number
+from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
@@ -215,13 +215,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
         of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
         for name, key, column, title, value in (
             (f"collapse_{fraction}", "velocity_normalised", fraction, QUANTITIES[fraction].title, value_of(fraction)),
-            (
-                "collapse_plastic_volume",
-                "energy_input_normalised",
-                volume,
-                of_volume,
-                plastic_spheres,
-            ),
+            ("collapse_plastic_volume", "energy_input_normalised", volume, of_volume, plastic_spheres),
         ):
             table = points_of(values(value_of(key)), values(value), others, marks * (value is plastic_spheres))
             if len(table) >= _FEWEST:

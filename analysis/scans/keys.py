@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.cells import is_number, show
+from granwave.analysis.document.model import is_number, show
 from granwave.analysis.formatting.numbers import interval, tick
 from granwave.analysis.formatting.values import AMPLITUDE, NONE, grains_called_in, shown_unit, unique_labels, unit_of
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
@@ -353,7 +353,8 @@ def means_of(scan: ScanResult) -> Means:
         done = [point for point in scan.points if point.status == "done"]
         counts = [1] * len(done)
         found = dict.fromkeys(key for point in done for key in point.summary)
-        columns = {key: [_number(point.summary.get(key)) for point in done] for key in found}
+        values: dict[str, list[Any]] = {key: [point.summary.get(key) for point in done] for key in found}
+        columns = {key: [float(one) if is_number(one) else None for one in column] for key, column in values.items()}
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}
     kept = [row for row, count in enumerate(counts) if count]
@@ -373,7 +374,3 @@ def means_of(scan: ScanResult) -> Means:
 def _listed(keys: Sequence[Key]) -> str:
     names = [key.naming.label[:1].lower() + key.naming.label[1:] for key in keys]
     return " and ".join(names)
-
-
-def _number(value: object) -> float | None:
-    return float(value) if is_number(value) else None  # type: ignore[arg-type]

@@ -98,10 +98,8 @@ class ScanResult:
     @property
     def units(self) -> dict[str, str]:
         """SI units of the varied keys that have one."""
-        return {key: unit for key in self.varied if (unit := self._unit(key))}
-
-    def _unit(self, key: str) -> str:
-        return amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key)
+        found = {key: amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key) for key in self.varied}
+        return {key: unit for key, unit in found.items() if unit}
 
     def _load_kinds(self) -> set[str]:
         """Return the kinds of the loads: of all points if they vary, else of the first point that was started."""
@@ -127,16 +125,8 @@ class ScanResult:
             status, reason = "failed", noted.get("reason") or ""
         elif finished.is_dir():
             reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
-        return PointResult(
-            number=entry["number"],
-            id=name,
-            labels=entry["labels"],
-            status=status,
-            reason=reason,
-            attempts=noted.get("attempts", 0),
-            directory=directory,
-            summary=summary,
-        )
+        attempts = noted.get("attempts", 0)
+        return PointResult(entry["number"], name, entry["labels"], status, reason, attempts, directory, summary)
 
     def _summary(self, name: str, directory: Path) -> dict[str, Any]:
         if name not in self._summaries:

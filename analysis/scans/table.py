@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.document.cells import is_number
+from granwave.analysis.document.model import is_number
 from granwave.analysis.formatting.values import unit_of
 from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import quantity
@@ -59,7 +59,8 @@ def scan_table(result: ScanResult) -> Columns:
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
     table["status"] = [point.status for point in points]
     table["reason"] = [point.reason for point in points]
-    table["directory"] = [_relative(point, result.directory) for point in points]
+    places = [point.directory for point in points]
+    table["directory"] = ["" if place is None else os.path.relpath(place, result.directory) for place in places]
     table["attempts"] = [point.attempts for point in points]
     return table | _summaries(points, taken=table)
 
@@ -250,18 +251,11 @@ class ScanData(Mapping[str, NDArray]):
             for name, column in self.columns.items()
             if name not in self.varied
         }
-        coordinates: dict[str, Any] = {
-            key: (key, found, {"units": column_unit(key, self.units)}) for key, found in values.items()
-        }
+        coordinates = {}
         for key in self.varied:
-            if key not in axes:
-                leader = next(axis for axis in axes if determines(labels[axis], labels[key]))
-                follows = dict(zip(labels[leader], labels[key], strict=True))
-                coordinates[key] = (
-                    leader,
-                    [follows[value] for value in values[leader]],
-                    {"units": column_unit(key, self.units)},
-                )
+            leader = key if key in axes else next(axis for axis in axes if determines(labels[axis], labels[key]))
+            follows = dict(zip(labels[leader], labels[key], strict=True))
+            coordinates[key] = (leader, list(follows.values()), {"units": column_unit(key, self.units)})
         return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
 
 
@@ -307,10 +301,6 @@ def physical(labels: Mapping[str, Sequence[Any]]) -> dict[str, Sequence[Any]]:
         for name, column in labels.items()
         if not name.startswith(TIMES) or not others or not determines(together, column)
     }
-
-
-def _relative(point: PointResult, directory: Path) -> str:
-    return "" if point.directory is None else os.path.relpath(point.directory, directory)
 
 
 def _summaries(points: Sequence[PointResult], taken: Any) -> Columns:

@@ -5,18 +5,15 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, across, joined
 from granwave.analysis.spectra.pair_laws import PairLaws
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.packing.walls import Wall
+from granwave.lammps_inputs.packing.walls import Wall
 
 _OF_SPHERE, _OF_CYLINDER = 0.4, 0.5  # moments of inertia over m R^2, the second about the axis
 _NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding

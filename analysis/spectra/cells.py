@@ -12,7 +12,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from numpy.typing import NDArray
 from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.pair_laws import PairLaws
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Shape
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
@@ -27,10 +29,6 @@ from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import touched_by, walls
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Shape
 
 _ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"

@@ -11,22 +11,19 @@ import dataclasses
 import math
 from collections.abc import Callable
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
-from granwave.lammps_inputs.packing.walls import wall_friction
-
-if TYPE_CHECKING:
-    from granwave._contact_laws import ContactLaw
-    from granwave.lammps_inputs.case.case import Case
-    from granwave.lammps_inputs.case.material import Material, Shape
-    from granwave.lammps_inputs.packing.walls import Wall
+from granwave.lammps_inputs.packing.walls import Wall, wall_friction
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -11,7 +11,6 @@ POINTS = 61  # wave vectors of a stretch of the path
 MOST_BANDS = 30  # of a large cell
 MOST_MODES = 60  # of a large packing
 
-
 _OF_ALL = (
     Quantity("name"),
     Quantity("kind", meaning="What it is: bands, modes or transmission."),
@@ -30,8 +29,8 @@ OF_BANDS = (
     _LEFT_OUT,
     Quantity("n_freedoms", "Degrees of freedom", "Displacements and rotations of the grains of the cell."),
     Quantity("n_bands", "Bands", "All, or the lowest of a large cell."),
-    Quantity("static_force_N", "Static force", "Mean of the contacts."),
-    Quantity("contact_stiffness_N_per_m", "Contact stiffness", "Mean of the contacts, along their normals."),
+    Quantity("static_force_N", "Mean static force", "Of the contacts."),
+    Quantity("contact_stiffness_N_per_m", "Mean contact stiffness", "Of the contacts, along their normals."),
     Quantity("unit_frequency_Hz", "Unit of frequency", "Root of mean stiffness over mean mass, over 2 pi."),
     Quantity("highest_frequency_Hz", "Highest frequency", "Of the bands found, along the path."),
     Quantity("speeds_m_s", "Speeds of long waves", "Along the first stretch of the path, rising; null where nothing "
@@ -40,9 +39,9 @@ OF_BANDS = (
     Quantity("gaps_Hz", "Gaps", "Frequencies between bands, below the first and above the last; the end of the last "
              "is null."),
     Quantity("widest_gap_Hz", "Widest gap", "Between two bands; null without any."),
-    Quantity("widest_gap_relative", "Width of the widest gap", "Over its middle."),
-    Quantity("attenuation_in_widest_gap", "Largest attenuation", "In the widest gap, natural logarithm of the "
-             "amplitude from plane to plane; null where it is not known."),
+    Quantity("widest_gap_relative", "Width of the widest gap, of its middle"),
+    Quantity("attenuation_in_widest_gap", "Largest attenuation, from plane to plane (ln)",
+             "In the widest gap, natural logarithm of the amplitude from plane to plane; null where it is not known."),
     Quantity("attenuation_spacing_m", "Distance of these planes"),
     Quantity("n_floppy", "Floppy modes", "Without resistance, at the wave vector that has most of them."),
     _RESIDUAL,
@@ -75,5 +74,5 @@ OF_TRANSMISSION = (
     Quantity("end", meaning="Far end: reflecting, matched, or a layer."),
     Quantity("lowest_frequency_Hz", "Lowest frequency", "Of those asked for."),
     Quantity("highest_frequency_Hz", "Highest frequency", "Of those asked for."),
-    Quantity("largest_amplitude_ratio", "Largest amplitude", "Of each sensor over that of the drive."),
+    Quantity("largest_amplitude_ratio", "Largest amplitude of each sensor, over the drive's"),
 )

@@ -27,7 +27,6 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,15 +34,12 @@ from scipy import sparse
 
 from granwave.analysis.spectra.network import Array, Network, joined
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
-from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
-
-if TYPE_CHECKING:
-    from granwave.lammps_inputs.case.material import Shape
 
 REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
 BOTTOM, _Z = "bottom", 2  # wall, and direction of its damper

@@ -22,12 +22,7 @@ import numpy as np
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.hertz_lattices import line_of
-from granwave.analysis.measures.line_waves import (
-    SpaceTime,
-    space_time_transform,
-    speed_along_layers,
-    velocities_along,
-)
+from granwave.analysis.measures.line_waves import SpaceTime, space_time_transform, speed_along_layers, velocities_along
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure, long_wave_speeds

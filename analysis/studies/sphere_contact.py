@@ -12,14 +12,12 @@ from collections.abc import Iterator, Sequence
 import h5py
 import numpy as np
 
-from granwave.analysis.document.cells import percent
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import Cell, Column, Table, percent
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.runs import SphereContactRun
-from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 TITLE = "Contact law against finite elements"

@@ -1,16 +1,20 @@
-"""A study of a source beside ours: rows of one table, and figures."""
+"""A study of a source beside ours: rows of one table, figures, and tables of its own."""
 
 from __future__ import annotations
 
 import dataclasses
 import importlib
 import io
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
+from granwave.analysis.document.model import BLANK, Cell, Column, Note, Table, value_cell
 from granwave.analysis.errors import MissingDataError
+from granwave.analysis.formatting.numbers import with_interval
+from granwave.analysis.statistics import Estimate
 from granwave.analysis.studies.registry import COMPARISON, STUDIES, is_loaded, is_study_file, load_study
 from granwave.lammps_inputs.files import replace_text, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear
@@ -199,7 +203,7 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
-    from granwave.analysis.studies.tables import as_block
+    from granwave.analysis.studies.study import as_block
 
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
@@ -300,3 +304,50 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
     claim(directory, [STUDY_ROWS])
     replace_text(directory / STUDY_ROWS, text.getvalue())
     return directory / STUDY_ROWS
+
+
+def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:
+    """Columns of numbers, by heading, or by heading and unit."""
+    pairs = [(head, "") if isinstance(head, str) else head for head in heads]
+    return tuple(Column(heading, unit, numeric=True, key=key) for heading, unit in pairs)
+
+
+def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any) -> Table:
+    """A table of values; what is a cell already stays as it is.
+
+    Parameters
+    ----------
+    options
+        Further fields of a table, such as ``sortable``.
+    """
+    cells = tuple(tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows)
+    return Table(caption, tuple(columns), cells, **options)
+
+
+def as_block(one: Any) -> Any:
+    """Make a table of caption and columns, ``("Impacts", {"Velocity (m/s)": velocity})``, and a note of a sentence.
+
+    Values are numbers, estimates or texts; the unit ends the heading in brackets. All else is left as it is.
+    """
+    if isinstance(one, str):
+        return Note(one)
+    if not isinstance(one, tuple):
+        return one
+    caption, columns = one
+    heads = []
+    for place, (name, values) in enumerate(columns.items()):
+        heading, _, unit = name.removesuffix(")").partition(" (") if name.endswith(")") else (name, "", "")
+        text = any(isinstance(value, str) for value in values)
+        heads.append(Column(heading, unit, numeric=not text, key=text and not place))
+    return Table(caption, tuple(heads), tuple(tuple(map(_cell, row)) for row in zip(*columns.values(), strict=True)))
+
+
+def _cell(value: Any) -> Cell:
+    if isinstance(value, str):
+        return Cell(value, value)
+    if isinstance(value, Estimate):
+        if value.half_width > 0:
+            return Cell(with_interval(value), value.mean)
+        value = value.mean
+    number = value if isinstance(value, int) else float(value)
+    return value_cell(number) if math.isfinite(number) else Cell(BLANK)

@@ -11,22 +11,24 @@ import base64
 import html
 import re
 import zlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view.fields import fields, instants_of
-from granwave.analysis.view.scene import Chosen, plot_of
+from granwave.analysis.view.scene import fields, instants_of, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.cylinders import SPHERES
 from granwave.lammps_inputs.run_directory import VIEW_FILE
+
+if TYPE_CHECKING:
+    import k3d
 
 MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size
 MOST_VALUES = 8_000_000  # of a field: spheres times snapshots, 4 bytes each in the browser
@@ -99,46 +101,45 @@ def write_view(
     with Result(directory) as result:
         if path is not None:
             refuse_other_file(target, _OWN)
-        chosen = _choose(result, spheres, frames)
-        found = fields(result, chosen.instants, chosen.frames, chosen.rows)
+        instants, called, rows, notes = (
+            instants_of(result),
+            result.assembly.grains_called,
+            np.arange(result.n_spheres),
+            [],
+        )
+        if spheres is not None and len(rows) > spheres:
+            distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
+            notes.append(f"the {spheres} {called} nearest to the struck one, of {len(rows)}")
+            rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
+        n, most = (
+            len(instants.times),
+            max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows))) if frames is None else frames,
+        )
+        if n > most:
+            instants = instants.at(np.unique(np.linspace(0, n - 1, most).round().astype(int)).tolist())
+            notes.append(f"{len(instants.times)} of {n} snapshots")
+        found, note = fields(result, instants, rows), f"shown: {', '.join(notes)}" if notes else ""
         if not found:
             raise InputError(f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show")
-        page, called = _page(result, chosen, found), result.assembly.grains_called
+        page = _page(plot_of(result, instants, rows, found, note), result.case.name)
     if path is None:
         claim(directory, [VIEW_FILE])
     replace_text(target, page)
-    return View(target, target.stat().st_size, len(chosen.rows), len(chosen.frames), chosen.note, called)
+    return View(target, target.stat().st_size, len(rows), len(instants.times), note, called)
 
 
-def _choose(result: Result, spheres: int | None, frames: int | None) -> Chosen:
-    """Choose spheres and snapshots."""
-    instants = instants_of(result)
-    n, n_frames, notes = result.n_spheres, len(instants.times), []
-    rows = np.arange(n)
-    if spheres is not None and n > spheres:
-        distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
-        rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
-        notes.append(f"the {spheres} {result.assembly.grains_called} nearest to the struck one, of {n}")
-    most = max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows))) if frames is None else frames
-    numbers: Sequence[int] = range(n_frames)
-    if n_frames > most:
-        numbers = np.unique(np.linspace(0, n_frames - 1, most).round().astype(int)).tolist()
-        notes.append(f"{len(numbers)} of {n_frames} snapshots")
-    return Chosen(rows, instants, numbers, f"shown: {', '.join(notes)}" if notes else "")
-
-
-def _page(result: Result, chosen: Chosen, found: Sequence) -> str:
+def _page(plot: k3d.Plot, name: str) -> str:
+    """Return the page of a plot, with a title, and a policy that keeps the browser from loading anything."""
     import k3d
 
-    plot = plot_of(result, chosen, found)
     text = plot.get_snapshot(_COMPRESSION, additional_js_code=_PANEL.read_text(encoding="utf-8"))
     mark = _MARK.format(version=k3d.__version__)
+    charset = '<meta charset="utf-8">'
     policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-    head = f'<meta charset="utf-8">\n    {policy}'
     text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", lambda source: _without_fallbacks(source[0]), text, count=1)
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
-    text = text.replace('<meta charset="utf-8">', head, 1)
-    title = html.escape(f"{result.case.name} - granwave")
+    text = text.replace(charset, f"{charset}\n    {policy}", 1)
+    title = html.escape(f"{name} - granwave")
     return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
 
 

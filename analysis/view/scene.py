@@ -1,6 +1,11 @@
-"""Objects of the page of a run, made with k3d: spheres, walls, bars, colour bars, clock and title.
+"""Objects of the page of a run, made with k3d: spheres with their fields, walls, bars, colour bars, clock and title.
 
-Lengths are in mm from the struck sphere, and times in µs, as in figures.
+Lengths are in mm from the struck sphere, and times in µs, as in figures. Fields are values of the spheres at every
+instant, as levels of a logarithmic scale.
+
+Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A page holds millions
+of values. They are stored as the levels of a scale of `LEVELS` colours, with 0 for values below it: numbers that
+repeat, which compress to a twentieth.
 """
 
 from __future__ import annotations
@@ -9,7 +14,7 @@ import base64
 import html
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -17,20 +22,160 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, to_rgb
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.packing3d import plane_lines, tube_lines
-from granwave.analysis.figures.style import new_figure, style
+from granwave.analysis.figures.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
+from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP, new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result
-from granwave.analysis.view.fields import Field, Instants
 from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.packing.walls import walls
 
 if TYPE_CHECKING:
     import k3d
+
+_MOST_OF_A_CHAIN = 120  # instants of up to a thousand
+BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
+LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
+_DECADES = 4  # of a scale of forces, far below F_y, to include the elastic wave
+
+
+@dataclass(frozen=True, eq=False)
+class Instants:
+    """Values of the spheres at rising times.
+
+    Attributes
+    ----------
+    times
+        Times, s: (n_instants,).
+    quantities
+        Names that `values` knows, as of a snapshot.
+    values
+        Function of the number of an instant and a quantity: (n_spheres,) or (n_spheres, 3), SI units.
+    """
+
+    times: NDArray[np.float64]
+    quantities: tuple[str, ...]
+    values: Callable[[int, str], NDArray[np.float64]]
+
+    def at(self, numbers: Sequence[int]) -> Instants:
+        """Return some of the instants, by their numbers."""
+        return Instants(self.times[list(numbers)], self.quantities, lambda n, name: self.values(numbers[n], name))
+
+
+def instants_of(result: Result) -> Instants:
+    """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record of a chain."""
+    if "chain" in result and len(result["chain/time"]) > result.n_frames:
+        return _of_chain(result)
+    return Instants(
+        result.frame_times, result.quantities, lambda number, name: np.nan_to_num(result.frame(number, name))
+    )
+
+
+def _of_chain(result: Result) -> Instants:
+    """Return velocity and displacement, which point along the chain, and the largest force of each bead's contacts."""
+    time, n = result["chain/time"], result.n_spheres
+    rows = np.unique(np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int))
+    beads, force = result.rows(result["chain/id"]), np.zeros((len(time), n))
+    row = dict(zip(result["chain/id"].tolist(), beads.tolist(), strict=True))
+    for end in ("chain/contact_i", "chain/contact_j"):
+        for contact, sphere in enumerate(result[end].tolist()):
+            if sphere in row:  # else the face of a bar
+                np.maximum(force[:, row[sphere]], result["chain/contact_force"][:, contact], out=force[:, row[sphere]])
+    scalars = {"contact_force": force, "peak_force": np.maximum.accumulate(force, axis=0)}
+    along = {name: result[f"chain/{name}"] for name in ("velocity", "displacement")}
+
+    def values(number: int, quantity: str) -> NDArray[np.float64]:
+        if quantity in scalars:
+            return np.asarray(scalars[quantity][rows[number]])
+        found = np.zeros((n, 3))
+        found[beads, 2] = along[quantity][rows[number]]
+        return found
+
+    return Instants(time[rows], (*along, *scalars), values)
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A field with its colour scale.
+
+    Attributes
+    ----------
+    name
+        Its name in the panel.
+    label
+        Label of the colour bar, with the unit.
+    map
+        Name of the colour map.
+    low, high
+        Ends of the logarithmic scale, in the unit of the label.
+    above
+        True if there are values above the scale.
+    levels
+        Level over `LEVELS` of each sphere at each snapshot, 0 below the scale: (n_frames, n_spheres).
+    """
+
+    name: str
+    label: str
+    map: str
+    low: float
+    high: float
+    above: bool
+    levels: NDArray[np.float32]
+
+    @property
+    def colours(self) -> NDArray[np.float32]:
+        """Colour map of k3d: rows of level over `LEVELS`, red, green and blue, grey below the scale."""
+        level = np.arange(1, LEVELS + 1) / LEVELS
+        scale = colormaps[self.map]((np.arange(LEVELS) + 0.5) / LEVELS)[:, :3]
+        edge = 0.5 / LEVELS
+        blank = np.array([[0.0, *to_rgb(BLANK)], [edge, *to_rgb(BLANK)], [1.001 * edge, *scale[0]]])
+        return np.concatenate([blank, np.column_stack([level, scale])]).astype(np.float32)
+
+
+def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) -> list[Field]:
+    """Return the fields of a run that are not zero throughout.
+
+    Parameters
+    ----------
+    instants
+        Instants that are shown.
+    rows
+        Rows of the spheres.
+    """
+    options = result.figure_options
+    forces, losses = options.colour_map or FORCE_MAP, options.colour_map or DISSIPATION_MAP
+    given = result.energy_input
+    scale = force_scale(result)[0]
+    in_newtons = None if options.force_limits is None else tuple(scale * end for end in options.force_limits)
+    in_joules = tuple(given * end for end in options.dissipation_limits or DISSIPATION_LIMITS) if given else None
+    wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
+        ("contact force", "Largest contact force (N)", "contact_force", forces, in_newtons),
+        ("speed", "Speed (m/s)", "velocity", forces, None),
+        ("peak force", "Largest contact force so far (N)", "peak_force", forces, in_newtons),
+        ("dissipated energy", "Dissipated so far (J)", "dissipated_energy", losses, in_joules),
+        ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
+    ]
+    found = []
+    for name, label, quantity, colours, limits in wanted:
+        if quantity not in instants.quantities:
+            continue
+        frame_values = (instants.values(number, quantity) for number in range(len(instants.times)))
+        values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values])
+        largest = float(np.max(values, initial=0.0))
+        if not largest > 0:
+            continue
+        high = decades_up_to(largest, None)[1]
+        low, high = limits or (high / 10**_DECADES, high)
+        with np.errstate(divide="ignore"):
+            share = np.log(values / low) / np.log(high / low)
+        levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
+        found.append(Field(name, label, colours, low, high, largest > high, levels.astype(np.float32)))
+    return found
+
 
 _MILLI, _MICRO = 1e3, 1e6
 _MOVES = 0.05  # diameters: spheres that move less stay in their places
@@ -43,40 +188,24 @@ _SIDES = 32  # of a cylinder
 _BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
-    """Spheres and snapshots of a run that are on the page.
-
-    Attributes
-    ----------
-    rows
-        Rows of the spheres, rising: (n,).
-    instants
-        Instants of the run.
-    frames
-        Numbers of those on the page, rising.
-    note
-        A sentence on what is left out; empty if nothing is.
-    """
-
-    rows: NDArray[np.int64]
-    instants: Instants
-    frames: Sequence[int]
-    note: str
-
-
-def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
+def plot_of(result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], note: str) -> k3d.Plot:
     """Return the plot of a run.
 
     Parameters
     ----------
+    instants
+        Instants that are on the page.
+    rows
+        Rows of the spheres that are, rising: (n,).
     found
         Fields; the first is shown at the start.
+    note
+        A sentence on what is left out; empty if nothing is.
     """
     import k3d  # brings the widgets of notebooks along
 
-    place = _MILLI * (result["spheres/position"][chosen.rows] - result.origin)
-    times = [float(_MICRO * chosen.instants.times[number]) for number in chosen.frames]
+    place = _MILLI * (result["spheres/position"][rows] - result.origin)
+    times = (_MICRO * instants.times).tolist()
     camera = _camera(result, place)
     bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
     plot = k3d.plot(
@@ -93,7 +222,7 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
         name=result.case.name,
         antialias=1,
     )
-    for one in (*_spheres(result, chosen, found, place, times), *_walls(result), *_bars(result)):
+    for one in (*_spheres(result, instants, rows, found, place), *_walls(result), *_bars(result)):
         plot += one
     text = partial(k3d.text2d, is_html=True, label_box=False)
     for field in found:
@@ -101,8 +230,11 @@ def plot_of(result: Result, chosen: Chosen, found: Sequence[Field]) -> k3d.Plot:
         plot += text(_colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
     clock = {_key(time): f"{time:.1f} µs" for time in times}
     plot += text(clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock")
-    title = _title(result, chosen)
-    plot += text(title, position=[0.005, 0.01], reference_point="lt", size=1.0, color=_INK, name="title")
+    called, number = result.assembly.grains_called, f"{len(rows):,}".replace(",", " ")
+    lines = [f"<b>{html.escape(result.case.name)}</b>", f"{number} {called}, {len(times)} snapshots"]
+    lines += [html.escape(line) for line in (note, in_grains("lengths in mm from the struck sphere", called)) if line]
+    corner = {"position": [0.005, 0.01], "reference_point": "lt", "size": 1.0}
+    plot += text("<br>".join(lines), **corner, color=_INK, name="title")
     cuts, cut = _cuts(result, place, camera)
     plot.time = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot.camera = camera
@@ -115,27 +247,19 @@ def _key(time: float) -> str:
     return f"{time:.9g}"
 
 
-def _title(result: Result, chosen: Chosen) -> str:
-    case = result.case
-    number = f"{len(chosen.rows):,}".replace(",", " ")
-    called = result.assembly.grains_called
-    counts = f"{number} {called}, {len(chosen.frames)} snapshots"
-    lines = [f"<b>{html.escape(case.name)}</b>", counts, *([html.escape(chosen.note)] if chosen.note else [])]
-    return "<br>".join([*lines, in_grains("lengths in mm from the struck sphere", called)])
-
-
 def _spheres(
-    result: Result, chosen: Chosen, found: Sequence[Field], place: NDArray[np.float64], times: Sequence[float]
+    result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], place: NDArray[np.float64]
 ) -> Iterator[Any]:
     """Make the grains of every field: cylinders, spheres that stay in their places, and those that move."""
     import k3d
 
-    moved = [_MILLI * chosen.instants.values(number, "displacement")[chosen.rows] for number in chosen.frames]
+    times = (_MICRO * instants.times).tolist()
+    moved = [_MILLI * instants.values(number, "displacement")[rows] for number in range(len(times))]
     steps = {_key(time): one for time, one in zip(times, moved, strict=True)}
-    radius = _MILLI * result["spheres/radius"][chosen.rows]
+    radius = _MILLI * result["spheres/radius"][rows]
     away = np.max([np.abs(one).max(axis=1) for one in moved], axis=0) > _MOVES * 2 * radius
     grain_shapes = result.assembly.grain_shapes()
-    shapes = [grain_shapes[row] for row in chosen.rows]
+    shapes = [grain_shapes[row] for row in rows]
     is_round = np.array([one is None for one in shapes])
 
     def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
@@ -144,26 +268,26 @@ def _spheres(
         scale = {"attribute": levels, "color_range": [0.0, 1.0], "color_map": field.colours.ravel()}
         return scale | {"name": f"{field.name}{what}", "group": field.name, "visible": field is found[0]}
 
-    if len(rows := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
-        outlines = np.stack([_outline(one, radius[row]) for row in rows if (one := shapes[row])])
+    if len(own := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
+        outlines = np.stack([_outline(one, radius[row]) for row in own if (one := shapes[row])])
         n_corners = outlines.shape[1]
-        faces = (np.arange(len(rows))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
+        faces = (np.arange(len(own))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
         corners = {
-            key: ((place + one)[rows][:, None] + outlines).reshape(-1, 3).astype(np.float32)
+            key: ((place + one)[own][:, None] + outlines).reshape(-1, 3).astype(np.float32)
             for key, one in steps.items()
         }
         for field in found:
-            of_field = look(field, rows, ", cylinders", n_corners)
+            of_field = look(field, own, ", cylinders", n_corners)
             yield k3d.mesh(corners, faces, flat_shading=False, side="double", **of_field)
-    for rows, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
-        if not len(rows):
+    for own, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
+        if not len(own):
             continue
-        positions: Any = place[rows].astype(np.float32)
+        positions: Any = place[own].astype(np.float32)
         if what:
-            positions = {key: (place[rows] + one[rows]).astype(np.float32) for key, one in steps.items()}
-        sizes = (2 * radius[rows]).astype(np.float32)
+            positions = {key: (place[own] + one[own]).astype(np.float32) for key, one in steps.items()}
+        sizes = (2 * radius[own]).astype(np.float32)
         for field in found:
-            yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, rows, what))
+            yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, own, what))
 
 
 def _outline(shape: Cylinder, radius: float) -> NDArray[np.float64]:

@@ -18,10 +18,20 @@ from typing import Any
 
 import results_picture
 
-from granwave.analysis.document.cells import percent, significant, tidied
-from granwave.analysis.document.model import Cell, Column, Note, Report, Section, Table, cleaned
+from granwave.analysis.document.model import (
+    Cell,
+    Column,
+    Note,
+    Report,
+    Section,
+    Table,
+    cleaned,
+    percent,
+    significant,
+    tidied,
+)
+from granwave.analysis.reports.report import markdown
 from granwave.analysis.reports.studies import row_tables
-from granwave.analysis.reports.writers import markdown
 from granwave.analysis.studies.study import Row, Study, record_of
 from granwave.lammps_inputs.files import replace_text
 

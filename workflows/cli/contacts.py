@@ -100,9 +100,9 @@ def _at_most_two(options: argparse.Namespace) -> None:
 
 def fit(options: argparse.Namespace) -> int:
     """Execute ``granwave fit``."""
+    from granwave.analysis.contact_law.curves import read_curve
     from granwave.analysis.contact_law.fit import fit_law
     from granwave.analysis.contact_law.fit_output import WRITTEN, pair_toml, write_fit
-    from granwave.analysis.contact_law.measured_curve import read_curve
 
     _at_most_two(options)
     if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.document.cells import is_number
+from granwave.analysis.document.model import is_number
 from granwave.analysis.scans.result import SEED
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides

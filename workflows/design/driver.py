@@ -10,7 +10,7 @@ from collections import deque
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from granwave.analysis.document.cells import is_number
+from granwave.analysis.document.model import is_number
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
 from granwave.lammps_inputs.errors import InputError

@@ -185,7 +185,7 @@ def style() -> Iterator[None]:
 
     Settings are restored at its end. ``figsize`` of ``pyplot.subplots`` changes the size, inches.
     """
-    from granwave.analysis.notebook.axes import own_style
+    from granwave.analysis.figures.series import own_style
 
     with own_style():
         yield

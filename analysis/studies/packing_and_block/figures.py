@@ -1,18 +1,29 @@
-"""Figures of impacts on packings and on blocks: dissipated fraction and volumes involved, against the input energy."""
+"""Figures of impacts on packings and on blocks, against the input energy; and peak forces of a packing.
+
+Dissipated fraction and volumes involved of both. Peak forces of a packing at several velocities: proportional to the
+impulse at every contact, and a planar front. The impulse is the momentum of the struck spheres; forces are in F_y.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-from pandas import DataFrame
+from pandas import DataFrame, Series
 
+from granwave.analysis.document.model import Table, show
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
-from granwave.analysis.measures.impact import QuadraticLaw
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.impact import QuadraticLaw, rays
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.packing_and_block.impacts import (
     SAME,
     Curves,
@@ -23,6 +34,8 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     masses,
     variants,
 )
+from granwave.analysis.studies.study import Sketch, numeric, table_of
+from granwave.lammps_inputs.errors import GranwaveError
 
 FRACTION = "Dissipation / input energy"
 GRANULAR_ENERGY = r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
@@ -164,3 +177,191 @@ def by_mass(curves: Curves) -> Drawing:
     right.set_title("full: largest at one instant, dotted: that ever yielded", fontsize=7)
     volumes = ("volume_over_sphere_volume", "volume_ever_over_sphere_volume")
     return Drawing(figure, columns_of(curves, ("mass_kg", "energy_normalised", "dissipated_fraction", *volumes)))
+
+
+_FEWEST_RUNS = 3
+_ON_RAY = (1, 2, 4, 8, 12)  # contacts of a preferred direction, from the struck sphere, that are drawn
+_LAYERS_TOLD = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
+_MOST_FRONTS = 4
+_BANDS = 5  # of depth
+_MILLI = 1e3
+_WEAK = 1.0  # contacts that stay below at the largest velocity are left out
+_INSIDE = -1e-6  # diameters, of a coordinate along a preferred direction: within the cone that these span
+_LAYERS = 1e3  # in a diameter, by which depths are told apart
+_IMPULSE = (
+    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every depth, tell that force is "
+    "proportional to impulse"
+)
+_FRONT = (
+    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the largest force of its "
+    "layer tells that it gets planar"
+)
+_UNREADABLE = (GranwaveError, OSError, KeyError)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Linearity:
+    """Peak force against velocity, contact by contact.
+
+    Attributes
+    ----------
+    velocity
+        (n_runs,).
+    ray
+        Largest peak force of the contacts on the preferred directions: (n_contacts, n_runs).
+    depth
+        Of the contacts, m: (m,).
+    exponent
+        Of force against velocity, a least-squares slope on logarithmic axes: (m,).
+    """
+
+    velocity: Array
+    ray: Array
+    depth: Array
+    exponent: Array
+
+
+def linear(runs: DataFrame) -> Linearity | None:
+    """Linearity of runs by rising velocity; None for fewer than three, or if no contact counts.
+
+    Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at the largest velocity
+    and were pressed at all at every other. Beyond the cone a contact may be loaded by the rebound alone.
+    """
+    if len(runs) < _FEWEST_RUNS:
+        return None
+    forces, along = [], []
+    try:
+        for run in runs.itertuples():
+            with Result(run.run.directory) as result:
+                pairs = list(zip(result["contacts/i"].tolist(), result["contacts/j"].tolist(), strict=True))
+                forces.append(Series(dict(zip(pairs, result["contacts/peak_force"] / run.yield_force, strict=True))))
+                along.append(np.fmax.reduce(rays(result).peak_force, axis=1) / run.yield_force)  # NaN without a contact
+                inside = np.flatnonzero(_in_cone(result)[result.ends].all(axis=1))
+                middle = result["spheres/position"][result.ends, 2].mean(axis=1) - result.origin[2]
+                depth = Series({pairs[k]: middle[k] for k in inside}, dtype=float)
+    except _UNREADABLE:
+        return None
+    table = pd.concat(forces, axis=1).reindex(depth.index)
+    kept = table.iloc[:, -1].gt(_WEAK) & table.gt(0).all(axis=1)
+    if not kept.any():
+        return None
+    velocity = runs.velocity_normalised.to_numpy()
+    x = np.log(velocity) - np.log(velocity).mean()
+    shortest = min(map(len, along))
+    ray = np.stack([one[:shortest] for one in along], axis=1)
+    return Linearity(velocity, ray, depth[kept].to_numpy(), np.log(table[kept].to_numpy()) @ x / (x @ x))
+
+
+def fronts(runs: DataFrame) -> dict[float, DataFrame]:
+    """Front of up to four runs, spread over their range, by normalised velocity."""
+    if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
+        return {}
+    found = {}
+    for run in runs.iloc[sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})].itertuples():
+        try:
+            with Result(run.run.directory) as result:
+                found[float(run.velocity_normalised)] = _front(result, run.yield_force)
+        except _UNREADABLE:
+            continue
+    return found
+
+
+def pictures(impacts: Impacts) -> Iterator[Sketch]:
+    """Peak force against impulse, and the front, of the reference."""
+    if found := linear(impacts.fast):
+        yield Sketch("peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, found))
+    if there := fronts(impacts.reference):
+        yield Sketch("front", _FRONT, partial(_front_by_depth, there))
+
+
+def tables(impacts: Impacts) -> Iterator[Table]:
+    """Exponents of force against impulse over fifths of the depth, and the front."""
+    if found := linear(impacts.fast):
+        numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
+        columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
+        caption = (
+            f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
+            f"{show(float(found.velocity[-1]))} (1: proportional)"
+        )
+        rows: list[tuple[Any, ...]] = []
+        for top, bottom in pairwise(np.linspace(0, float(found.depth.max()), _BANDS + 1).tolist()):
+            exponent = found.exponent[(found.depth >= top) & (found.depth <= bottom)]
+            if len(exponent):
+                quantiles = np.quantile(exponent, (0.05, 0.5, 0.95)).tolist()
+                rows.append((_MILLI * top, _MILLI * bottom, len(exponent), *quantiles))
+        yield table_of(caption, columns, rows)
+    if there := fronts(impacts.reference):
+        numbers = numeric(("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_TOLD))
+        rows = []
+        for velocity, front in there.items():
+            weak = front.depth[front.largest[::-1].cummax()[::-1] <= 1]  # from here on no force is above F_y
+            uniformity = [float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_TOLD]
+            rows.append((velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity))
+        caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
+        yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
+
+
+def _front(result: Result, unit: float) -> DataFrame:
+    """Return the peak forces of the layers that the wave reached.
+
+    Returns
+    -------
+    DataFrame
+        ``depth`` below the struck sphere, m; ``largest`` peak force of a sphere, in the unit (N); ``uniformity``, mean
+        over largest: 1 where the front is planar.
+    """
+    depth, inside = result["spheres/position"][:, 2] - result.origin[2], _in_cone(result)
+    diameter = result.case.packing.diameter
+    layer = np.rint(_LAYERS * depth[inside] / diameter)
+    found = Series(result["spheres/peak_force"][inside] / unit).groupby(layer).agg(["max", "mean"])
+    found = found[found["max"] > 0]
+    depths = found.index.to_numpy() * diameter / _LAYERS
+    uniformity = (found["mean"] / found["max"]).to_numpy()
+    return DataFrame({"depth": depths, "largest": found["max"].to_numpy(), "uniformity": uniformity})
+
+
+def _in_cone(result: Result) -> Array:
+    """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are not three."""
+    directions = preferred_directions(result.case.packing.kind)
+    offset = result["spheres/position"] - result.origin
+    if len(directions) != 3:
+        return np.ones(len(offset), dtype=bool)
+    return np.all(offset @ np.linalg.inv(directions) > _INSIDE * result.case.packing.diameter, axis=1)
+
+
+def _peak_force_against_impulse(found: Linearity) -> Drawing:
+    """Draw force against velocity along a preferred direction, and the exponent of every contact against depth."""
+    figure, left, right = panels(2.6, 2)
+    columns: dict[str, Array] = {"velocity_normalised": found.velocity}
+    for k, n in enumerate(n for n in _ON_RAY if n <= len(found.ray)):
+        values, style = found.ray[n - 1], {**look(k), "markerfacecolor": "none", "markersize": 5}
+        left.plot(found.velocity, values, label=f"contact {n}", linestyle="none", **style)
+        proportional = values[-1] * found.velocity / found.velocity[-1]
+        left.plot(found.velocity, proportional, color=style["color"], linewidth=0.7)
+        columns[f"contact_{n}_over_Fy"] = values
+    label(left, r"Impact velocity $\bar v_0$, as impulse", r"Peak force $F_\mathrm{max}/F_\mathrm{y}$", log="xy")
+    left.set_ylim(top=30 * float(np.nanmax(found.ray)))
+    left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
+    right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
+    right.axhline(1, color=ORANGE, linewidth=0.8)
+    low, high = np.quantile(found.exponent, (0.005, 0.995))
+    limits = min(low, 0.8), max(high, 1.2)
+    label(right, "Depth of the contact (mm)", "Exponent of force against impulse", ylim=limits)
+    return Drawing(figure, columns | {"depth_m": found.depth, "exponent": found.exponent})
+
+
+def _front_by_depth(found: dict[float, DataFrame]) -> Drawing:
+    """Draw the largest peak force and its uniformity by layer: the front gets elastic, then planar."""
+    figure, left, right = panels(2.6, 2)
+    columns: dict[str, Array] = {}
+    for n, (velocity, front) in enumerate(found.items()):
+        style = {**look(n), "markersize": 3.5, "linewidth": 0.8}
+        left.plot(front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **style)
+        right.plot(front.depth * _MILLI, front.uniformity, **style)
+        for name, column in zip(("depth_m", "largest_over_Fy", "mean_over_largest"), front, strict=True):
+            columns[f"{name}_v_{velocity:.4g}"] = front[column].to_numpy()
+    left.axhline(1, color=GREY, linestyle=":", linewidth=0.9)
+    label(left, "Depth (mm)", r"Largest peak force of a layer $/F_\mathrm{y}$", log="y")
+    left.legend()
+    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1.05))
+    return Drawing(figure, columns)

@@ -16,13 +16,7 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.measures.impact import (
-    Involved,
-    QuadraticLaw,
-    elements_involved,
-    quadratic_law,
-    spheres_involved,
-)
+from granwave.analysis.measures.impact import Involved, QuadraticLaw, elements_involved, quadratic_law, spheres_involved
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.lammps_inputs.contact.law import sphere_contact

@@ -11,10 +11,9 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.document.cells import percent, show, spread_cell
-from granwave.analysis.document.model import Cell, Column, Note, Table
+from granwave.analysis.document.model import Cell, Column, Note, Table, percent, show, spread_cell
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.studies.packing_and_block import figures, forces, zone
+from granwave.analysis.studies.packing_and_block import figures, zone
 from granwave.analysis.studies.packing_and_block.impacts import (
     Impacts,
     area_table,
@@ -31,8 +30,7 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     variants,
 )
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Sketch
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Sketch, numeric, table_of
 
 TITLE = "Comparison"
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
@@ -112,7 +110,7 @@ def pictures(impacts: Impacts) -> Iterator[Sketch]:
             yield sketch("granular_velocity", figures.against_velocity, grains, fit)
         if len(areas := by_area(impacts)) > 1:
             yield sketch("loading_area", figures.loading_area, areas)
-    yield from forces.pictures(impacts)
+    yield from figures.pictures(impacts)
     if len(blocks):
         if len(curves := materials(impacts)) > 1:
             yield sketch("continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear")
@@ -134,7 +132,7 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     yield from zone.tables(impacts)
     if len(impacts.reference):
         yield from _of_packings(impacts)
-    yield from forces.tables(impacts)
+    yield from figures.tables(impacts)
     if len(impacts.continuum):
         yield from _of_blocks(impacts)
 

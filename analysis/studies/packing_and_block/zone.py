@@ -15,8 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from pandas import DataFrame, concat
 
-from granwave.analysis.document.cells import show, value_cell
-from granwave.analysis.document.model import Cell, Column, Note, Table, Tone
+from granwave.analysis.document.model import Cell, Column, Note, Table, Tone, show, value_cell
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
@@ -24,8 +23,7 @@ from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.figures import GRANULAR_ENERGY
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, energy_unit, rising
-from granwave.analysis.studies.study import Sketch
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Sketch, numeric, table_of
 
 _MARKERS = "os^"  # of the shares
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}

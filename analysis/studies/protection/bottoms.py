@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings import reached_targets
+from granwave.analysis.figures.series import column_name, legend_outside, panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.formatting.numbers import number
+from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, table
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_title
 
 _MOST = 12  # curves of a figure
+_STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
+_MICRO = 1e6
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
@@ -44,13 +48,28 @@ def tables(runs: Sequence[TargetRun]) -> list[Table]:
 def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     """Force, impulse and energy against time at the lowest friction."""
     plain = _plain(runs)
-    targets = {name: (run.reached, *run.energy) for run, name in zip(plain, names(plain), strict=True)}
+    figure, *stack = panels(5.6, rows=3, width=4.6, sharex=True)
+    columns: dict[str, Array] = {}
+    for run, name, (line, colour) in zip(plain, names(plain), _STYLES, strict=False):
+        word, reached, (ledger, energy) = column_name(name), run.reached, run.energy
+        columns |= {f"{word}_time_s": reached.time, f"{word}_energy_time_s": ledger}
+        shown = (
+            ("Force (N)", reached.time, reached.force, 1.0, "force_N"),
+            ("Impulse (mN s)", reached.time, reached.impulse, 1e-3, "impulse_Ns"),
+            ("Energy (mJ)", ledger, energy, 1e-3, "energy_J"),
+        )
+        for axes, (label, time, values, unit, column) in zip(stack, shown, strict=True):
+            axes.plot(_MICRO * time, values / unit, line, color=colour, linewidth=1.0, label=name)
+            axes.set_ylabel(label)
+            columns[f"{word}_{column}"] = values
+    stack[-1].set(xlabel="Time (µs)", xlim=(0, _MICRO * max(run.reached.time[-1] for run in plain)))
+    legend_outside(figure, 2, fontsize=7)
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
     caption = (
         f"Force, impulse and energy that reach the target through {through}, against time. The lower the peak of the "
         "force, the better the target is protected; the impulse is spread in time, not taken away"
     )
-    yield Picture("", caption, reached_targets(targets))
+    yield Picture("", caption, Drawing(figure, columns))
 
 
 def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:

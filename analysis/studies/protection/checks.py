@@ -8,9 +8,8 @@ from collections.abc import Iterator, Sequence
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Row
-from granwave.analysis.studies.titles import impact_title
 from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (

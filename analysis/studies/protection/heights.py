@@ -6,18 +6,22 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
 
 from granwave.analysis.document.model import Table
-from granwave.analysis.figures.packings import Heights, reductions
+from granwave.analysis.figures.series import column_name, legend_outside, panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.formatting.numbers import number
-from granwave.analysis.measures.signals import power
+from granwave.analysis.measures.signals import Array, power
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series, table
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.titles import impact_title
 
 AllSeries = Sequence[Sequence[TargetRun]]
 
+_COLOURS = ("black", ORANGE, BLUE, GREEN, PURPLE, SKY, GREY)  # of bottoms
+_LINES, _MARKERS = ("-", "--", ":", "-."), "os^Dv"  # of friction
+_SHOWN = {"peak_reduction": "reduction", "gain_per_kg": "per_kg", "packing_mass_kg": "mass_kg"}  # names of columns
 TEXT = (
     "The same impact through packings of more and more layers. Reduction: the peak force of the same impact "
     "directly on the target over that on the target below the packing; also over the mass of the packing and over "
@@ -61,16 +65,33 @@ def verdict(found: AllSeries) -> Iterator[str]:
 
 
 def pictures(found: AllSeries) -> Iterator[Picture]:
-    """Reduction, and what a kilogram adds, against layers."""
-    shown = []
-    for runs, label in zip(found, names([runs[-1] for runs in found]), strict=True):
-        last, name = runs[-1], label.replace(f", {runs[-1].layers} layers", "")
-        values = ("peak_reduction", "gain_per_kg", "packing_mass_kg")
-        columns = [np.array([float(run.layers) for run in runs])]
-        columns += [np.array([run.value(key) for run in runs]) for key in values]
-        shown.append(Heights(name, last.bottom, last.friction, *columns))
+    """Reduction, and what a kilogram adds, against layers: a colour for each bottom, a mark for friction."""
+    figure, *row = panels(2.9, 2, width=7.0, sharex=True)
+    columns: dict[str, Array] = {}
+    bottoms = list(dict.fromkeys(runs[0].bottom for runs in found))
+    frictions, ticks = (
+        sorted({runs[0].friction for runs in found}),
+        sorted({one.layers for runs in found for one in runs}),
+    )
+    for runs, name in zip(found, names([runs[-1] for runs in found]), strict=True):
+        name = name.replace(f", {runs[-1].layers} layers", "")
+        place, colour = frictions.index(runs[0].friction), _COLOURS[bottoms.index(runs[0].bottom) % len(_COLOURS)]
+        layers = np.array([float(run.layers) for run in runs])
+        values = {column: np.array([run.value(key) for run in runs]) for key, column in _SHOWN.items()}
+        for axes, column in zip(row, values, strict=False):
+            look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
+            (line,) = axes.plot(layers, values[column], look, color=colour, label=name)
+            line.set(markersize=3.5, markerfacecolor="none" if place else colour)
+        columns |= {f"{column_name(name)}_{column}": one for column, one in {"layers": layers, **values}.items()}
+    for axes, label in zip(row, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
+        axes.set(xlabel="Layers", ylabel=label, xscale="log")
+        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
+        axes.xaxis.set_major_formatter("{x:g}")
+    row[0].set_yscale("log")
+    row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
+    legend_outside(figure, 3, fontsize=7)
     caption = (
         "Peak force without the packing over that with it, and what a kilogram adds to it, against the number of "
         "layers. Above 1 the packing protects; where the right-hand curve is highest, its mass pays most"
     )
-    yield Picture("", caption, reductions(shown))
+    yield Picture("", caption, Drawing(figure, columns))

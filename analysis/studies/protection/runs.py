@@ -8,14 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import FinishedRun, all_but
-from granwave.analysis.studies.tables import numeric, table_of
-from granwave.analysis.studies.titles import bottom_label
+from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label
+from granwave.analysis.studies.study import numeric, table_of
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
@@ -184,13 +182,12 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
             run.bottom,
             run.layers,
             Cell(f"{run.friction:g}", run.friction),
-            *(_cell(size * run.value(name)) for name, (_, _, size) in shown.items()),
+            *(
+                Cell(f"{value:.{_DIGITS}g}", value) if math.isfinite(value := size * run.value(name)) else Cell(BLANK)
+                for name, (_, _, size) in shown.items()
+            ),
         )
         for run in runs
     ]
     columns = (*heads, *numeric(*((heading, unit) for heading, unit, _ in shown.values())))
     return table_of(caption, columns, rows, sortable=True)
-
-
-def _cell(value: float) -> Cell:
-    return Cell(f"{value:.{_DIGITS}g}", value) if math.isfinite(value) else Cell(BLANK)

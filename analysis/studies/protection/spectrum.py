@@ -5,18 +5,19 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figures.packings import Plates, shock_spectra
+from granwave.analysis.figures.series import column_name, label, legend_outside, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import expected_displacement, spectrum_curves
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
-from granwave.analysis.studies.runs import FinishedRun
+from granwave.analysis.studies.runs import FinishedRun, impact_title, time_label
 from granwave.analysis.studies.study import Picture, Row
-from granwave.analysis.studies.titles import impact_title, time_label
 from granwave.lammps_inputs.case.boundary import Plate
 
 TEXT = (
@@ -117,16 +118,36 @@ def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
+    figure, axes = panels(4.4, width=4.6)
+    label(axes, "Period of the plate (µs)", "Largest displacement (µm)", log="xy")
+    columns: dict[str, Array] = {}
+    for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
+        friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
+        name = f"{one.plates[0].mass:g} kg, {one.held.layers} layers{friction}"
+        points: dict[str, Any] = {"color": colour, "markersize": 4}
+        axes.plot(_MICRO * one.period, _MICRO * one.displacement, marker, label=f"below the packing: {name}", **points)
+        axes.plot(
+            _MICRO * one.period, _MICRO * one.without, marker, markerfacecolor="none", label="without it", **points
+        )
+        period = np.geomspace(one.period.min(), one.period.max(), _CURVE)
+        theory = spectrum_curves(one.held.reached, one.plates[0], period)
+        for values, line, called in (
+            (theory.oscillator, "-", "oscillator"),
+            (theory.slow_force, ":", "slow force, F/k"),
+            (theory.short_impulse, "--", "short impulse, J/(Mω)"),
+        ):
+            axes.plot(_MICRO * period, _MICRO * values, line, label=called, color=colour, linewidth=0.9)
+        word = column_name(name)
+        columns |= {
+            f"{word}_period_s": one.period, f"{word}_displacement_m": one.displacement,
+            f"{word}_without_m": one.without, f"{word}_line_period_s": period,
+            f"{word}_oscillator_m": theory.oscillator, f"{word}_slow_force_m": theory.slow_force,
+            f"{word}_short_impulse_m": theory.short_impulse,
+        }  # fmt: skip
+    axes.set_ylim(0.3 * _MICRO * min(one.displacement.min() for one in found))
+    legend_outside(figure, 2, fontsize=7)
     caption = (
         "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "
         "under the force on a plate held in place. The packing helps where full marks lie below open ones"
     )
-    yield Picture("", caption, shock_spectra(list(map(_plates, found))))
-
-
-def _plates(one: Spectrum) -> Plates:
-    friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
-    plate, period = one.plates[0], one.period
-    theory = spectrum_curves(one.held.reached, plate, np.geomspace(period.min(), period.max(), _CURVE))
-    words = f"{plate.mass:g} kg, {one.held.layers} layers{friction}"
-    return Plates(words, period, one.displacement, one.without, theory)
+    yield Picture("", caption, Drawing(figure, columns))

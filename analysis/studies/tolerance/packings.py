@@ -10,8 +10,7 @@ from typing import Any, Literal, NamedTuple
 import pandas as pd
 
 from granwave.analysis.statistics import Estimate, estimate, exactly
-from granwave.analysis.studies.runs import FinishedRun, all_but
-from granwave.analysis.studies.titles import bottom_label, impact_title
+from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label, impact_title
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
 

@@ -8,22 +8,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.figures.packings import convergence
-from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales
-from granwave.analysis.figures.series import COLOURS, legend_outside
-from granwave.analysis.figures.style import Drawing, new_figure
+from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales, ticks_at
+from granwave.analysis.figures.series import COLOURS, label, legend_outside, panels
+from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.formatting.numbers import number, with_interval
 from granwave.analysis.measures.target import reached
 from granwave.analysis.result.reader import Result
-from granwave.analysis.statistics import Estimate, crossing, differ_significantly, exactly, seeds_needed
+from granwave.analysis.statistics import (
+    Estimate,
+    crossing,
+    differ_significantly,
+    exactly,
+    growing,
+    half_width,
+    seeds_needed,
+)
 from granwave.analysis.studies.runs import FinishedRun
-from granwave.analysis.studies.study import Picture
-from granwave.analysis.studies.tables import numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.analysis.studies.tolerance.packings import (
     ARRIVAL,
     AXES,
@@ -58,6 +62,9 @@ _MARKERS = "os^DvP*"
 _ACROSS = 2  # panels
 _WIDTH = 7.0  # inches: two columns of a journal
 _FEWEST_SEEDS = 4  # whose convergence is worth a figure
+_FEWEST_SHOWN = 3  # the interval of two is thirteen standard deviations wide
+_LOOKS = (("black", "o"), (BLUE, "s"), (ORANGE, "^"))
+_TICKS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 30, 50, 100)
 _ALL = (FORCE, REDUCTION, DISSIPATED, PLASTIC, FRICTION, CONTACTS, SPHERES, VOLUME, DEPTH, ARRIVAL)
 _PERFORMANCE = (FORCE, DISSIPATED, PLASTIC)  # how much of it is left is told
 _PANELS = (FORCE, DISSIPATED, PLASTIC, FRICTION, SPHERES, ARRIVAL)
@@ -260,11 +267,10 @@ def _against(packing: Packing, axis: Quantity) -> Drawing | None:
     if not quantities:
         return None
     rows = -(-len(quantities) // _ACROSS)
-    figure = new_figure(1.75 * rows + 0.35 * (len(lines) > 1), _WIDTH)
-    panels: list[Axes] = figure.subplots(rows, _ACROSS, squeeze=False, sharex=True).ravel().tolist()
+    figure, *grid = panels(1.75 * rows + 0.35 * (len(lines) > 1), _ACROSS, rows, width=_WIDTH, sharex=True)
     others = [one for one in packing.axes if one is not axis]
     points = []
-    for axes, quantity in zip(panels, quantities, strict=False):
+    for axes, quantity in zip(grid, quantities, strict=False):
         means = packing.means(quantity)
         for n, (base, along) in enumerate(lines.items()):
             colour = COLOURS[n % len(COLOURS)]
@@ -273,8 +279,8 @@ def _against(packing: Packing, axis: Quantity) -> Drawing | None:
             mean = np.array([one.mean for one in found.values()]) / quantity.scale
             half = np.nan_to_num([one.half_width for one in found.values()]) / quantity.scale
             axes.fill_between(x, mean - half, mean + half, color=colour, alpha=0.2, linewidth=0)
-            label = ", ".join(f"{other.words} {other.show(other.of(base))}" for other in others)
-            axes.plot(x, mean, color=colour, marker=_MARKERS[n % len(_MARKERS)], markersize=3.5, label=label)
+            called = ", ".join(f"{other.words} {other.show(other.of(base))}" for other in others)
+            axes.plot(x, mean, color=colour, marker=_MARKERS[n % len(_MARKERS)], markersize=3.5, label=called)
             for place, setting in zip(x, found, strict=True):
                 single = np.array(packing.values(quantity, setting)) / quantity.scale
                 if packing.random(setting):
@@ -282,9 +288,9 @@ def _against(packing: Packing, axis: Quantity) -> Drawing | None:
             points += [(quantity.name, *s, one.n, one.mean, one.low, one.high) for s, one in found.items()]
         scale = spread_scales(axes, [axis.of(setting) for setting in settings])
         axes.set_ylabel(quantity.title, fontsize=7)
-    for axes in panels[len(quantities) :]:
+    for axes in grid[len(quantities) :]:
         axes.set_axis_off()
-    for axes in panels[max(0, len(quantities) - _ACROSS) : len(quantities)]:
+    for axes in grid[max(0, len(quantities) - _ACROSS) : len(quantities)]:
         axes.set_xlabel(axis.title + scale)
         axes.tick_params(labelbottom=True)
     if len(lines) > 1:
@@ -303,10 +309,9 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
     shown = [one for one in (FORCE, DISSIPATED) if packing.left(one)]
     if not shown:
         return None
-    figure = new_figure(0.32 * len(lines) + 1.25, _WIDTH)
-    panels: list[Axes] = figure.subplots(1, len(shown), squeeze=False, sharey=True).ravel().tolist()
+    figure, *row = panels(0.32 * len(lines) + 1.25, len(shown), width=_WIDTH, sharey=True)
     table = {axis.column: np.array([getattr(setting, axis.name) for setting in settings]) for axis in (across, up)}
-    for axes, quantity in zip(panels, shown, strict=True):
+    for axes, quantity in zip(row, shown, strict=True):
         found = packing.over_ideal(quantity)
         shares = np.array([100 * found[setting].mean if setting in found else np.nan for setting in settings])
         numbered_map(axes, shares.reshape(len(columns), len(lines)).T, 100.0, "% of the ideal packing's")
@@ -316,5 +321,41 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
         axes.set_xlabel(across.title + not_to_scale(columns))
         axes.set_title(quantity.words.capitalize())
         table[f"{quantity.name}_over_ideal"] = shares / 100
-    panels[0].set_ylabel(up.title + not_to_scale(lines))
+    row[0].set_ylabel(up.title + not_to_scale(lines))
     return Drawing(figure, table)
+
+
+def convergence(title: str, quantities: Mapping[str, tuple[str, Sequence[float]]]) -> Drawing | None:
+    """Half-width of the confidence interval of the first n values; None where nothing is random.
+
+    Parameters
+    ----------
+    quantities
+        Up to three: what each is called in the legend, and its values in the order of the seeds, by the name of its
+        columns.
+    """
+    figure, axes = panels(3.0)
+    label(axes, "Seeds", "95 % half-width (% of the mean)", log="xy")
+    columns: dict[str, Any] = {}
+    for (name, (words, values)), (colour, marker) in zip(quantities.items(), _LOOKS, strict=False):
+        if len(values) < _FEWEST_SHOWN or not np.std(values):
+            continue
+        found = growing(values)[_FEWEST_SHOWN - 2 :]
+        mean, seeds = found[-1].mean, np.array([one.n for one in found])
+        half = np.array([one.half_width for one in found])
+        expected = np.array([half_width(found[-1].deviation, int(n)) for n in seeds])
+        axes.plot(seeds, 100 * half / mean, marker, color=colour, markersize=4, label=words)
+        axes.plot(seeds, 100 * expected / mean, color=colour, linewidth=0.8)
+        root = np.sqrt(seeds[-1] / seeds) * expected[-1]
+        axes.plot(seeds, 100 * root / mean, color=colour, linewidth=0.8, linestyle=":")
+        columns |= {"n": seeds, f"{name}_half_width": half, f"{name}_expected": expected}
+    if not columns:
+        return None
+    axes.plot([], [], color=GREY, linewidth=0.8, label=r"$t_{n-1} s/\sqrt{n}$, $s$ of all seeds")
+    axes.plot([], [], color=GREY, linewidth=0.8, linestyle=":", label=r"$1/\sqrt{n}$")
+    most = max(len(values) for _, values in quantities.values())
+    ticks_at(axes.xaxis, [n for n in _TICKS if n <= most])
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_title(title, fontsize=7)
+    legend_outside(figure, 2, fontsize=6.5)
+    return Drawing(figure, columns)

@@ -76,7 +76,7 @@ def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):
 
 
 def test_staging_that_is_left_undone_leaves_nothing(tmp_path):
-    with pytest.raises(KeyboardInterrupt), staged(tmp_path / "a" / "b") as staging:
-        staging.path("half").write_text("half")
+    with pytest.raises(KeyboardInterrupt), staged(tmp_path / "a" / "b") as (path_of, _):
+        path_of("half").write_text("half")
         raise KeyboardInterrupt
     assert not list(tmp_path.iterdir())

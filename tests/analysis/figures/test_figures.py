@@ -47,8 +47,9 @@ def drawn(directory, case, **options):
 
 
 def render(centres, radius, colours, camera, width, axes=None):
-    """Picture of spheres and cylinders."""
-    return sphere_renderer.painted(sphere_renderer.lit_surface(centres, radius, camera, width, axes), colours)
+    """Surface and pixels of spheres and cylinders."""
+    surface = sphere_renderer.lit_surface(centres, radius, camera, width, axes)
+    return surface, sphere_renderer.painted(surface, colours)
 
 
 @pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
@@ -129,17 +130,17 @@ def test_sphere_in_front_hides_the_one_behind():
     """Seen from above, only the upper of two spheres is visible; a third one next to them is visible as well."""
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [2, 0, 0]])
-    picture = render(centres, 1.0, np.eye(3), camera, 64)
-    assert picture.visible.tolist() == [1, 2]
-    middle = picture.pixels[np.any(picture.pixels[..., 3] == 1, axis=1)]
+    surface, pixels = render(centres, 1.0, np.eye(3), camera, 64)
+    assert surface.visible.tolist() == [1, 2]
+    middle = pixels[np.any(pixels[..., 3] == 1, axis=1)]
     assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (apart from gloss, white)
 
 
 def test_picture_covers_the_discs():
     camera = sphere_renderer.Camera.looking(30.0, 20.0, np.array([0.0, 0.0, -1.0]))
-    picture = render(np.zeros((1, 3)), 0.5, np.ones((1, 3)), camera, 200)
-    left, right, bottom, top = picture.extent
-    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    surface, pixels = render(np.zeros((1, 3)), 0.5, np.ones((1, 3)), camera, 200)
+    left, right, bottom, top = surface.extent
+    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
     assert covered == pytest.approx(np.pi * 0.25, rel=5e-3)
 
 
@@ -156,9 +157,9 @@ def test_both_ways_of_painting_agree():
 def test_spheres_of_two_sizes_cover_their_discs():
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres, radii = np.array([[0.0, 0, 0], [3, 0, 0]]), np.array([1.0, 0.5])
-    picture = render(centres, radii, np.ones((2, 3)), camera, 300)
-    left, right, bottom, top = picture.extent
-    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    surface, pixels = render(centres, radii, np.ones((2, 3)), camera, 300)
+    left, right, bottom, top = surface.extent
+    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
     assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)
 
 
@@ -196,9 +197,9 @@ def test_a_cylinder_covers_its_outline(half):
     """The area of a cylinder in a picture: a rectangle and an ellipse, by its inclination."""
     camera = sphere_renderer.Camera.looking(25.0, 35.0, np.array([0.0, 0.0, 1.0]))
     radius, axis = 0.5, np.array([half])
-    picture = render(np.zeros((1, 3)), radius, np.ones((1, 3)), camera, 400, axis)
-    left, right, bottom, top = picture.extent
-    covered = picture.pixels[..., 3].mean() * (right - left) * (top - bottom)
+    surface, pixels = render(np.zeros((1, 3)), radius, np.ones((1, 3)), camera, 400, axis)
+    left, right, bottom, top = surface.extent
+    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
     length = np.linalg.norm(half)
     tilt = abs(camera.project(axis)[0, 2]) / length
     assert covered == pytest.approx(4 * radius * length * np.sqrt(1 - tilt**2) + np.pi * radius**2 * tilt, rel=5e-3)
@@ -209,11 +210,11 @@ def test_cylinders_hide_spheres_and_each_other():
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [0, 0, 3.2]])
     axes = np.array([[0.0, 0, 0], [0, 0, 1], [2, 0, 0]])
-    picture = render(centres, np.array([0.9, 1.0, 0.2]), np.eye(3), camera, 200, axes)
-    assert picture.visible.tolist() == [1, 2]
-    height, width = picture.pixels.shape[:2]
-    assert np.argmax(picture.pixels[height // 2, width // 2, :3]) == 2  # the lying one
-    beside = picture.pixels[height // 2, :, :3].sum(axis=0)  # along y
+    surface, pixels = render(centres, np.array([0.9, 1.0, 0.2]), np.eye(3), camera, 200, axes)
+    assert surface.visible.tolist() == [1, 2]
+    height, width = pixels.shape[:2]
+    assert np.argmax(pixels[height // 2, width // 2, :3]) == 2  # the lying one
+    beside = pixels[height // 2, :, :3].sum(axis=0)  # along y
     assert np.argmax(beside) == 1  # the end of the upright one
 
 

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.document.cells import BLANK
-from granwave.analysis.document.model import Note
+from granwave.analysis.document.model import BLANK, Note
 from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.inputs import Run, read_inputs
 from granwave.analysis.reports.results import compact_table, value_rows

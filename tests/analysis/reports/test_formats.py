@@ -16,9 +16,8 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.document.model import Cell, Column, Gallery, Note, Report, Section, Table
-from granwave.analysis.reports import writers as pdf_writer
-from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.writers import html_page, markdown, parts
+from granwave.analysis.reports import report as pdf_writer
+from granwave.analysis.reports.report import html_page, markdown, parts, write_report
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
 

@@ -6,11 +6,11 @@ import json
 
 import pytest
 
-from granwave.analysis.document.cells import named, percent, show
-from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned
+from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned, named, percent, show
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
-from granwave.analysis.reports import balance, figures
+from granwave.analysis.reports import figures
+from granwave.analysis.reports import outline as balance
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.workflows.run.checks import TOLERANCE

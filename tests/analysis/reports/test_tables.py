@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.cells import BLANK, spread_cell, tidied_table, value_cell
-from granwave.analysis.document.model import Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, Column, Table, spread_cell, tidied_table, value_cell
 from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.report import parts, text_of
 from granwave.analysis.reports.results import results_section
 from granwave.analysis.reports.setting import settings_blocks
 from granwave.analysis.reports.studies import studies_section
-from granwave.analysis.reports.writers import parts, text_of
 from granwave.analysis.studies.study import Row, Study
 from tests.helpers.synthetic_report import build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan

@@ -16,8 +16,9 @@ from granwave.analysis.document.model import Note, Table
 from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.studies.packing_and_block import forces, study, zone
+from granwave.analysis.studies.packing_and_block import figures as forces
 from granwave.analysis.studies.packing_and_block import impacts as groups
+from granwave.analysis.studies.packing_and_block import study, zone
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select
 from granwave.analysis.studies.runs import read_run

@@ -16,9 +16,8 @@ from granwave.analysis.document.model import Table
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.studies import studies_of, studies_section
-from granwave.analysis.studies.runs import all_but
+from granwave.analysis.studies.runs import all_but, bottom_label, impact_title, load_label, packing_title, time_label
 from granwave.analysis.studies.study import Row, Study, write_rows
-from granwave.analysis.studies.titles import bottom_label, impact_title, load_label, packing_title, time_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict

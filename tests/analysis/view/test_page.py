@@ -17,7 +17,7 @@ from PIL import Image
 from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.analysis.view import page, scene
-from granwave.analysis.view.fields import LEVELS, fields, instants_of
+from granwave.analysis.view.scene import LEVELS, fields, instants_of
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -67,7 +67,7 @@ def test_values_on_the_page(run, tmp_path):
     assert [one["visible"] for one in spheres.values()].count(True) == 1
     with Result(run) as result:
         (force,) = [
-            one for one in fields(result, instants_of(result), range(4), np.arange(144)) if one.name == "peak force"
+            one for one in fields(result, instants_of(result).at(range(4)), np.arange(144)) if one.name == "peak force"
         ]
         shown = arrays(spheres["peak force"]["attribute"])
         assert list(shown) == pytest.approx(1e6 * result.frame_times)
@@ -147,7 +147,7 @@ def test_fewer_spheres_and_snapshots(run, tmp_path, monkeypatch):
 def test_colours_and_limits_of_the_case(run):
     with Result(run) as result:
         result.figure_options = Figures(colour_map="cividis", force_limits=(0.5, 50.0))
-        force, *_ = fields(result, instants_of(result), [0, 3], np.arange(144))
+        force, *_ = fields(result, instants_of(result).at([0, 3]), np.arange(144))
         unit = result.law.yield_force
         assert (force.map, force.low, force.high) == ("cividis", 0.5 * unit, 50.0 * unit)
         assert force.colours.shape[1] == 4 and force.colours[0, 0] == 0 and force.colours[-1, 0] == 1
