@@ -141,7 +141,7 @@ void *FixWallGranHysteretic::extract(const char *name, int &dim)
 void FixWallGranHysteretic::setup(int)
 {
   listed = false;
-  if (is_rerun(*update) && (support || friction > 0.0 || loss || resistance || cohesive() || law.n_extra() > 0))
+  if (is_rerun(*update) && (support || friction > 0.0 || loss || resistance || has.cohesion || law.n_extra() > 0))
     error->all(FLERR, "Fix {} {}: rerun lacks the steps between its snapshots, by which the history of a wall with {} grows",
                STYLE, id, support ? "a support" : "more than a dent");
   evaluate();
