@@ -52,7 +52,7 @@ lammps_inputs/ownership
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes
 lammps_inputs/errors
-plugins
+plugins plugins/package
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
 FACES = {f"{name}/__init__" for name in PACKAGES}  # re-export names to users; no file of ours imports from them

@@ -22,12 +22,12 @@ import dataclasses
 import math
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
@@ -37,6 +37,9 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
+
+if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
+    from granwave.analysis.result.reader import Result
 
 ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
 _NOISE = 1e-6  # of the force from before the impact: how exact a static stage is

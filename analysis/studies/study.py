@@ -203,8 +203,6 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
-    from granwave.analysis.studies.study import as_block
-
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
 

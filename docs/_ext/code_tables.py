@@ -10,7 +10,7 @@ import argparse
 import importlib
 import json
 import re
-import tomllib
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -32,6 +32,9 @@ from granwave.workflows.cli.parser import make_parser as command_line
 
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "plugins" / "doc"
+sys.path.append(str(ROOT / "plugins" / "package"))
+from other_commands import other_commands  # noqa: E402  what the package's pages have, too
+
 _MARK = re.compile(r"^<!-- (\w+)(?:: ([\w.-]+))? -->$", re.MULTILINE)
 
 
@@ -157,18 +160,6 @@ def interface(package: str) -> str:
     return "\n".join(["```{eval-rst}", *lines, "```"])
 
 
-def other_commands() -> str:
-    """Return the tables of what the styles do with other commands of LAMMPS, which their tests try."""
-    text = []
-    for section in tomllib.loads((MANUAL / "other_commands.toml").read_text(encoding="utf-8"))["section"]:
-        text += [f"## {section['title']}", "", "| command | what happens |", "|---|---|"]
-        for row in section["row"]:
-            refused = [f"**Refused**: `{row['message'].replace('.*', '...')}`."] if "message" in row else []
-            text.append(f"| {row['command']} | {' '.join([*refused, row.get('answer', '')]).strip()} |")
-        text.append("")
-    return "\n".join(text)
-
-
 def bibtex_entries() -> str:
     """Return the BibTeX entries of CITATION.cff."""
     return f"```bibtex\n{bibtex((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))}\n```"
@@ -188,7 +179,7 @@ _PARTS: dict[str, Callable[..., str]] = {
     "materials": materials,
     "lattices": lattices,
     "interface": interface,
-    "other_commands": other_commands,
+    "other_commands": lambda: other_commands(MANUAL),
     "bibtex": bibtex_entries,
 }
 

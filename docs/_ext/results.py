@@ -165,7 +165,7 @@ def digests(suite: Suite) -> dict[str, str]:
         for path in paths
         for file in ([path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py"))
     }
-    code = [_code(file) for file in [*sorted(files), *_study_files(suite)]]
+    code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))
     return {"runs": _digest(tables), "studies": _digest(code)}
 
 
@@ -190,16 +190,29 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
         files += [found for name in cases if (found := library.find(name, library.CASES, file.parent)) not in files]
 
 
-def _code(file: Path) -> str:
-    """Return the lines of a module that make rows: without comments, docstrings, indentation and `pictures`."""
+def _code(file: Path) -> list[str]:
+    """Return what a module defines, as far as it makes rows: without imports, comments, docstrings, indentation, and what
+    makes `pictures` and `tables` of a report."""
     text = file.read_text(encoding="utf-8")
-    documented, nodes = (ast.Module, ast.ClassDef, ast.FunctionDef), list(ast.walk(ast.parse(text)))
-    no_rows = [node for node in nodes if isinstance(node, ast.FunctionDef) and node.name == "pictures"]
-    no_rows += [node.body[0] for node in nodes if isinstance(node, documented)
-                and ast.get_docstring(node, clean=False) is not None]  # fmt: skip
-    left_out = {line for one in no_rows for line in range(one.lineno, (one.end_lineno or one.lineno) + 1)}
-    lines = [line.strip() for number, line in enumerate(text.splitlines(), start=1) if number not in left_out]
-    return "\n".join(line for line in lines if line and not line.startswith("#"))
+    tree, documented = ast.parse(text), (ast.Module, ast.ClassDef, ast.FunctionDef)
+    no_rows = {
+        line
+        for node in ast.walk(tree)
+        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
+        for line in range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1)
+    }
+
+    def lines_of(node: ast.stmt) -> str:
+        numbers = range(node.lineno, (node.end_lineno or node.lineno) + 1)
+        lines = [text_lines[number - 1].strip() for number in numbers if number not in no_rows]
+        return "\n".join(line for line in lines if line and not line.startswith("#"))
+
+    text_lines, left_out = text.splitlines(), (ast.Import, ast.ImportFrom, ast.If)
+    return [
+        lines_of(node)
+        for node in tree.body
+        if not isinstance(node, left_out) and getattr(node, "name", "") not in ("pictures", "tables") and lines_of(node)
+    ]
 
 
 def _digest(content: Any) -> str:

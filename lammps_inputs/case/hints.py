@@ -142,6 +142,9 @@ _KEY_OF_WORD = {
         "probes": "probe",
         "initial_overlap": "dents initial_dents dent",
         "law": "contact_law model contact_model",
+        "share": "fraction portion percentage concentration",
+        "replace": "inclusion inclusions intruder intruders impurity impurities substitution",
+        "material": "stainless steel alloy metal",
         "name": "title label",
     }.items()
     for word in words.split()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from markdown_it import MarkdownIt
 from markdown_it.tree import SyntaxTreeNode
+from other_commands import MARK, other_commands
 
 _UNDERLINES = {"h1": "=", "h2": '"', "h3": "^"}
 _MEMBER = re.compile(
@@ -153,7 +154,9 @@ class _Page:
 def lammps_pages(folder: Path) -> dict[str, str]:
     """Pages of a folder, without its README, by name: in LAMMPS's format and layout."""
     texts = {
-        path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.md")) if path.stem != "README"
+        path.stem: path.read_text(encoding="utf-8").replace(MARK, other_commands(folder))
+        for path in sorted(folder.glob("*.md"))
+        if path.stem != "README"
     }
     labels = {
         _label(target or page, anchor)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import summarise, velocity_normalised, write_result
-from granwave.analysis.document import cells
+from granwave.analysis.document import model
 from granwave.analysis.lammps_output import time_series
 from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import summary_table
@@ -185,9 +185,9 @@ def share_of(table):
 def test_values_are_explained(tmp_path):
     """A report explains the values that a run has."""
     summary, _ = summary_of(tmp_path)
-    (group,) = cells.meanings([summary])
+    (group,) = model.meanings([summary])
     told = {row[1].text for row in group.blocks[0].rows}
     assert "peak_reduction" in told and "support_lost_J" not in told
-    assert cells.unit_of_value("peak_reduction_per_kg") == "1/kg"
-    assert cells.unit_of_value("packing_mass_kg") == "kg"
-    assert cells.meanings([{"name": "x"}]) == ()
+    assert model.unit_of_value("peak_reduction_per_kg") == "1/kg"
+    assert model.unit_of_value("packing_mass_kg") == "kg"
+    assert model.meanings([{"name": "x"}]) == ()

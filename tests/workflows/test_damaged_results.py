@@ -342,18 +342,19 @@ def test_swapped_points_are_refused(scan, tmp_path, capsys, way):
         one.rename(place / "x")
         two.rename(one)
         (place / "x").rename(two)
-        message = f"{one}: holds the point {two.name}"
+        messages = {f"{one}: holds the point {two.name}", f"{two}: holds the point {one.name}"}  # the first of the scan
     else:
         for path in (*two.iterdir(), two / MARKER):
             if path.is_file() and path.name not in ("point.json", "point.toml"):
                 shutil.copy(path, one / path.name)
-        message = f"{one}: holds a run of another case"
+        messages = {f"{one}: holds a run of another case"}
     for words in (
         ["report", place, "-o", tmp_path / "r.md"],
         ["scan", tmp_path / "here/s.toml", "-o", place, "--resume"],
     ):
         assert main([str(word) for word in words]) == 2
-        assert message in capsys.readouterr().err
+        found = capsys.readouterr().err
+        assert any(message in found for message in messages)
     shutil.rmtree(one)
     if way != "directories":
         assert main(["scan", str(tmp_path / "here/s.toml"), "-o", str(place), "--resume"]) == 0

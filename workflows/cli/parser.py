@@ -404,9 +404,23 @@ class _Parser(argparse.ArgumentParser):
             hint = f"; did you mean {near[0]}?" if near else ""
             message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
         elif message.startswith("unrecognized arguments: "):
-            message += "; keys of a case are set by --set KEY=VALUE"
+            message += _meant(message.split()[2].partition("=")[0])
         message = message.removeprefix("argument ")
         help_text = "" if "found " in message else f"; {self.prog} --help tells more"
         self.exit(
             WRONG_INPUT, f"{coloured('granwave:', RED, sys.stderr)} {printable(' '.join(message.split()))}{help_text}\n"
         )
+
+
+def _meant(unknown: str) -> str:
+    """Suggest what an option that a command does not have was probably meant to be."""
+    known: dict[str, list[str]] = {}
+    for command in COMMANDS:
+        for entry in command.options:
+            for option in entry if isinstance(entry, list) else [entry]:
+                for name in option.names:
+                    known.setdefault(name, []).append(command.name)
+    if unknown in known:
+        return f"; it is an option of {', '.join(known[unknown])}"
+    near = difflib.get_close_matches(unknown, known, n=1, cutoff=0.8)
+    return f"; did you mean {near[0]}?" if near else "; keys of a case are set by --set KEY=VALUE"

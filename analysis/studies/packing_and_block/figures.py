@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 import pandas as pd
 from pandas import DataFrame, Series
 
@@ -215,10 +216,10 @@ class Linearity:
         Of force against velocity, a least-squares slope on logarithmic axes: (m,).
     """
 
-    velocity: Array
-    ray: Array
-    depth: Array
-    exponent: Array
+    velocity: NDArray[np.float64]
+    ray: NDArray[np.float64]
+    depth: NDArray[np.float64]
+    exponent: NDArray[np.float64]
 
 
 def linear(runs: DataFrame) -> Linearity | None:
@@ -320,7 +321,7 @@ def _front(result: Result, unit: float) -> DataFrame:
     return DataFrame({"depth": depths, "largest": found["max"].to_numpy(), "uniformity": uniformity})
 
 
-def _in_cone(result: Result) -> Array:
+def _in_cone(result: Result) -> NDArray[np.bool_]:
     """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are not three."""
     directions = preferred_directions(result.case.packing.kind)
     offset = result["spheres/position"] - result.origin
@@ -332,7 +333,7 @@ def _in_cone(result: Result) -> Array:
 def _peak_force_against_impulse(found: Linearity) -> Drawing:
     """Draw force against velocity along a preferred direction, and the exponent of every contact against depth."""
     figure, left, right = panels(2.6, 2)
-    columns: dict[str, Array] = {"velocity_normalised": found.velocity}
+    columns: dict[str, NDArray] = {"velocity_normalised": found.velocity}
     for k, n in enumerate(n for n in _ON_RAY if n <= len(found.ray)):
         values, style = found.ray[n - 1], {**look(k), "markerfacecolor": "none", "markersize": 5}
         left.plot(found.velocity, values, label=f"contact {n}", linestyle="none", **style)
@@ -353,7 +354,7 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
 def _front_by_depth(found: dict[float, DataFrame]) -> Drawing:
     """Draw the largest peak force and its uniformity by layer: the front gets elastic, then planar."""
     figure, left, right = panels(2.6, 2)
-    columns: dict[str, Array] = {}
+    columns: dict[str, NDArray] = {}
     for n, (velocity, front) in enumerate(found.items()):
         style = {**look(n), "markersize": 3.5, "linewidth": 0.8}
         left.plot(front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **style)
