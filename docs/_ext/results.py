@@ -191,8 +191,10 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
 
 
 def _code(file: Path) -> list[str]:
-    """Return what a module defines, as far as it makes rows: without imports, comments, docstrings, indentation, and what
-    makes `pictures` and `tables` of a report."""
+    """Return what a module defines, as far as it makes rows.
+
+    Left out are imports, comments, docstrings, indentation, and what makes `pictures` and `tables` of a report.
+    """
     text = file.read_text(encoding="utf-8")
     tree, documented = ast.parse(text), (ast.Module, ast.ClassDef, ast.FunctionDef)
     no_rows = {

@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 import pandas as pd
+from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
 from granwave.analysis.document.model import Table, show
@@ -23,7 +23,6 @@ from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import QuadraticLaw, rays
-from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.packing_and_block.impacts import (
     SAME,
