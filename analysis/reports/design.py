@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -271,8 +272,14 @@ def _ends(column: pd.Series[Any]) -> str:
     """Return the smallest and the largest of numbers, or words in their order."""
     if pd.api.types.is_numeric_dtype(column):
         return f"{column.min():.4g} to {column.max():.4g}"
-    words = sorted(column.astype(str).unique())
+    words = [_named(word) for word in sorted(column.astype(str).unique())]
     return ", ".join(words) if len(words) <= _MOST_WORDS else f"{words[0]} to {words[-1]}"
+
+
+def _named(word: str) -> str:
+    """Return the name of a material that is written as a table, other words as they are."""
+    found = re.search(r'\b(?:name|preset) = "([^"]+)"', word)
+    return found[1] if found else word
 
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:
