@@ -200,10 +200,11 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
         and material.yield_strength is None
         and (law := case.contact_between(material, material)).yields
     ):
-        known = material.name in presets()
-        table = f'material = {{preset = "{material.name}", yield_strength = (Pa)}}'
-        give = f"write {table}" if known else "give a number in Pa"
-        missing = f"{material.name} has none" if known else "missing"
+        missing, give = (
+            (f"{material.name} has none", f'write material = {{preset = "{material.name}", yield_strength = (Pa)}}')
+            if material.name in presets()
+            else ("missing", "give a number in Pa")
+        )
         text = f'{missing}; the {law.law} law needs it: {give}, or set contact.law = "hertz"'
         errors.add(f"{key}.yield_strength", text)
 

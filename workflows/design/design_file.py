@@ -165,7 +165,6 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
     if layers is not None and base:
         found += _layers(layers, base, [one.key for one in found], errors)
     names = {_generic(key) for key in case_keys()} | _WHOLE
-    refused: dict[tuple[str, str], list[str]] = defaultdict(list)
     for one in found:
         generic = _generic(one.key)
         if not _is_key(generic, names):
@@ -177,23 +176,23 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
-            else:
-                for value, fault in _refused(one, base, errors):
-                    refused[value, fault].append(one.key)
-    for (value, fault), keys in refused.items():
-        also = f" and {len(keys) - 1} more" if keys[1:] else ""
-        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, keys[0], also, value, fault)
+    if base and not errors.lines:
+        _warn_of_refused(found, base, errors)
     return found
 
 
-def _refused(variable: Variable, base: Mapping[str, Any], errors: ErrorList) -> Iterator[tuple[str, str]]:
-    """Give each word, or end of a range, that alone makes the base wrong, with its fault."""
-    tried = variable.choices if not variable.ordered else dict.fromkeys(variable.value(end) for end in (0.0, 1.0))
-    for value in tried:
-        try:
-            GRANULAR.read(with_values(base, {variable.key: value}), errors.source)
-        except InputError as error:
-            yield show(value), error.errors[0].removeprefix(f"{errors.source}: ")
+def _warn_of_refused(variables: list[Variable], base: Mapping[str, Any], errors: ErrorList) -> None:
+    """Log a warning of words, and ends of ranges, that alone make the base wrong; one for variables of equal fault."""
+    refused: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for one in variables:
+        for value in one.choices if not one.ordered else dict.fromkeys(one.value(end) for end in (0.0, 1.0)):
+            try:
+                GRANULAR.read(with_values(base, {one.key: value}), errors.source)
+            except InputError as error:
+                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(one.key)
+    for (value, fault), keys in refused.items():
+        more = f" and {len(keys) - 1} more" * (len(keys) > 1)
+        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, keys[0], more, value, fault)
 
 
 def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
