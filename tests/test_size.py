@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 17940, "lammps_inputs": 8535, "workflows": 9930}
+STATEMENTS = {"analysis": 17940, "lammps_inputs": 8535, "workflows": 9933}
 FILES = 292  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",

@@ -115,8 +115,9 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     quantity = "Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)"
     label(axes, "Dissipation / energy input", quantity, xlim=(0, 1), ylim=(0, max(1.05 * top, 2)))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    gap, side = (-0.01, "right") if fraction[-1] > 0.9 else (0.01, "left")
     axes.text(
-        fraction[-1] + 0.01, 0.97, f"all {len(volume)} spheres", rotation=90, ha="left", va="top",
+        fraction[-1] + gap, 0.97, f"all {len(volume)} spheres", rotation=90, ha=side, va="top",
         transform=axes.get_xaxis_transform(),
     )  # fmt: skip
     return Drawing(figure, columns)

@@ -108,7 +108,8 @@ def own_plane(normal: Sequence[float], through: Sequence[float] | None, toleranc
     across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
     vertical = abs(unit[2]) < 1 - _LEVEL
     down_label = "y" if level else "Depth" if vertical else "Down the plane"
-    across_label = "x" if level or abs(across[0]) > _LEVEL else "y" if abs(across[1]) > _LEVEL else "Distance across"
+    axis = "x" if level or abs(across[0]) > _LEVEL else "y" if abs(across[1]) > _LEVEL else "Distance across"
+    across_label = f"{axis}, from the impact axis"
     point = None if through is None else np.array(through, dtype=float)
     return Plane("section", across, down, tolerance, down_label, across_label, point)
 

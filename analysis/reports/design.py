@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -261,7 +262,7 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
         chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3}
         others: dict[str, Any] = {"color": BLUE, "alpha": 0.1 + 0.6 * good**3, "lw": 0.8, "zorder": 2}
         axes.plot(places, row, **(chosen if number == found["best"]["number"] else others))
-    names = zip((*keys, name), (*keys, label_of(name)), strict=True)
+    names = zip((*keys, name), (*keys, value_column(name).title), strict=True)
     axes.set_xticks(places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right")
     label(axes, y="Value, from first to last", yticks=[0, 1])
     return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
@@ -271,8 +272,15 @@ def _ends(column: pd.Series[Any]) -> str:
     """Return the smallest and the largest of numbers, or words in their order."""
     if pd.api.types.is_numeric_dtype(column):
         return f"{column.min():.4g} to {column.max():.4g}"
-    words = sorted(column.astype(str).unique())
+    words = _named(sorted(column.astype(str).unique()))
     return ", ".join(words) if len(words) <= _MOST_WORDS else f"{words[0]} to {words[-1]}"
+
+
+def _named(words: list[str]) -> list[str]:
+    """Return materials that are written as tables by their names, where these tell them apart; else words as is."""
+    found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
+    names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
+    return names if len(set(names)) == len(words) else words
 
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:

@@ -81,6 +81,8 @@ def figures(options: argparse.Namespace) -> int:
 
         with Result(options.directory) as result:
             changed = apply_options(options, result.figure_options)
+        if changed.plane is None and (cut := [name for name in wanted or () if name.endswith("_section")]):
+            raise InputError(f"--only: {', '.join(cut)}: needs a plane; give --plane x, or figures.plane of the case")
         drawn = draw_figures(options.directory, names=wanted, helpers=others, options=changed)
     for path in drawn:
         print(path)

@@ -176,20 +176,23 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
-            else:
-                _warn_of_refused(one, base, errors)
+    if base and not errors.lines:
+        _warn_of_refused(found, base, errors)
     return found
 
 
-def _warn_of_refused(variable: Variable, base: Mapping[str, Any], errors: ErrorList) -> None:
-    """Log a warning of each word, or end of a range, that alone makes the base wrong."""
-    tried = variable.choices if not variable.ordered else dict.fromkeys(variable.value(end) for end in (0.0, 1.0))
-    for value in tried:
-        try:
-            GRANULAR.read(with_values(base, {variable.key: value}), errors.source)
-        except InputError as error:
-            fault = error.errors[0].removeprefix(f"{errors.source}: ")
-            _LOG.warning("%s: variables.%s: %s alone is refused: %s", errors.source, variable.key, show(value), fault)
+def _warn_of_refused(variables: list[Variable], base: Mapping[str, Any], errors: ErrorList) -> None:
+    """Log a warning of words, and ends of ranges, that alone make the base wrong; one for variables of equal fault."""
+    refused: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for one in variables:
+        for value in one.choices if not one.ordered else dict.fromkeys(one.value(end) for end in (0.0, 1.0)):
+            try:
+                GRANULAR.read(with_values(base, {one.key: value}), errors.source)
+            except InputError as error:
+                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(one.key)
+    for (value, fault), keys in refused.items():
+        more = f" and {len(keys) - 1} more" * (len(keys) > 1)
+        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, keys[0], more, value, fault)
 
 
 def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -168,7 +168,7 @@ def test_discs_of_a_plane_are_the_cuts_of_the_spheres(result):
     shown = result.rows(drawing.columns["id"])
     radius = np.sqrt(np.maximum((synthetic.DIAMETER / 2) ** 2 - away[shown] ** 2, 0))
     assert np.allclose(np.asarray(discs.get_widths()), 0.96 * 2 * radius * 1e3, atol=1e-6)
-    assert drawing.figure.axes[0].get_xlabel() == "y (mm)"
+    assert drawing.figure.axes[0].get_xlabel() == "y, from the impact axis (mm)"
 
 
 def test_no_section_without_a_plane_or_where_it_misses(result):

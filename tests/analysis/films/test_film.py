@@ -185,6 +185,9 @@ def test_commands(packing, granwave, tmp_path):
     done = granwave("figures", packing, "--only", "peak_force_section", *options)
     assert done.returncode == 0 and "peak_force_section.png" in done.stdout, done.stderr
     assert not (packing / "figures" / "peak_force_section.pdf").exists()
+    done = granwave("figures", packing, "--only", "peak_force_section")
+    assert done.returncode == 2 and "needs a plane; give --plane x" in done.stderr
+    assert (packing / "figures" / "peak_force_section.png").exists()
     done = granwave("figures", packing, "--only", "energies,directions")
     assert done.returncode == 0 and [line.split("/")[-1] for line in done.stdout.split()] == [
         "energies.png", "directions.png",

@@ -288,6 +288,14 @@ def test_words_that_are_refused_alone_are_warned_of(folder, caplog):
     assert "did you mean aluminium" in caplog.text
 
 
+def test_layers_of_a_refused_material_are_warned_of_once(folder, caplog):
+    packing = {"kind": "fcc", "size": [4, 4, 3], "diameter": 0.01}
+    base = {"material": "steel", "packing": packing, "contact": {"law": "elastoplastic"}}
+    problem_of(folder, set=base, variables={"layers": {"materials": ["steel", "ptfe"]}})
+    (warned,) = [one for one in caplog.messages if "alone is refused" in one]
+    assert "replace.1-16.material and 2 more" in warned and '{preset = "ptfe", yield_strength = (Pa)}' in warned
+
+
 def test_another_file_does_not_go_on(searched, folder):
     other = problem_of(folder, objective={"minimise": ["wall_impulse_Ns"]})
     directory, _ = searched
