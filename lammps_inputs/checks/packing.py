@@ -200,12 +200,12 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
         and material.yield_strength is None
         and (law := case.contact_between(material, material)).yields
     ):
-        missing, give = (
-            (f"{material.name} has none", f'write material = {{preset = "{material.name}", yield_strength = (Pa)}}')
+        give = (
+            f'{material.name} has none, write material = {{preset = "{material.name}", yield_strength = (Pa)}}'
             if material.name in presets()
-            else ("missing", "give a number in Pa")
+            else "give a number in Pa"
         )
-        text = f'{missing}; the {law.law} law needs it: {give}, or set contact.law = "hertz"'
+        text = f'missing; the {law.law} law needs it: {give}, or set contact.law = "hertz"'
         errors.add(f"{key}.yield_strength", text)
 
 

@@ -225,7 +225,9 @@ def test_the_traditional_make_installs_and_removes_it(package, tmp_path):
         rule = "include ../Makefile.package\nall: pair.o granwave_motion.o\n%.o: ../%.cpp\n\t@echo $(PKG_INC) $<\n"
         (tmp_path / "Obj" / "Makefile").write_text(rule)
         (tmp_path / "pair.cpp").write_text("")
-        done = subprocess.run(["make"], cwd=tmp_path / "Obj", capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            ["make", "--no-print-directory"], cwd=tmp_path / "Obj", capture_output=True, text=True, check=True
+        )
         flags = "-ffp-contract=off -fno-math-errno -fno-trapping-math"
         assert done.stdout == f"-DLMP_PLUGIN ../pair.cpp\n{flags} -DLMP_PLUGIN ../granwave_motion.cpp\n"
         (tmp_path / "pair.cpp").unlink()

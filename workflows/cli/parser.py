@@ -414,13 +414,15 @@ class _Parser(argparse.ArgumentParser):
 
 def _meant(unknown: str) -> str:
     """Suggest what an option that a command does not have was probably meant to be."""
-    known: dict[str, list[str]] = {}
-    for command in COMMANDS:
-        for entry in command.options:
-            for option in entry if isinstance(entry, list) else [entry]:
-                for name in option.names:
-                    known.setdefault(name, []).append(command.name)
-    if unknown in known:
-        return f"; it is an option of {', '.join(known[unknown])}"
-    near = difflib.get_close_matches(unknown, known, n=1, cutoff=0.8)
-    return f"; did you mean {near[0]}?" if near else "; keys of a case are set by --set KEY=VALUE"
+    keys = "; keys of a case are set by --set KEY=VALUE"
+    options = [
+        (name, command.name)
+        for command in COMMANDS
+        for entry in command.options
+        for option in (entry if isinstance(entry, list) else [entry])
+        for name in option.names
+    ]
+    if having := [command for name, command in options if name == unknown]:
+        return keys * (unknown != "--set") + f"; it is an option of {', '.join(having)}"
+    near = difflib.get_close_matches(unknown, [name for name, _ in options], n=1, cutoff=0.8)
+    return f"; did you mean {near[0]}?" if near else keys

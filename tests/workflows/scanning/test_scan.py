@@ -272,7 +272,7 @@ def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
 
 
 def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -> None:
-    directory, text = tmp_path / "out", LONG % 8e-3
+    directory, text = tmp_path / "out", LONG % 2e-2
     process = start(text)
     wait_for((directory / "scan.json").exists, beside=process)
     first = json.loads((directory / "scan.json").read_text())["points"][0]["id"]
