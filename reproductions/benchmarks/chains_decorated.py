@@ -52,8 +52,7 @@ def rows(runs):
 
 def pictures(runs):
     small, last, hard, large = measured(runs)
-    figure = Figure((3.6, 2.7), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.6, 2.7), layout="constrained").subplots()
     axes.plot(small, last, "oC0-", markersize=4, label="simulation")
     axes.plot(small, hard, "0.5", label="hard spheres, once each")
     axes.plot(small, large, "0.5", linestyle="--", label="small beads without mass")
@@ -64,4 +63,4 @@ def pictures(runs):
         "holds between them, and the smallest beads are not the best: look for the least of the curve"
     )
     data = {"small_over_large": small, "last_over_input": last, "hard_over_input": hard, "light_over_input": large}
-    yield gw.Picture("decorated_chain", caption, figure, data)
+    yield gw.Picture("decorated_chain", caption, axes.figure, data)

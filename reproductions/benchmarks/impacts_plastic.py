@@ -77,54 +77,32 @@ def measured(runs):
 
 def rows(runs):
     own, thesis, thornton, fast = measured(runs)
+    # fmt: off
     for at in (2, 4, 6, 8, 10, 12):
-        yield gw.Row(
-            f"Restitution at {thornton.velocity[at]:.3g} m/s, yield factor 1",
-            ours=thornton.restitution[at],
-            theory=thornton.thornton()[at],
-            where=THORNTON,
-            verification=True,
-        )
+        yield gw.Row(f"Restitution at {thornton.velocity[at]:.3g} m/s, yield factor 1", ours=thornton.restitution[at],
+                     theory=thornton.thornton()[at], where=THORNTON, verification=True)
     for at in (4, 8, 12):
-        yield gw.Row(
-            f"Restitution at {thesis.velocity[at]:.3g} m/s, law thornton, yield factor 1.6",
-            theory=thesis.thornton()[at],
-            ours=thesis.restitution[at],
-            where=THORNTON,
-            remark=THESIS,
-        )
+        yield gw.Row(f"Restitution at {thesis.velocity[at]:.3g} m/s, law thornton, yield factor 1.6",
+                     theory=thesis.thornton()[at], ours=thesis.restitution[at], where=THORNTON, remark=THESIS)
     for at in (8, 10, 12):
-        yield gw.Row(
-            f"Restitution at {own.velocity[at]:.3g} m/s, elasto-plastic law",
-            ours=own.restitution[at],
-            theory=own.johnson()[at],
-            where=JOHNSON,
-            remark=SOFTER,
-        )
+        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s, elasto-plastic law", ours=own.restitution[at],
+                     theory=own.johnson()[at], where=JOHNSON, remark=SOFTER)
     sensitivity = max(run.case.material.rate_sensitivity or 0.0 for run in runs)
     for at in (8, 10, 12):
-        yield gw.Row(
-            f"Restitution at {own.velocity[at]:.3g} m/s with a rate of yielding, over that without",
-            ours=fast.restitution[at] / own.restitution[at],
-            theory=own.stronger(sensitivity)[at] ** 0.625,
-            where=f"{JOHNSON}, similarity",
-            remark="The contact comes to rest before it unloads, and its pressure still rises.",
-        )
+        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with a rate of yielding, over that without",
+                     ours=fast.restitution[at] / own.restitution[at],
+                     theory=own.stronger(sensitivity)[at] ** 0.625, where=f"{JOHNSON}, similarity",
+                     remark="The contact comes to rest before it unloads, and its pressure still rises.")
     for first, last in ((1, 10), (10, 100)):
         for one in (own, thesis, thornton, fast):
-            yield gw.Row(
-                f"Power of restitution, {first} to {last} m/s, {one.law}",
-                ours=one.slope(first, last),
-                theory=-0.25,
-                where=f"{JOHNSON}, similarity",
-                remark=DEEP if one in (own, fast) else "",
-            )
+            yield gw.Row(f"Power of restitution, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
+                         theory=-0.25, where=f"{JOHNSON}, similarity", remark=DEEP if one in (own, fast) else "")
+    # fmt: on
 
 
 def pictures(runs):
     own, thesis, thornton, fast = measured(runs)
-    figure = Figure((4.6, 3.2), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((4.6, 3.2), layout="constrained").subplots()
     axes.loglog(own.velocity, own.restitution, "C0o-", markersize=4, label="elasto-plastic law")
     axes.loglog(
         fast.velocity, fast.restitution, "C3--", linewidth=0.9, label="with a yield strength that grows with the rate"
@@ -144,4 +122,4 @@ def pictures(runs):
         "Restitution of two brass spheres of 10 mm against velocity. Thornton's law is his formula where yield and "
         "flow have one pressure; the elasto-plastic law comes near the power -1/4 beyond 10 m/s only"
     )
-    yield gw.Picture("", caption, figure, data)
+    yield gw.Picture("", caption, axes.figure, data)

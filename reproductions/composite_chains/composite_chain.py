@@ -123,10 +123,8 @@ def pictures(kinds):
     )
     yield gw.Picture(f"composite_{light.replace('-', '_')}_length", caption, *against_length(kinds, SPEEDS[light]))
     shown = watched(kinds["elastic"])
-    caption = (
-        f"{light}, {shown.n} beads: force in place and time (slanted lines: waves), and at one contact, with the "
-        "source's names (Fig. 6). Below: energy by section (dashed: yielding), and its largest density (Fig. 8)"
-    )
+    caption = f"{light}, {shown.n} beads: force in place and time (slanted lines: waves), and at one contact, with the "
+    caption += "source's names (Fig. 6). Below: energy by section (dashed: yielding), and its largest density (Fig. 8)"
     waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
     yield gw.Picture(f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves))
 
@@ -156,10 +154,10 @@ def against_length(kinds, measured):
                 below.plot(fine, fit(fine), color=marks.get_color())
     if measured:
         panels[1, 0].plot(list(measured), list(measured.values()), "k*", label="source, measured")
-    panels[1, 0].set(xlabel="Beads in the section $N_2$", ylabel="Speed $V$ (m/s)")
-    panels[1, 1].set(
-        xlabel="Beads in the section $N_2$", ylabel=r"$\lambda$, output over incident peak", ylim=(0, None)
-    )
+    panels[1, 0].set(ylabel="Speed $V$ (m/s)")
+    panels[1, 1].set(ylabel=r"$\lambda$, output over incident peak", ylim=(0, None))
+    for axes in panels[1]:
+        axes.set_xlabel("Beads in the section $N_2$")
     panels[1, 0].legend()
     panels[0, len(kinds) - 1].legend()
     return figure, data

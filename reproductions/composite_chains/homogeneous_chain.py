@@ -120,8 +120,7 @@ def pictures(runs):
     yield gw.Picture("homogeneous_contact", caption, figure, data)
 
     theirs, ours = one.errors(FORCE, SPEED), one.errors(one.force, one.speed)
-    figure = Figure((3.5, 2.7), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.5, 2.7), layout="constrained").subplots()
     for mark, part, name in (
         ("s-C1", slice(FIRST_PENALTY), "source, mesh made finer"),
         ("^C2", slice(FIRST_PENALTY, None), "source, penalty and solver"),
@@ -138,4 +137,4 @@ def pictures(runs):
         "Error of the wave speed against that of the peak force, both against the discrete chain: finite elements of "
         f"the source (Tables 2 and 3), and ours, off by {ours[0]:.2g} % in force and {ours[1]:.2g} % in speed"
     )
-    yield gw.Picture("homogeneous_errors", caption, figure, table)
+    yield gw.Picture("homogeneous_errors", caption, axes.figure, table)

@@ -132,8 +132,6 @@ def pictures(runs):
     for axes, quantity in zip(panels, ("Peak speed (m/s)", "Lateral force (N/m)", "Half width (ms)"), strict=True):
         axes.set(xlabel="Depth (diameters)", ylabel=quantity, ylim=(0, None))
     panels[0].legend(fontsize=7)
-    caption = (
-        "Down the middle line of both crystals, with side walls (solid) and without (dashed): from where the sides "
-    )
-    caption += "are felt, walls keep the wave of BCC, which dies away without them; HCP hardly needs them"
+    caption = "Down the middle line of both crystals, with side walls (solid) and without (dashed): from where the "
+    caption += "sides are felt, walls keep the wave of BCC, which dies away without them; HCP hardly needs them"
     yield gw.Picture("lateral_crystals", caption, figure, data)

@@ -56,10 +56,8 @@ def tables(runs):
 
 def verdict(runs):
     first, last = runs[0], runs[-1]
-    sentence = (
-        f"Under uniform pressure of {pressure(last):.3g} Pa the impact adds {added(last):.4g} N at the bottom "
-        f"({added(first):.4g} N without a static load)"
-    )
+    sentence = f"Under uniform pressure of {pressure(last):.3g} Pa the impact adds {added(last):.4g} N at the bottom "
+    sentence += f"({added(first):.4g} N without a static load)"
     if last["dissipated_fraction"]:
         dissipated = (100 * run["dissipated_fraction"] for run in (last, first))
         sentence += " and dissipates {:.3g} % ({:.3g} %)".format(*dissipated)

@@ -36,17 +36,14 @@ def rows(runs):
 
 def pictures(runs):
     _, force, speed, printed = measured(runs)
-    figure = Figure((3.4, 2.4), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.4, 2.4), layout="constrained").subplots()
     axes.loglog(force, printed, "0.5", label="c0 (composite 3)")
     axes.loglog(force, speed, "o", markersize=4, label=f"simulation: power {power_law(force, speed).exponent:.4f}")
     axes.yaxis.set_minor_formatter(ScalarFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set(xlabel="Static force F0 (N)", ylabel="Speed of small pulses (m/s)")
     axes.legend(loc="upper left")
-    caption = (
-        "Speed of small pulses against static force. The line is the source's formula (composite 3), not fitted; "
-        "Hertz's law forces its power, 1/6, so that the height of the marks is what compares"
-    )
+    caption = "Speed of small pulses against static force. The line is the source's formula (composite 3), not fitted; "
+    caption += "Hertz's law forces its power, 1/6, so that the height of the marks is what compares"
     data = {"static_force_N": force, "speed_m_s": speed, "printed_m_s": printed}
-    yield gw.Picture("precompressed_chain_small_pulses", caption, figure, data)
+    yield gw.Picture("precompressed_chain_small_pulses", caption, axes.figure, data)

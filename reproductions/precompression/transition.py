@@ -40,8 +40,7 @@ def pictures(runs):
     last, free = waves[-1], waves[0].uncompressed_speed
     force, speed = np.array([(wave.static, wave.speed) for wave in waves]).T
     line = np.geomspace(force.min(), force.max(), 50)
-    figure = Figure((3.4, 2.6), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.4, 2.6), layout="constrained").subplots()
     axes.loglog(line, last.c0 * (line / last.static) ** (1 / 6), "0.5", label="c0")
     axes.axhline(free, color="C1", linestyle="--", label="uncompressed (composite 4)")
     axes.loglog(force, speed, "oC0", markersize=4, label="simulation")
@@ -54,4 +53,4 @@ def pictures(runs):
         f"Speed of the wave of an impact at {last.velocity:g} m/s against the chain's static force: as if uncompressed "
         "(dashed) far to the left of where the lines cross, that of small pulses, c0, far to the right"
     )
-    yield gw.Picture("precompressed_chain_0_1_m_s", caption, figure, data)
+    yield gw.Picture("precompressed_chain_0_1_m_s", caption, axes.figure, data)

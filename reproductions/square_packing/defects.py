@@ -87,8 +87,6 @@ def pictures(runs):
             axes.loglog(load, speed[-1] * (load / load[-1]) ** power, line, label=text)
         axes.set(xlabel=unit, ylabel="Wave speed (m/s)")
         figure.legend(loc="outside upper center", ncols=2, fontsize=7)
-        caption = (
-            f"Wave speed against {quantity}, beside powers of 1/6, that of like spheres, and 1/4, the source's. "
-            "Scattered diameters leave gaps, which slow weak waves most: the curve is steepest on the left"
-        )
+        caption = f"Wave speed against {quantity}, beside powers of 1/6, that of like spheres, and 1/4, the source's. "
+        caption += "Scattered diameters leave gaps, which slow weak waves most: the curve is steepest on the left"
         yield gw.Picture(name, caption, figure, data)

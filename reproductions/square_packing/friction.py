@@ -67,8 +67,7 @@ def pictures(runs):
     found, losses = measured(runs)
     own, walls = np.array([one.frictions for one in found]).T
     data = {"contact_friction": own, "boundary_friction": walls}
-    figure = Figure((5.2, 2.6), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((5.2, 2.6), layout="constrained").subplots()
     kinds = (("between spheres", walls == 0, "o-"), ("walls and floor", own == 0, "s--"))
     for (group, place), lost in zip(PLACES, losses.T, strict=True):
         word, colour = group.split()[0], "C0" if group == "central chains" else "C1"
@@ -77,11 +76,11 @@ def pictures(runs):
             x = np.maximum(own, walls)[chosen]
             axes.plot([0, *x], [0, *lost[chosen]], mark, color=colour, markersize=3, label=f"{word}, {kind}")
     axes.set(xlabel="Coefficient of friction", ylabel="Loss of peak velocity (%)", xlim=(0, None), ylim=(0, None))
-    figure.legend(loc="outside right upper")
+    axes.figure.legend(loc="outside right upper")
     worst = losses[np.where(walls, 0, own).argmax()]
     most = {group: lost for (group, place), lost in zip(PLACES, worst, strict=True) if place in (5, 6)}
     caption = (
         "Loss of peak velocity, sphere 6 of a central and 5 of an edge chain, against the coefficient of friction. "
         f"Between spheres, {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"
     )
-    yield gw.Picture("", caption, figure, data)
+    yield gw.Picture("", caption, axes.figure, data)

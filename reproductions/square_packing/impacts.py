@@ -103,15 +103,14 @@ def pictures(one):
 
 
 def energies(one):
-    figure = Figure((4.6, 2.6), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((4.6, 2.6), layout="constrained").subplots()
     for region, share in one.energies.items():
         if share.max() > 1e-3:
             axes.plot(1e6 * one.time, 100 * share, color=COLOURS[region], label=region)
     axes.set(xlabel="Time (µs)", ylabel="Energy (% of input)", xlim=(0, 1e6 * one.time[-1]), ylim=(0, 105))
-    figure.legend(loc="outside right upper")
+    axes.figure.legend(loc="outside right upper")
     data = {f"{region.replace(' ', '_')}_over_input": share for region, share in one.energies.items()}
-    return figure, {"time_s": one.time} | data
+    return axes.figure, {"time_s": one.time} | data
 
 
 def speeds(one):

@@ -131,8 +131,7 @@ def verdict(samples):
 
 
 def pictures(samples):
-    figure = Figure((5.2, 4.2), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((5.2, 4.2), layout="constrained").subplots()
     settings = list(dict.fromkeys(one.setting for one in samples if one.scattered))
     marks = dict(zip(TWINS, "os^", strict=True))
     for n, name in enumerate(settings):
@@ -143,7 +142,7 @@ def pictures(samples):
         name = f"source, {twins.partition(' (')[0]}"
         axes.loglog(excess, delay, f"{marks[twins]}k", markersize=8, fillstyle="none", label=name)
     axes.set(xlabel="Scatter of the peak acceleration (%)", ylabel="Scatter of the delay (µs)")
-    figure.legend(loc="outside upper center", ncols=2, fontsize=6)
+    axes.figure.legend(loc="outside upper center", ncols=2, fontsize=6)
     data = {name: [getattr(one, name) for one in samples] for name in ("twins", "setting", "n", "lost")}
     for name, unit in (("delay", "us"), ("excess", "percent"), ("arrival", "us")):
         values = [getattr(one, name) for one in samples]
@@ -154,4 +153,4 @@ def pictures(samples):
         "Scatter of the delay between twin sensors against that of their ratio of peaks, a shape for each pair. One "
         "kind of imperfection makes a line of slope 1: kinds on that of the source's open mark may be its cause"
     )
-    yield gw.Picture("", caption, figure, data)
+    yield gw.Picture("", caption, axes.figure, data)

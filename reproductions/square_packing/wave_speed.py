@@ -48,8 +48,7 @@ def rows(runs):
 
 def pictures(runs):
     found, data = measured(runs), {}
-    figure = Figure((3.5, 2.8), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.5, 2.8), layout="constrained").subplots()
     for n, (chain, (velocity, speed)) in enumerate(found.items()):
         fit, word = gw.measures.power_law(velocity, speed), chain.replace(", ", "_").replace(" ", "_").replace("-", "_")
         axes.loglog(
@@ -66,4 +65,4 @@ def pictures(runs):
         "Wave speed against largest particle velocity, with fitted powers (source Figs 8 to 10). Elastic spheres alike "
         "have no scale of their own, which forces 1/5; the height of the marks over Nesterenko's line is what compares"
     )
-    yield gw.Picture("", caption, figure, data)
+    yield gw.Picture("", caption, axes.figure, data)

@@ -50,8 +50,7 @@ def rows(series):
 
 
 def pictures(series):
-    figure = Figure((3.5, 2.4), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.5, 2.4), layout="constrained").subplots()
     speed = np.array([one.speed for one in series])
     data = {"striker_velocity_m_s": speed}
     for region in ("dissipated", *series[0].chains, "struck spheres", "strikers"):
@@ -65,4 +64,4 @@ def pictures(series):
         f"{series[0].way} impact on spheres that yield: the faster, the more is dissipated, and the less the chains "
         "carry"
     )
-    yield gw.Picture("", caption, figure, data)
+    yield gw.Picture("", caption, axes.figure, data)

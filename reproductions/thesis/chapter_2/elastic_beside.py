@@ -60,8 +60,7 @@ def pictures(runs):
     last = np.flatnonzero(plastic.force[:, MAP - 1] >= 0.01 * plastic.peak_force[MAP - 1])[0]
     step = slice(0, last, max(1, last // 600))
     force, time = plastic.force[step, :MAP].T / scales.force, plastic.time[step] / scales.time
-    figure = Figure((4.6, 2.8), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((4.6, 2.8), layout="constrained").subplots()
     norm = LogNorm(3e-3 * force.max(), force.max(), clip=True)
     image = axes.pcolormesh(time, place, np.maximum(force, 1e-30), norm=norm, rasterized=True, shading="nearest")
     crest = elastic.of_contacts("time_peak")[: MAP - SHIFT] / scales.time
@@ -69,10 +68,10 @@ def pictures(runs):
     axes.plot(crest, moved, "C1", label=f"crest of the elastic wave, moved by {SHIFT} contacts")
     axes.set(xlabel=TIME, ylabel=PLACE, xlim=(0, time[-1]), ylim=(place[0], place[-1]))
     axes.legend(loc="lower right", labelcolor="white", fontsize=7)
-    figure.colorbar(image, ax=axes, label=FORCE, extend="min")
+    axes.figure.colorbar(image, ax=axes, label=FORCE, extend="min")
     data = {"elastic_crest_time_normalised": crest, "elastic_crest_place_normalised": moved}
     caption = (
         "Force by place and time in the elasto-plastic chain (thesis Fig. 2.12). Its front bends, as it becomes slower "
         "on its way; the elastic crest, moved aside, is straight and steeper"
     )
-    yield gw.Picture("elastoplastic_map", caption, figure, data)
+    yield gw.Picture("elastoplastic_map", caption, axes.figure, data)

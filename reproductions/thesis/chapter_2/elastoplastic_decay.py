@@ -73,8 +73,6 @@ def pictures(runs):
     right.set(xlabel=PLACE, ylabel=r"Peak force $F/E^*R^{*2}$, moved", title=title)
     left.legend(fontsize=7)
     right.legend(fontsize=6, ncols=2)
-    caption = (
-        "Peak force over impulse along the chain: all impulses follow the source's two laws, 2.25 and then 2.26 "
-        "(thesis Fig. 2.13). Right: pulses of one impulse differ near the load alone (Fig. 2.14)"
-    )
+    caption = "Peak force over impulse along the chain: all impulses follow the source's two laws, 2.25 and then 2.26 "
+    caption += "(thesis Fig. 2.13). Right: pulses of one impulse differ near the load alone (Fig. 2.14)"
     yield gw.Picture("elastoplastic_peaks", caption, figure, data)

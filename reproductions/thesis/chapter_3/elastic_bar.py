@@ -41,8 +41,7 @@ def rows(runs):
 def pictures(runs):
     found = measured(runs)
     one = found["half-sine"][0]
-    figure = Figure((3.4, 2.4), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.4, 2.4), layout="constrained").subplots()
     axes.plot(1e6 * one.time, 1e-3 * one.entered(one.time), "0.5", label="entered")
     data = {"time_s": one.time, "entered_N": one.entered(one.time)}
     for n, x in enumerate(one.sections):
@@ -55,7 +54,7 @@ def pictures(runs):
         "Force against time in an elastic bar: the pulse as it entered, and at two sections. A slender bar's closed "
         "form is the same pulse, later; the curves leave it by the error of the elements alone"
     )
-    yield gw.Picture("bar_pulse", caption, figure, data)
+    yield gw.Picture("bar_pulse", caption, axes.figure, data)
     figure, data = Figure((6.8, 2.7), layout="constrained"), {}
     for axes, (shape, meshes) in zip(figure.subplots(1, 2, sharey=True), found.items(), strict=True):
         pitch = np.array([one.pitch for one in meshes])

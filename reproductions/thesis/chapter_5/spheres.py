@@ -82,8 +82,7 @@ def rows(runs):
 
 def pictures(runs):
     found, data = struck_once(runs), {}
-    figure = Figure((3.4, 2.6), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((3.4, 2.6), layout="constrained").subplots()
     for velocity, style in zip(SHOWN, ("C0", "C1--", "k-."), strict=True):
         run = found[velocity]
         unit = run["energy_input_J"] / run["energy_input_normalised"]
@@ -97,4 +96,4 @@ def pictures(runs):
         "Dissipation of the spheres in descending order, a contact's at both of its spheres (thesis Fig. 5.8). The "
         "steeper the fall, the fewer spheres take most; at higher velocities the curve reaches farther"
     )
-    yield gw.Picture("dissipation_of_spheres", caption, figure, data)
+    yield gw.Picture("dissipation_of_spheres", caption, axes.figure, data)

@@ -63,8 +63,7 @@ def verdict(found):
 
 
 def pictures(found):
-    figure = Figure((5, 2.6), layout="constrained")
-    axes = figure.subplots()
+    axes = Figure((5, 2.6), layout="constrained").subplots()
     axes.semilogx(found.ratio, 1e3 * found.theory, "0.6", label="equations")
     axes.plot(found.ratio, 1e3 * found.decay, "o", label="simulation", markersize=4)
     axes.set(xlabel="Density of small spheres over that of beads", ylabel=r"Decay per contact $\times 10^3$")
@@ -72,4 +71,4 @@ def pictures(found):
     data = {"density_ratio": found.ratio, "decay_theory": found.theory, "decay": found.decay}
     caption = "Decay of the wave against the density of the small spheres: peaks at the resonances, hardly any between "
     caption += "them (thesis figure 6.7)"
-    yield gw.Picture("confined_resonance", caption, figure, data)
+    yield gw.Picture("confined_resonance", caption, axes.figure, data)
