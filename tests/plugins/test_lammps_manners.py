@@ -21,16 +21,6 @@ def test_omp_suffix_falls_back_to_the_plain_style(lammps):
     assert value(suffixed, "c_ep[1]") == pytest.approx(value(plain, "c_ep[1]"), rel=1e-13)
 
 
-@pytest.mark.parametrize(
-    "every", ["every 1 delay 0 check no", "every 7 delay 0 check yes", "every 1 delay 10 check yes"]
-)
-def test_any_neighbour_settings(lammps, every):
-    usual, other = lammps(), lammps()
-    collide(usual)
-    collide(other, extra=f"neigh_modify {every}")
-    assert value(other, "c_ep[1]") == pytest.approx(value(usual, "c_ep[1]"), rel=1e-12)
-
-
 def test_frozen_sphere(lammps):
     """A fixed sphere acts as a wall of the same material: it absorbs momentum but no energy."""
     lmp = lammps()
@@ -135,35 +125,26 @@ def test_a_sphere_at_rest_is_woken_by_whatever_moves_it(lammps, mover):
     same(*found)
 
 
-def test_a_sphere_that_comes_from_afar_meets_the_wall(lammps):
-    found = []
-    for lists in (SELDOM, EVERY_STEP):
-        lmp = lammps()
-        wall = WALL.format(z=0.03)
-        lmp.commands_string(
-            rubbing([(0, 0, 0)], BRASS, velocities=[(0, 0, 20)], box=[-0.1, 0.1] * 3, extra=f"{lists}\n{wall}")
-        )
-        lmp.command("run 150000 post no")
-        found.append((state(lmp, *ALL), lmp.numpy.extract_fix("floor", 1, 2).copy()))
-    (one, wall_one), (other, wall_other) = found
-    assert one["v"][0, 2] < 0 and wall_one[0, 2] > 0
-    assert np.array_equal(wall_one, wall_other)
-    same(one, other)
+# places, velocities, wall, timestep and steps: a sphere that comes from afar; a plane, on a soft support, thrown across several skins
+FAR = {
+    "sphere": ([(0, 0, 0)], [(0, 0, 20)], WALL.format(z=0.03), 1e-8, 150000),
+    "plane": ([(0, 0, 0), (0.02, 0, -0.0017)], [(0, 0, 20), (0, 0, 0)],
+              f"fix floor all wall/gran/hysteretic zplane NULL 0.005 {HERTZ} support 1e-2 1e4 0.0", 1e-7, 60000),
+}  # fmt: skip
 
 
-def test_a_wall_that_moves_far_meets_the_sphere(lammps):
-    """The plane, on a soft support, is thrown across several skins between two lists of near spheres."""
+@pytest.mark.parametrize("what", FAR)
+def test_walls_and_spheres_from_afar_meet(lammps, what):
+    places, speeds, wall, timestep, steps = FAR[what]
     found = []
     for lists in (SELDOM, EVERY_STEP):
-        lmp = lammps()
-        wall = "fix floor all wall/gran/hysteretic zplane NULL 0.005 hertz 115e9 0.3 support 1e-2 1e4 0.0"
-        places, speeds = [(0, 0, 0), (0.02, 0, -0.0017)], [(0, 0, 20), (0, 0, 0)]
-        lmp.commands_string(
-            rubbing(places, HERTZ, velocities=speeds, box=[-0.1, 0.1] * 3, extra=f"{lists}\n{wall}\ntimestep 1e-7")
+        extra = f"{lists}\n{wall}\ntimestep {timestep}\n"
+        lmp = lammps(
+            rubbing(places, BRASS, velocities=speeds, box=[-0.1, 0.1] * 3, extra=extra) + f"run {steps} post no"
         )
-        lmp.command("run 60000 post no")
-        found.append(state(lmp, *ALL))
-    assert found[0]["v"][1, 2] < 0, "hit by the plane on its way back"
+        by_id = np.argsort(lmp.numpy.extract_atom("id")[: len(places)])
+        found.append(state(lmp, *ALL) | {"floor": lmp.numpy.extract_fix("floor", 1, 2)[by_id]})
+    assert found[0]["v"][-1, 2] < 0 and found[0]["floor"][-1, 2] > 0
     same(*found)
 
 
@@ -298,62 +279,52 @@ def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
     refuses(lmp, "run 20000", rf"The position of sphere {sphere} is not finite \(nan 0 ")
 
 
-def test_angular_velocity(lammps):
-    lmp = lammps(script_of(ALONE, **ROUGH))
-    spoil(lmp, "omega", 2, np.nan, axis=1)
-    refuses(lmp, "run 200", r"The angular velocity of sphere 2 is not finite \(0 nan 0\)")
+PUSH = "group struck id 1\nfix push struck gran/load z"
+WALLED = "fix floor all wall/gran/hysteretic zplane {} elastoplastic 115e9 0.3 550e6"
+# script, array that is spoiled, ID and axis, what is run then, what the error says
+SPOILED = {
+    "spin": (script_of(ALONE, **ROUGH), "omega", 2, 1, "run 200", r"The angular velocity of sphere 2 is not finite \(0 nan 0\)"),
+    "minimization": (script_of(PAIR, style=HERTZ) + "min_style fire\n", "x", 2, 0, "minimize 0 1e-9 500 500", "position of sphere 2"),
+    "node of a bar": (  # which has radius 0 and may touch nothing at all
+        script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n",
+        "v", 3, 2, "run 200 pre no", r"The position of sphere 3 is not finite \(0 0 nan\)",
+    ),
+    "force by itself": (
+        foreign(script_of(PAIR, box=BOX, extra=f"{PUSH} force half-sine 100 1e-5")) + "run 7",
+        "v", 1, 2, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)",
+    ),
+} | {
+    f"walls {planes} by themselves": (
+        foreign(script_of([(0, 0, 0)], box=BOX, extra=WALLED.format(planes))) + "run 7",
+        "x", 1, 2, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)",
+    )
+    for planes in (f"NULL {R}", f"-{R} NULL", f"-{R} {R}")
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_what_is_spoiled_is_found(lammps, what):
+    script, name, ident, axis, command, message = SPOILED[what]
+    lmp = lammps(script)
+    spoil(lmp, name, ident, np.nan, axis)
+    refuses(lmp, command, message)
 
 
 def test_nan_is_found_before_it_is_reported(lammps):
     """Positions set after a run are not included in any sum, row or dump."""
-    lmp = lammps(
-        script_of(ALONE)
-        + "compute dents all gran/hysteretic/local\ncompute sum all reduce sum c_dents[4] inputs local\n"
-    )
-    lmp.command("run 7")
+    dents = "compute dents all gran/hysteretic/local\ncompute sum all reduce sum c_dents[4] inputs local\n"
+    lmp = lammps(f"{script_of(ALONE)}{dents}run 7")
     spoil(lmp, "x", 3, np.nan)
     lmp.command("variable force equal c_sum")
     with pytest.raises(Exception, match="The position of sphere 3 is not finite"):
         lmp.extract_variable("force")
 
 
-def test_minimization(lammps):
-    lmp = lammps(script_of(PAIR, style="hertz 115e9 0.3") + "min_style fire\n")
-    spoil(lmp, "x", 2, np.nan)
-    refuses(lmp, "minimize 0 1e-9 500 500", "The position of sphere 2 is not finite")
-
-
-@pytest.mark.parametrize("planes", ["NULL {r}", "-{r} NULL", "-{r} {r}"])
-def test_a_wall_by_itself(lammps, planes):
-    lmp = lammps()
-    wall = WALL.replace("NULL {z:.17g}", planes.format(r=R))
-    lmp.commands_string(foreign(script_of([(0, 0, 0)], box=BOX, extra=wall)) + "run 7")
-    spoil(lmp, "x", 1, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)")
-
-
-def test_a_force_by_itself(lammps):
-    lmp = lammps()
-    push = "group struck id 1\nfix push struck gran/load z force half-sine 100 1e-5"
-    lmp.commands_string(foreign(script_of(PAIR, box=BOX, extra=push)) + "run 7")
-    spoil(lmp, "v", 1, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)")
-
-
 def test_a_prescribed_displacement_by_itself(lammps):
     """Driven atoms follow their path for any force, but the work of a force that is not finite would be NaN."""
-    lmp = lammps()
-    push = "group struck id 1\nfix push struck gran/load z displacement harmonic 1e-6 8e3\nunfix motion"
-    lmp.commands_string(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7")
-    lmp.command("fix gone struck addforce 0.0 0.0 v_bad")
+    push = f"{PUSH} displacement harmonic 1e-6 8e3\nunfix motion"
+    lmp = lammps(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7\nfix gone struck addforce 0.0 0.0 v_bad")
     refuses(lmp, "run 200", "Fix gran/load push: the force on its atoms is not finite")
-
-
-def test_a_node_of_a_bar(lammps):
-    """Nodes have radius 0 and may touch nothing at all."""
-    lmp = lammps(script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n")
-    spoil(lmp, "v", 3, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 3 is not finite \(0 0 nan\)")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import printed, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
 # test 4: aluminium oxide; tests 5 and 6: aluminium alloy
@@ -253,38 +253,3 @@ def test_a_minimisation_winds_no_spring_up(lammps):
     lmp.command("minimize 0 1e-6 5000 5000")
     assert value(lmp, "f_floor[3]") == pytest.approx(50, rel=1e-6)
     assert value(lmp, "f_floor[8]") == value(lmp, "f_floor[9]") == 0
-
-
-SLIDERS = """units si
-atom_style sphere
-atom_modify map yes
-newton off
-boundary p p f
-region box block -0.03 0.03 -0.03 0.03 -0.02 0.02
-create_box 1 box
-create_atoms 1 single -0.0101 0.0 0.0 units box
-create_atoms 1 single 0.0299 0.011 0.0 units box
-set group all diameter 0.01 density 8500 omega 0 0 200
-set atom 1 vx 20 vy 1
-set atom 2 vx 25
-pair_style gran/hysteretic 1e-3
-pair_coeff * * elastoplastic 115e9 0.3 550e6
-neighbor 2e-4 bin
-fix floor all wall/gran/hysteretic zplane -0.005 NULL elastoplastic 115e9 0.3 550e6 friction 0.3
-fix press all addforce 0 0 -400
-fix motion all nve/sphere
-timestep 2e-7
-run 6000
-compute spin all property/atom omegay
-compute most all reduce max c_spin vx x f_floor[10]
-compute least all reduce min c_spin vx x f_floor[10]
-thermo_style custom step f_floor[8] f_floor[9] c_most[*] c_least[*]
-thermo_modify format float %.17g
-run 0
-"""
-
-
-def test_springs_move_between_ranks(log_of):
-    """Pressed spheres that slide across the boundary between ranks and the periodic one: bitwise identical results."""
-    one, two = (printed(log_of(SLIDERS, ranks), "6000") for ranks in (1, 2))
-    assert one == two and len(one) > 4

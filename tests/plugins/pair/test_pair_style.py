@@ -67,18 +67,6 @@ def test_never_forgotten_sooner(lammps):
     assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
 
 
-def test_restart_of_another_format_is_refused(lammps, tmp_path):
-    lmp = lammps()
-    collide(lmp, steps=10)
-    lmp.command(f"write_restart {tmp_path}/a.restart")
-    data = (tmp_path / "a.restart").read_bytes()
-    at = data.index(b"gran/hysteretic") + len("gran/hysteretic") + 1
-    assert data[at : at + 4] == (10).to_bytes(4, "little")
-    (tmp_path / "b.restart").write_bytes(data[:at] + (99).to_bytes(4, "little") + data[at + 4 :])
-    with pytest.raises(Exception, match="format 99 of pair style gran/hysteretic; this version reads format 10"):
-        lammps(f"newton off\nread_restart {tmp_path}/b.restart")
-
-
 def test_reports_agree_with_each_other(lammps):
     """Output per contact, per sphere, by pair/local and of the totals is consistent, and does not affect the run."""
     lmp = lammps()
@@ -142,16 +130,6 @@ def test_softer_sphere_gets_all_the_loss(lammps, mixed):
     assert value(lmp, "c_ep[1]") == pytest.approx(law.dissipated_energy(by_id[0, 2]), rel=1e-10)
 
 
-def test_energy_per_atom_and_virial(lammps):
-    lmp = lammps()
-    extra = "compute pea all pe/atom\ncompute sum all reduce sum c_pea\ncompute vir all pressure NULL virial\nthermo_style custom step pe c_sum c_vir[3]\nthermo 1"
-    lmp.commands_string(script_of(PAIR, velocities=[(0, 0, 1.0)], extra=extra))
-    lmp.command("run 500")
-    assert value(lmp, "c_sum") == pytest.approx(value(lmp, "pe"), rel=1e-12) and value(lmp, "pe") > 0
-    lmp.command("variable w equal -fz[1]*(z[2]-z[1])/vol")
-    assert value(lmp, "c_vir[3]") == pytest.approx(-value(lmp, "fz[1]*(z[2]-z[1])/vol"), rel=1e-9)
-
-
 def test_hybrid_clear_and_a_second_instance(lammps):
     first, second = lammps(), lammps()
     collide(first)
@@ -165,20 +143,6 @@ def test_hybrid_clear_and_a_second_instance(lammps):
     first.commands_string(f"clear\nplugin load {library()}")  # available again automatically from LAMMPS 2025 on
     collide(first)
     assert value(second, "vz[1]") == value(first, "vz[1]")
-
-
-def test_delete_atoms_between_runs(lammps):
-    """Dents stay with their spheres when others are deleted and the arrays are compacted."""
-    lmp = lammps()
-    places = [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)]
-    lmp.commands_string(script_of(places, velocities=[(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]))
-    lmp.command("run 20000")
-    lost, speed = value(lmp, "c_ep[1]"), value(lmp, "vz[3]-vz[2]")
-    lmp.commands_string(
-        f"group gone id 1\ndelete_atoms group gone compress no\nset atom 2 vz {speed / 2}\nset atom 3 vz {-speed / 2}\nrun 30000"
-    )
-    assert value(lmp, "c_ep[1]") == pytest.approx(lost, rel=1e-12)
-    assert value(lmp, "vz[3]-vz[2]") == pytest.approx(speed, rel=1e-6)
 
 
 @pytest.mark.parametrize(

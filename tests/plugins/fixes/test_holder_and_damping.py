@@ -259,9 +259,3 @@ def test_faces_never_touch_and_fall_through_no_wall(lammps):
     )
     lmp.command("run 2000")
     assert value(lmp, "vz[1]") == 50 and value(lmp, "vz[2]") == -50 and value(lmp, "c_ep[5]") == 0
-
-
-@pytest.mark.parametrize(("speed", "message"), [(1e4, "overlap by .* flat face"), (1e6, "moves by .* of its radius")])
-def test_hostile_states_at_a_face_get_a_message(lammps, speed, message):
-    with pytest.raises(Exception, match=message):
-        on_a_face(lammps(), speed=speed)
