@@ -169,73 +169,6 @@ def test_the_order_in_memory_changes_no_bit(lammps, law, radii):
     same(*found)
 
 
-FLOOR = "wall/gran/hysteretic zplane 0 NULL hertz {modulus} {poisson}"
-
-
-def started(lmp, positions, style, radius, density, velocities, timestep, wall=None, extra=""):
-    """Spheres of one of those tests, ready to run."""
-    text = script_of(
-        positions,
-        radius=radius,
-        density=density,
-        velocities=velocities,
-        style=style,
-        box=[-20 * radius, 20 * radius] * 3,
-        extra=(f"fix floor all {wall}\n" if wall else "") + f"{extra}\ntimestep {timestep:g}",
-    )
-    text = text.replace("newton off", "newton off\ncomm_modify vel yes")
-    lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n"))
-
-
-def after(lmp, steps, name):
-    """Array of the first sphere after further steps."""
-    lmp.command(f"run {steps}")
-    return lmp.numpy.extract_atom(name)[0].copy()
-
-
-def test_two_spheres_of_a_material(lammps):
-    """dem02-hertzmaterial-twosphere-3d-si.yaml: 20 m/s, up to the largest overlap and beyond."""
-    lmp, away = lammps(), 0.0101
-    started(lmp, [(-away, 0, 0), (away, 0, 0)], "hertz 4.8e10 0.2", 0.01, 2800.0, [(10, 0, 0), (-10, 0, 0)], 2e-8)
-    stored = [(500, -9.9999999999997261e-03, 10.0), (1008, -9.8629436766014371e-03, 8.8698006865996614e-03),
-              (1000, -9.9982054989131309e-03, -9.9999015644864890)]  # fmt: skip
-    for steps, place, velocity in stored:
-        assert after(lmp, steps, "x")[0] == pytest.approx(place, rel=1e-10)
-        assert lmp.numpy.extract_atom("v")[0, 0] == pytest.approx(velocity, rel=1e-10)
-
-
-def test_sphere_on_a_wall(lammps):
-    """dem03-hertzmaterial-wall-3d-si.yaml: 3.9 m/s."""
-    lmp, wall = lammps(), FLOOR.format(modulus=0.5e11, poisson=0.25)
-    started(lmp, [(0, 0, 0.00255)], "hertz 1e11 0.25", 0.0025, 7000.0, [(0, 0, -3.9)], 1e-8, wall)
-    stored = [(1300, 2.4993000166951712e-03, -3.8996733776535106), (838, 2.4773193534324612e-03, 9.2814738217408040e-04),
-              (900, 2.5017266363104966e-03, 3.9000000198738074)]  # fmt: skip
-    for steps, place, velocity in stored:
-        assert after(lmp, steps, "x")[2] == pytest.approx(place, rel=1e-10)
-        assert lmp.numpy.extract_atom("v")[0, 2] == pytest.approx(velocity, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("tangential", "steps", "velocity", "spin"),
-    [
-        ("mindlin_rescale", 1724 + 1593, (1.9626341306396919, 2.9278423115198366), 5.4426586936030731e02),
-        ("mindlin", 1700 + 1600, (1.9626341996620487, 2.9278423105668629), 5.4426580033795710e02),
-    ],
-)
-def test_oblique_impact(lammps, tangential, steps, velocity, spin):
-    """dem04-mindlinrescaleforce-oblique-3d-si.yaml and dem04-mindlinforce-oblique-3d-si.yaml: test 4 of Chung and Ooi.
-
-    Restitution 0.98 by the same dashpot. Theirs may pull at the end, damps the tangential motion too and takes R as lever
-    arm of the slip: that makes the difference, which is largest in the spin.
-    """
-    damping = -math.sqrt(5) * math.log(0.98) / math.hypot(math.pi, math.log(0.98))
-    lmp, wall = lammps(), FLOOR.format(modulus=3.5e10, poisson=0.33)
-    wall += f" friction 0.092 tangential {tangential} loss dashpot {damping:.17g}"
-    started(lmp, [(0, 0, 0.00255)], "hertz 7e10 0.33", 0.0025, 2700.0, [(2.5069, 0, -2.9876)], 1e-8, wall)
-    assert after(lmp, steps, "v")[[0, 2]] == pytest.approx(velocity, rel=2e-4)
-    assert lmp.numpy.extract_atom("omega")[0, 1] == pytest.approx(spin, rel=3e-3)
-
-
 ALONE = [*PAIR, (0.1, 0, 0)]  # the third has no other sphere within reach
 ROUGH = {"style": "elastoplastic 115e9 0.3 550e6 friction 0.3", "extra": "comm_modify vel yes"}
 BAD = "variable bad equal exp(1000)-exp(1000)\n"  # NaN: not a valid word in LAMMPS
@@ -351,41 +284,87 @@ def test_on_two_ranks(lmp, tmp_path, spoiled):
     pytest.fail("\n".join(texts))
 
 
-def test_spring_and_dashpot_of_yade(lammps):
-    """YADE, scripts/checks-and-tests/checks/checkViscElPM.py: stiffness and dashpot of a restitution of 0.3 and a contact time of 0.2 s; displacement at 0.05 s.
+def dashpot(restitution: float) -> float:
+    """Factor of Tsuji's dashpot with this restitution."""
+    return -math.sqrt(5) * math.log(restitution) / math.hypot(math.pi, math.log(restitution))
 
-    At a quarter of their 2 m/s, at which the spheres would be pressed to half their size: everything is linear.
+
+def chung_and_ooi(tangential: str) -> dict:
+    """Test 4, with a restitution of 0.98 by the same dashpot.
+
+    Theirs may pull at the end, damps the tangential motion too and takes R as lever arm of the slip: that makes the difference, which is
+    largest in the spin.
     """
-    radius, density, time, restitution, speed = 0.1, 2000.0, 0.2, 0.3, 0.5
-    mass = 4 / 3 * math.pi * radius**3 * density
-    stiffness = mass / time**2 * (math.pi**2 + math.log(restitution) ** 2) / 2  # of two springs in a row
-    rate = -math.log(restitution) / time
-    law = f"power 1e9 0.3 constant {stiffness:.17g} exponent 1 loss time {rate * mass / stiffness:.17g}"
-    lmp = lammps()
-    started(lmp, [(0, 0, 0), (2 * radius, 0, 0)], law, radius, density, [(speed, 0, 0), (-speed, 0, 0)], 1e-5)
-    lmp.command("run 5000 post no")
-    analytical = speed * time / math.pi * math.exp(-0.05 * rate) * math.sin(0.05 * math.pi / time)
-    assert lmp.numpy.extract_atom("x")[0, 0] == pytest.approx(analytical, rel=1e-4)
+    return {
+        "positions": [(0, 0, 0.00255)], "style": "hertz 7e10 0.33", "radius": 0.0025, "density": 2700.0, "timestep": 1e-8,
+        "velocities": [(2.5069, 0, -2.9876)],
+        "wall": f"hertz 3.5e10 0.33 friction 0.092 tangential {tangential} loss dashpot {dashpot(0.98):.17g}",
+    }  # fmt: skip
 
 
-def test_restitution_of_mercury(lammps):
-    """MercuryDPM, Drivers/UnitTests/HertzContactRestitutionUnitTest.cpp: Hertz's law with a dashpot, 2 m/s between spheres, restitution 0.8."""
-    damping = -math.sqrt(5) * math.log(0.8) / math.hypot(math.pi, math.log(0.8))
-    lmp, density = lammps(), 6 / math.pi / 8
-    style = f"hertz 40000 0 loss dashpot {damping:.17g}"
-    started(lmp, [(0, 0, 0), (3, 0, 0)], style, 1.0, density, [(1, 0, 0), (-1, 0, 0)], 1e-4)
-    lmp.command("run 15000 post no")
-    assert np.abs(lmp.numpy.extract_atom("v")[:2, 0]) == pytest.approx([0.8, 0.8], abs=1e-2)
+YADE = {"mass": 8 / 3 * math.pi, "rate": -math.log(0.3) / 0.2}  # restitution 0.3, contact time 0.2 s
+YADE["stiffness"] = YADE["mass"] / 0.2**2 * (math.pi**2 + math.log(0.3) ** 2) / 2  # of two springs in a row
+TILT = math.radians(15)
+HOP = 9.8 * math.cos(TILT) * math.sqrt(2000 * 4 / 3 * math.pi * 0.005**3 / 10000)  # of a sphere on its spring
+# tests of LAMMPS, YADE and MercuryDPM: spheres; then the first one's array and component after further steps, and how near it must be
+PUBLISHED = {
+    "LAMMPS, dem02-hertzmaterial-twosphere-3d-si.yaml: 20 m/s": (
+        {"positions": [(-0.0101, 0, 0), (0.0101, 0, 0)], "style": "hertz 4.8e10 0.2", "radius": 0.01, "density": 2800.0,
+         "velocities": [(10, 0, 0), (-10, 0, 0)], "timestep": 2e-8},
+        [(500, "x", 0, -9.9999999999997261e-03, {"rel": 1e-10}), (0, "v", 0, 10.0, {"rel": 1e-10}),
+         (1008, "x", 0, -9.8629436766014371e-03, {"rel": 1e-10}), (0, "v", 0, 8.8698006865996614e-03, {"rel": 1e-10}),
+         (1000, "x", 0, -9.9982054989131309e-03, {"rel": 1e-10}), (0, "v", 0, -9.9999015644864890, {"rel": 1e-10})],
+    ),
+    "LAMMPS, dem03-hertzmaterial-wall-3d-si.yaml: 3.9 m/s": (
+        {"positions": [(0, 0, 0.00255)], "style": "hertz 1e11 0.25", "radius": 0.0025, "density": 7000.0,
+         "velocities": [(0, 0, -3.9)], "timestep": 1e-8, "wall": "hertz 0.5e11 0.25"},
+        [(1300, "x", 2, 2.4993000166951712e-03, {"rel": 1e-10}), (0, "v", 2, -3.8996733776535106, {"rel": 1e-9}),
+         (838, "x", 2, 2.4773193534324612e-03, {"rel": 1e-10}), (0, "v", 2, 9.2814738217408040e-04, {"rel": 1e-9}),
+         (900, "x", 2, 2.5017266363104966e-03, {"rel": 1e-10}), (0, "v", 2, 3.9000000198738074, {"rel": 1e-9})],
+    ),
+    "LAMMPS, dem04-mindlinrescaleforce-oblique-3d-si.yaml": (
+        chung_and_ooi("mindlin_rescale"),
+        [(3317, "v", 0, 1.9626341306396919, {"rel": 2e-4}), (0, "v", 2, 2.9278423115198366, {"rel": 2e-4}),
+         (0, "omega", 1, 5.4426586936030731e02, {"rel": 3e-3})],
+    ),
+    "LAMMPS, dem04-mindlinforce-oblique-3d-si.yaml": (
+        chung_and_ooi("mindlin"),
+        [(3300, "v", 0, 1.9626341996620487, {"rel": 2e-4}), (0, "v", 2, 2.9278423105668629, {"rel": 2e-4}),
+         (0, "omega", 1, 5.4426580033795710e02, {"rel": 3e-3})],
+    ),
+    # at a quarter of their 2 m/s, at which the spheres would be pressed to half their size: everything is linear
+    "YADE, scripts/checks-and-tests/checks/checkViscElPM.py: displacement at 0.05 s": (
+        {"positions": [(0, 0, 0), (0.2, 0, 0)], "radius": 0.1, "density": 2000.0, "velocities": [(0.5, 0, 0), (-0.5, 0, 0)], "timestep": 1e-5,
+         "style": "power 1e9 0.3 constant {stiffness:.17g} exponent 1 loss time {time:.17g}".format(
+             **YADE, time=YADE["rate"] * YADE["mass"] / YADE["stiffness"])},
+        [(5000, "x", 0, 0.1 / math.pi * math.exp(-0.05 * YADE["rate"]) * math.sin(0.25 * math.pi), {"rel": 1e-4})],
+    ),
+    "MercuryDPM, Drivers/UnitTests/HertzContactRestitutionUnitTest.cpp: 2 m/s, restitution 0.8": (
+        {"positions": [(0, 0, 0), (3, 0, 0)], "style": f"hertz 40000 0 loss dashpot {dashpot(0.8):.17g}", "radius": 1.0,
+         "density": 6 / math.pi / 8, "velocities": [(1, 0, 0), (-1, 0, 0)], "timestep": 1e-4},
+        [(15000, "v", 0, -0.8, {"abs": 1e-2})],
+    ),
+    "MercuryDPM, Drivers/UnitTests/InclinedPlaneUnitTest.cpp: it rolls without slip, and hops on its spring": (
+        {"positions": [(0, 0, 0.005)], "style": "hertz 1e9 0.3", "radius": 0.005, "density": 2000.0, "velocities": [(0, 0, 0)],
+         "timestep": 2e-6, "wall": "power 1e9 0.3 constant 10000 exponent 1 friction 0.5",
+         "extra": f"fix weight all gravity 9.8 vector {math.sin(TILT):.17g} 0 {-math.cos(TILT):.17g}"},
+        [(500000, "v", 0, 1.81167, {"abs": 2e-4}), (0, "v", 2, 0.0, {"abs": HOP})],
+    ),
+}  # fmt: skip
 
 
-def test_sphere_on_an_inclined_plane_of_mercury(lammps):
-    """MercuryDPM, Drivers/UnitTests/InclinedPlaneUnitTest.cpp: it rolls without slip and hops on its spring; 1.81167 and 0.00234107 m/s after 1 s."""
-    radius, density, angle = 0.005, 2000.0, math.radians(15)
-    wall = "wall/gran/hysteretic zplane 0 NULL power 1e9 0.3 constant 10000 exponent 1 friction 0.5"
-    weight = f"fix weight all gravity 9.8 vector {math.sin(angle):.17g} 0 {-math.cos(angle):.17g}"
-    lmp = lammps()
-    started(lmp, [(0, 0, radius)], "hertz 1e9 0.3", radius, density, [(0, 0, 0)], 2e-6, wall, weight)
-    lmp.command("run 500000 post no")
-    across, up = lmp.numpy.extract_atom("v")[0, [0, 2]]
-    assert across == pytest.approx(1.81167, abs=2e-4)
-    assert abs(up) < 9.8 * math.cos(angle) * math.sqrt(4 / 3 * math.pi * radius**3 * density / 10000)
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_published_values(lammps, name):
+    spheres, stored = dict(PUBLISHED[name][0]), PUBLISHED[name][1]
+    wall, extra, timestep = (spheres.pop(key, "") for key in ("wall", "extra", "timestep"))
+    floor = f"fix floor all wall/gran/hysteretic zplane 0 NULL {wall}\n" if wall else ""
+    text = script_of(
+        **spheres,
+        box=[-20 * spheres["radius"], 20 * spheres["radius"]] * 3,
+        extra=f"{floor}{extra}\ntimestep {timestep}",
+    )
+    text = text.replace("newton off", "newton off\ncomm_modify vel yes").replace("all nve\n", "all nve/sphere\n")
+    lmp = lammps(text)
+    for steps, array, component, expected, near in stored:
+        lmp.command(f"run {steps} post no")
+        assert lmp.numpy.extract_atom(array)[0, component] == pytest.approx(expected, **near), array
