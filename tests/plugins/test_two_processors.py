@@ -8,6 +8,7 @@ import pytest
 from tests.conftest import printed, script_of
 from tests.helpers.rubbing import BRASS, MU, rubbing
 from tests.helpers.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
+from tests.plugins.fixes.test_holder_and_damping import bar
 from tests.plugins.test_packings import text_of
 
 SUMS = "compute sums all reduce sum c_dents[13] c_dents[15] inputs local\nthermo_style custom step c_en c_en[*] c_sums[*]\n"
@@ -63,6 +64,7 @@ RUNS = {
     "sliders": (lambda _: sliders(), 6000, ["f_floor[8]", "f_floor[9]"], "f_floor[10]"),
     "plate": (lambda _: sheet(), 300, ["f_plate[10]", "f_plate[11]", "f_plate[13]", "f_plate[15]"], ""),
     "initial dents": (row_with_dents, 6000, ["c_en[1]"], "f_end[*]"),
+    "beads and bar": (lambda _: bar(60, beads=5, load="half-sine 5000 4e-5")[0], 2400, ["f_push", "c_ep[1]", "c_ep[2]", "ebond"], ""),
     "driven sphere": (lambda _: driven(), 2000, ["f_push", "f_push[2]", "f_push[3]", "z[1]"], ""),
 }  # fmt: skip
 

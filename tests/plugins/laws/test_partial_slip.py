@@ -152,15 +152,8 @@ def impact(lammps, degrees, law=f"{HERTZ} {PARTIAL}", speed=1.0, wall=True, step
     normal, across = speed * np.cos(np.radians(degrees)), speed * np.sin(np.radians(degrees))
     floor = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {law}\n" if wall else ""
     places, velocities = [(0, 0, 0), (0, 0, 2 * R)], [(across, 0, normal), (-across, 0, -normal)]
-    lmp = lammps(
-        rubbing(
-            places[: 2 - wall],
-            law,
-            velocities=velocities[: 2 - wall],
-            box=[-0.1, 0.1] * 3,
-            extra=floor + "timestep 2e-8",
-        )
-    )
+    box, n = [-0.1, 0.1] * 3, 2 - wall
+    lmp = lammps(rubbing(places[:n], law, velocities=velocities[:n], box=box, extra=floor + "timestep 2e-8"))
     lmp.command(f"run {steps} post no")
     after = state(lmp, "v", "omega")
     (vx, _, vz), spin = after["v"][0], after["omega"][0, 1]

@@ -96,17 +96,9 @@ def _surface_rebound(angle: float) -> float:
 def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
     modulus, ratio, mu, density, speed = 70e9, 0.33, 0.4, 2700.0, 0.2
     radii, signs = np.array([0.1, second]), np.array([1.0, -1.0])
-    lmp = lammps(
-        rubbing(
-            [(0, 0, 0), (0, 0, radii.sum())],
-            f"hertz {modulus} {ratio} friction {mu}",
-            radius=radii.tolist(),
-            density=density,
-            velocities=[(0, 0, speed), (0, 0, -speed)],
-            spins=[(0, spin, 0)] * 2,
-            gap=0.01,
-        )
-    )
+    spheres = {"radius": radii.tolist(), "density": density, "velocities": [(0, 0, speed), (0, 0, -speed)], "gap": 0.01}
+    law = f"hertz {modulus} {ratio} friction {mu}"
+    lmp = lammps(rubbing([(0, 0, 0), (0, 0, radii.sum())], law, spins=[(0, spin, 0)] * 2, **spheres))
     lmp.commands_string(f"timestep 5e-7\nrun 0 post no\nvariable start equal $({TOTAL}:%.17g)\nrun 3000 post no")
     assert value(lmp, "c_en") == 0 and abs(balance(lmp)) < 1e-6
     after, mass = state(lmp, "v", "omega"), state(lmp, "rmass")["rmass"]
@@ -178,11 +170,8 @@ def test_against_mindlin_of_lammps_through_a_collision(lammps, tangential, model
 def test_unloading_creates_no_energy(lammps):
     """A spring stretched while the circle is large and released while it is small would return more energy than it absorbed
     without rescaling. A sphere is pressed in, shifted, withdrawn by one half, and shifted back."""
-    lmp = lammps(
-        rubbing(
-            [(0, 0, 0), (0, 0, 2 * R - 1e-5)], f"{HERTZ} friction 10", extra="unfix motion\nfix motion all nve/noforce"
-        )
-    )
+    held = "unfix motion\nfix motion all nve/noforce"
+    lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R - 1e-5)], f"{HERTZ} friction 10", extra=held))
     work, before = 0.0, value(lmp, "0")
     for velocity in ((0.1, 0, 0), (0, 0, -0.7), (-0.1, 0, 0), (0, 0, 0.7)):
         lmp.command("set atom 1 " + " ".join(f"v{a} {v}" for a, v in zip("xyz", velocity, strict=True)))

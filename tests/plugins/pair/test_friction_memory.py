@@ -90,19 +90,13 @@ def jumbled(lammps, way: str, steps: int = 20000):
         for axis in "xyz"
     )
     extra = f"{walls}compute dents all gran/hysteretic/local\ncompute atoms all gran/hysteretic/atom\ntimestep 5e-8"
-    lmp = lammps()
-    box = [edge for _ in range(3) for edge in (-2 * R, size + 2 * R)]
-    lmp.commands_string(
-        rubbing(
-            1.1 * places + R,
-            LOSSY,
-            velocities=30 * speeds,
-            spins=spins,
-            gap=f"1e-5 forgotten {way}",
-            box=box,
-            extra=extra,
-        )
-    )
+    motion = {
+        "velocities": 30 * speeds,
+        "spins": spins,
+        "box": [-2 * R, size + 2 * R] * 3,
+        "gap": f"1e-5 forgotten {way}",
+    }
+    lmp = lammps(rubbing(1.1 * places + R, LOSSY, **motion, extra=extra))
     lmp.command(f"run {steps} post no")
     return lmp
 

