@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Python bindings of the contact laws: the table of laws, and the law of one contact, with numpy arrays and SI units. */
 
-#include "../laws/contact_law.h"
 #include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
-#include "../laws/elastic_contact.h"
 #include "../laws/load_shape.h"
-#include "../laws/partial_slip.h"
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace py = pybind11;
 using namespace granwave;
@@ -27,6 +18,12 @@ using namespace granwave;
 namespace {
 
 using Two = std::pair<double, double>;
+using Cohesion = std::optional<std::pair<std::string, double>>;    // kind and work of adhesion
+
+void require(bool holds, const std::string &fault)
+{
+  if (!holds) throw py::value_error(fault);
+}
 
 std::pair<Material, Material> elastic_bodies(Two modulus, Two poisson)
 {
@@ -44,18 +41,22 @@ py::dict by_name(const LawConstants &constants)
 py::tuple option_names(const LawEntry &entry)
 {
   py::list names;
-  constexpr unsigned OPTIONS[] = {VARIANT, YIELD_FACTOR, BETA, CONSTANTS, POWER, POWER, HARDENING, RATE};
-  constexpr const char *NAMES[] = {"variant",  "yield_factor", "beta",      "constants",
-                                   "constant", "exponent",     "hardening", "rate_sensitivity"};
-  for (std::size_t k = 0; k < std::size(OPTIONS); k++)
-    if (entry.options & OPTIONS[k]) names.append(NAMES[k]);
+  for (const auto &[name, option] : {std::pair("variant", VARIANT),
+                                     {"yield_factor", YIELD_FACTOR},
+                                     {"beta", BETA},
+                                     {"constants", CONSTANTS},
+                                     {"constant", POWER},
+                                     {"exponent", POWER},
+                                     {"hardening", HARDENING},
+                                     {"rate_sensitivity", RATE}})
+    if (entry.takes(option)) names.append(name);
   return py::tuple(names);
 }
 
 const LawEntry &known_law(const std::string &name)
 {
   const LawEntry *const entry = find_law(name);
-  if (!entry) throw py::value_error("law must be one of " + law_names(", ") + ", found '" + name + "'");
+  require(entry, "law must be one of " + law_names(", ") + ", found '" + name + "'");
   return *entry;
 }
 
@@ -131,15 +132,15 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
   return {parts && v < 0.0 ? -v / speed : 0.0, t, peak_force, peak};
 }
 
-CohesionModel cohesion_of(const LawEntry &entry, const std::pair<std::string, double> &given, bool line)
+CohesionModel cohesion_of(const LawEntry &entry, const Cohesion &given, bool line)
 {
-  const auto &[kind, energy] = given;
-  if (kind != "jkr" && kind != "dmt") throw py::value_error("cohesion must be jkr or dmt, found '" + kind + "'");
-  if (!(energy >= 0.0 && std::isfinite(energy))) throw py::value_error("the work of adhesion must not be negative");
-  if (entry.is_power() || line) throw py::value_error("cohesion is of spheres of two materials");
-  if (kind == "jkr" && entry.yields()) throw py::value_error("cohesion jkr is of law hertz; with others take dmt");
-  if (energy == 0.0) return {};
-  return {kind == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
+  if (!given) return {};
+  const auto &[kind, energy] = *given;
+  require(kind == "jkr" || kind == "dmt", "cohesion must be jkr or dmt, found '" + kind + "'");
+  require(energy >= 0.0 && std::isfinite(energy), "the work of adhesion must not be negative");
+  require(!entry.is_power() && !line, "cohesion is of spheres of two materials");
+  require(kind == "dmt" || !entry.yields(), "cohesion jkr is of law hertz; with others take dmt");
+  return energy == 0.0 ? CohesionModel{} : CohesionModel{kind == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
 }
 
 /* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
@@ -148,64 +149,61 @@ class Contact {
   Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
           double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
           double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening,
-          Two rate_sensitivity, Two reference_rate, const std::optional<std::pair<std::string, double>> &cohesion)
+          Two rate_sensitivity, Two reference_rate, const Cohesion &cohesion)
   {
     const LawEntry &entry = known_law(name);
-    if (variant != "continuous" && variant != "published")
-      throw py::value_error("variant must be continuous or published, found '" + variant + "'");
-    for (const double value : {modulus.first, modulus.second, yield.first, yield.second, radius.first, radius.second})
-      if (!(value > 0.0)) throw py::value_error("moduli, yield strengths and radii must be positive");
-    for (const double value : {poisson.first, poisson.second})
-      if (!(value > -1.0 && value <= 0.5)) throw py::value_error("Poisson's ratio must lie in (-1, 0.5]");
-    if (!(yield_factor > 0.0)) throw py::value_error("yield_factor must be positive");
-    if (!(beta >= 0.0 && beta < 1.0)) throw py::value_error("beta must lie in [0, 1)");
-    if (entry.takes(POWER) && !(constant > 0.0 && exponent >= 1.0))
-      throw py::value_error("law power needs a constant above 0 and an exponent of 1 or more");
-    LawOptions options{variant == "published" ? Variant::published : Variant::continuous,
-                       yield_factor,
-                       beta,
-                       constant,
-                       exponent,
-                       {},
-                       {},
-                       {}};
-    if (cohesion) options.cohesion = cohesion_of(entry, *cohesion, line.has_value());
-    const bool fe = entry.takes(HARDENING);
+    const auto both = [](const Two &two, const auto &holds) { return holds(two.first) && holds(two.second); };
+    const auto positive = [](double value) { return value > 0.0; };
+    const auto share = [](double value) { return value >= 0.0 && value < 1.0; };
+    const bool published = variant == "published", fe = entry.takes(HARDENING);
+    require(published || variant == "continuous", "variant must be continuous or published, found '" + variant + "'");
+    require(both(modulus, positive) && both(yield, positive) && both(radius, positive),
+            "moduli, yield strengths and radii must be positive");
+    require(both(poisson, [](double nu) { return nu > -1.0 && nu <= 0.5; }), "Poisson's ratio must lie in (-1, 0.5]");
+    require(yield_factor > 0.0, "yield_factor must be positive");
+    require(share(beta), "beta must lie in [0, 1)");
+    require(!entry.takes(POWER) || (constant > 0.0 && exponent >= 1.0),
+            "law power needs a constant above 0 and an exponent of 1 or more");
+    require(both(hardening, share), "hardening must lie in [0, 1)");
+    require(own.empty() || fe || (entry.takes(CONSTANTS) && !published),
+            "constants belong to law elastoplastic, variant continuous");
+    require(both(rate_sensitivity, [](double c) { return c >= 0.0; }), "rate_sensitivity must not be negative");
+    require(both(reference_rate, positive), "reference_rate must be positive");
+    LawOptions options;
+    options.variant = published ? Variant::published : Variant::continuous;
+    options.yield_factor = yield_factor;
+    options.beta = beta;
+    options.constant = constant;
+    options.exponent = exponent;
+    options.cohesion = cohesion_of(entry, cohesion, line.has_value());
     for (const auto &[key, value] : own) {
+      require(std::isfinite(value), "constants must be finite numbers, found " + key);
       if (fe) {
-        const auto found = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
-                                        [&name = key](const auto &one) { return name == one.first; });
-        if (found == std::end(FE_CONSTANTS)) throw py::value_error("constants: '" + key + "' is none of the law");
+        const auto *const found = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
+                                               [&name = key](const auto &one) { return name == one.first; });
+        require(found != std::end(FE_CONSTANTS), "constants: '" + key + "' is none of the law");
         options.fe_constants.*found->second = value;
-        continue;
+      } else {
+        const auto member = law_constant(key);
+        require(member, "constants: '" + key + "' is none of LAW_CONSTANTS");
+        options.constants.*member = value;
       }
-      const auto member = law_constant(key);
-      if (!member) throw py::value_error("constants: '" + key + "' is none of LAW_CONSTANTS");
-      if (!std::isfinite(value)) throw py::value_error("constants must be finite numbers, found " + key);
-      options.constants.*member = value;
     }
-    for (const double one : {hardening.first, hardening.second})
-      if (!(one >= 0.0 && one < 1.0)) throw py::value_error("hardening must lie in [0, 1)");
-    if (!own.empty() && !fe && (!entry.takes(CONSTANTS) || options.variant != Variant::continuous))
-      throw py::value_error("constants belong to law elastoplastic, variant continuous");
-    for (const double one : {rate_sensitivity.first, rate_sensitivity.second})
-      if (!(one >= 0.0)) throw py::value_error("rate_sensitivity must not be negative");
-    if (!(reference_rate.first > 0.0 && reference_rate.second > 0.0))
-      throw py::value_error("reference_rate must be positive");
-    const Material first{modulus.first,   poisson.first,          yield.first,
-                         hardening.first, rate_sensitivity.first, reference_rate.first},
-        second{modulus.second,   poisson.second,          yield.second,
-               hardening.second, rate_sensitivity.second, reference_rate.second};
-    law = ContactLaw(entry, first, second, options);
-    if (const std::string fault = law.fault(); checked && !own.empty() && !fault.empty()) throw py::value_error(fault);
+    const auto body = [&](double Two::*of) {
+      return Material{modulus.*of, poisson.*of, yield.*of, hardening.*of, rate_sensitivity.*of, reference_rate.*of};
+    };
+    law = ContactLaw(entry, body(&Two::first), body(&Two::second), options);
+    const std::string fault = checked && !own.empty() ? law.fault() : "";
+    require(fault.empty(), fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
-    if (!(effective > 0.0)) throw py::value_error("effective_radius must be positive");
+    require(effective > 0.0, "effective_radius must be positive");
     scaled = effective_radius ? ScaledLaw(law, effective) : ScaledLaw(law, effective, radius.first, radius.second);
     if (line) {
       elastic.emplace(*line, (std::isfinite(radius.first) && std::isfinite(radius.second) ? 0.2 : 0.1) * effective);
       scaled = ScaledLaw(law, effective, *elastic);
-    } else if (entry.yields() && !std::isfinite(scaled.yield_overlap()))
-      throw py::value_error("law '" + name + "' needs a yield strength");
+    } else {
+      require(!entry.yields() || std::isfinite(scaled.yield_overlap()), "law '" + name + "' needs a yield strength");
+    }
     extra.assign(law.n_extra(), 0.0);
   }
   Contact(const Contact &) = delete;    // `scaled` points to `law`
@@ -231,10 +229,6 @@ class Contact {
   {
     return scaled.cohesive() ? sticking(overlap, peak).force : scaled.force(overlap, history(peak));
   }
-  double pressing_force(double overlap, double peak) const
-  {
-    return scaled.cohesive() ? sticking(overlap, peak).pressing : scaled.force(overlap, history(peak));
-  }
   double elastic_energy(double overlap, double peak) const
   {
     if (scaled.cohesive()) return sticking(overlap, peak).energy;
@@ -252,15 +246,15 @@ class Contact {
   }
   ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
   {
-    if (time && dashpot) throw py::value_error("take one of loss_time and loss_dashpot");
-    if (!(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0)) throw py::value_error("a loss must not be negative");
+    require(!(time && dashpot), "take one of loss_time and loss_dashpot");
+    require(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0, "a loss must not be negative");
     if (time) return {LossKind::TIME, *time};
     return dashpot ? ViscousLoss{LossKind::DASHPOT, *dashpot} : ViscousLoss{};
   }
   py::dict collide(double mass, double speed, const std::optional<double> &time, const std::optional<double> &dashpot,
                    int steps) const
   {
-    if (!(mass > 0.0 && speed > 0.0 && steps > 0)) throw py::value_error("mass, speed and steps must be positive");
+    require(mass > 0.0 && speed > 0.0 && steps > 0, "mass, speed and steps must be positive");
     const Collision found = ::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
     using namespace py::literals;
     return py::dict("restitution"_a = found.restitution, "duration"_a = found.duration, "peak_force"_a = found.peak_force,
@@ -269,12 +263,12 @@ class Contact {
   /* Path of a new contact, from the overlaps at these times. */
   py::dict follow(const std::vector<double> &overlap, const std::vector<double> &time) const
   {
-    if (overlap.size() != time.size()) throw py::value_error("overlap and time must be of one length");
+    require(overlap.size() == time.size(), "overlap and time must be of one length");
     std::vector<double> block(extra), force, elastic, dissipated, factor;
     double peak = 0.0;
     for (std::size_t k = 0; k < overlap.size(); k++) {
       const double x = overlap[k], dt = k > 0 ? time[k] - time[k - 1] : 0.0;
-      if (k > 0 && !(dt > 0.0)) throw py::value_error("times must rise");
+      require(k == 0 || dt > 0.0, "times must rise");
       if (x > 0.0) scaled.update(x, peak, k > 0 ? (x - overlap[k - 1]) / dt : 0.0, block.data());
       peak = std::max(peak, x);
       const LawHistory h{peak, block.data()};
@@ -320,7 +314,7 @@ class Contact {
     const auto overlap = overlaps.unchecked<1>();
     const auto slip = slips.unchecked<2>();
     const py::ssize_t n = overlap.shape(0);
-    if (slip.shape(0) != n || slip.shape(1) != 2) throw py::value_error("slip must have the shape (n, 2)");
+    require(slip.shape(0) == n && slip.shape(1) == 2, "slip must have the shape (n, 2)");
     const TangentialModel kind = tangential_model(model);
     py::array_t<double> force({n, py::ssize_t(2)}), stored(n), lost(n);
     TangentialSpring spring;
@@ -370,11 +364,12 @@ template <auto Member, auto Method> auto of()
 
 PYBIND11_MODULE(_contact_laws, module)
 {
+  const py::arg x("x"), overlap("overlap"), peak("peak_overlap");
   module.doc() =
       "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
   module.attr("LAW_CONSTANTS") = by_name({});
-  module.def("power", py::vectorize(power), py::arg("x"), py::arg("y"), "x^y as the laws compute it, for positive x.");
+  module.def("power", py::vectorize(power), x, py::arg("y"), "x^y as the laws compute it, for positive x.");
   module.def("elliptic_radius", py::vectorize(elliptic_radius), py::arg("first"), py::arg("second"),
              "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
   module.def(
@@ -385,12 +380,12 @@ PYBIND11_MODULE(_contact_laws, module)
       },
       py::arg("shape"), py::arg("numbers"), py::arg("time"),
       "Force or displacement at times (s), from the name and the numbers that fix gran/load takes.");
-  module.def("logarithm", py::vectorize(logarithm), py::arg("x"), "ln(x) as the laws compute it, for positive x.");
+  module.def("logarithm", py::vectorize(logarithm), x, "ln(x) as the laws compute it, for positive x.");
   py::class_<LineContact>(module, "LineContact",
                           "Contact along a line: a cylinder on a plane, or two parallel cylinders.\n\n"
                           "Pairs are (first, second) body, rigid where the modulus is inf. SI units.")
       .def(py::init([](Two modulus, Two poisson, double diameter, double length) {
-             if (!(diameter > 0.0 && length > 0.0)) throw py::value_error("diameter and length must be positive");
+             require(diameter > 0.0 && length > 0.0, "diameter and length must be positive");
              const auto [first, second] = elastic_bodies(modulus, poisson);
              return LineContact(first, second, diameter, length);
            }),
@@ -398,40 +393,19 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_static(
           "plane_strain",
           [](Two modulus, Two poisson, Two radius, double length) {
-            if (!(radius.first > 0.0 && radius.second > 0.0 && length > 0.0))
-              throw py::value_error("radii and length must be positive");
-            if (!std::isfinite(radius.first) && !std::isfinite(radius.second))
-              throw py::value_error("one of two bodies must be a cylinder, found two planes");
+            require(radius.first > 0.0 && radius.second > 0.0 && length > 0.0, "radii and length must be positive");
+            require(std::isfinite(radius.first) || std::isfinite(radius.second),
+                    "one of two bodies must be a cylinder, found two planes");
             const auto [first, second] = elastic_bodies(modulus, poisson);
             return LineContact::plane_strain(first, second, radius.first, radius.second, length);
           },
           py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"), py::arg("radius"), py::arg("length"),
           "Contact in plane strain after Johnson; a plane has the radius inf.")
       .def_property_readonly("largest_overlap", &LineContact::largest_overlap, "end of the law, m")
-      .def("force", py::vectorize(&LineContact::force), py::arg("overlap"), "Force at an overlap, N.")
-      .def("stiffness", py::vectorize(&LineContact::stiffness), py::arg("overlap"),
-           "Slope of the force over the overlap, N/m.")
-      .def("energy", py::vectorize(&LineContact::energy), py::arg("overlap"), "Stored energy, J.")
-      .def(
-          "in_batches",
-          [](const LineContact &self, const std::vector<double> &overlap) {
-            std::vector<double> force, stiffness;
-            LineBatch batch;
-            const auto compute = [&] {
-              batch.compute();
-              force.insert(force.end(), batch.force, batch.force + batch.size);
-              stiffness.insert(stiffness.end(), batch.stiffness, batch.stiffness + batch.size);
-              batch.size = 0;
-            };
-            for (const double one : overlap) {
-              batch.add(0, self, one);
-              if (batch.full()) compute();
-            }
-            compute();
-            return std::pair(force, stiffness);
-          },
-          py::arg("overlap"), "Forces, N, and stiffnesses, N/m, as the styles of LAMMPS compute them.");
-  module.def("exponential", py::vectorize(exponential), py::arg("x"), "exp(x) as the laws compute it.");
+      .def("force", py::vectorize(&LineContact::force), overlap, "Force at an overlap, N.")
+      .def("stiffness", py::vectorize(&LineContact::stiffness), overlap, "Slope of the force over the overlap, N/m.")
+      .def("energy", py::vectorize(&LineContact::energy), overlap, "Stored energy, J.");
+  module.def("exponential", py::vectorize(exponential), x, "exp(x) as the laws compute it.");
   using Axis = std::array<double, 3>;
   py::class_<CylinderPair>(module, "CylinderPair",
                            "Two bodies, one of them a cylinder at least; a sphere has the length 0. SI units.")
@@ -439,7 +413,7 @@ PYBIND11_MODULE(_contact_laws, module)
              Cylinder one{length.first, {}}, other{length.second, {}};
              std::copy(first.begin(), first.end(), one.axis);
              std::copy(second.begin(), second.end(), other.axis);
-             if (one.is_sphere() && other.is_sphere()) throw py::value_error("one of two bodies must be a cylinder");
+             require(!one.is_sphere() || !other.is_sphere(), "one of two bodies must be a cylinder");
              return CylinderPair(one, other);
            }),
            py::kw_only(), py::arg("length"), py::arg("first_axis"), py::arg("second_axis"))
@@ -454,7 +428,6 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
                     "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
-      .def_readonly("n_extra", &LawEntry::n_extra, "numbers of history beyond the largest overlap")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
       .def_property_readonly("is_power", &LawEntry::is_power,
                              "True for a power of the overlap, or no force at all, whatever the radii")
@@ -470,8 +443,7 @@ PYBIND11_MODULE(_contact_laws, module)
       "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
       .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
                     const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<LineContact> &, Two, Two, Two,
-                    const std::optional<std::pair<std::string, double>> &>(),
+                    const std::optional<LineContact> &, Two, Two, Two, const Cohesion &>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
            py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
            py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
@@ -505,41 +477,37 @@ PYBIND11_MODULE(_contact_laws, module)
                              "largest gap of surfaces that a neck holds together (JKR), m")
       .def_property_readonly("share_of_first", of<&Contact::law, &ContactLaw::share_of_first>(),
                              "share of the dissipated energy that belongs to the first body")
-      .def("force", py::vectorize(&Contact::force), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("force", py::vectorize(&Contact::force), overlap, peak,
            "Force at an overlap when the largest so far was peak_overlap, N.")
-      .def("pressing_force", py::vectorize(&Contact::pressing_force), py::arg("overlap"), py::arg("peak_overlap"),
-           "Normal force that limits friction: with cohesion the force plus twice the pull-off force, N.")
-      .def("loading_force", py::vectorize(&Contact::loading_force), py::arg("overlap"), "Force of first loading, N.")
-      .def("loading_work", py::vectorize(&Contact::loading_work), py::arg("overlap"), "Work of first loading from zero, J.")
-      .def("elastic_energy", py::vectorize(&Contact::elastic_energy), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("loading_force", py::vectorize(&Contact::loading_force), overlap, "Force of first loading, N.")
+      .def("loading_work", py::vectorize(&Contact::loading_work), overlap, "Work of first loading from zero, J.")
+      .def("elastic_energy", py::vectorize(&Contact::elastic_energy), overlap, peak,
            "Energy that unloading would give back, J.")
-      .def("dissipated_energy", py::vectorize(&Contact::dissipated_energy), py::arg("peak_overlap"),
+      .def("dissipated_energy", py::vectorize(&Contact::dissipated_energy), peak,
            "Energy lost once peak_overlap was reached, J.")
-      .def("residual_overlap", py::vectorize(&Contact::residual_overlap), py::arg("peak_overlap"),
-           "Overlap of the unloaded dent, m.")
-      .def("unloading_exponent", py::vectorize(&Contact::unloading_exponent), py::arg("peak_overlap"),
-           "n of the unloading branch.")
-      .def("unloading_stiffness", py::vectorize(&Contact::unloading_stiffness), py::arg("peak_overlap"),
+      .def("residual_overlap", py::vectorize(&Contact::residual_overlap), peak, "Overlap of the unloaded dent, m.")
+      .def("unloading_exponent", py::vectorize(&Contact::unloading_exponent), peak, "n of the unloading branch.")
+      .def("unloading_stiffness", py::vectorize(&Contact::unloading_stiffness), peak,
            "Slope dF/d(overlap) where unloading starts, N/m.")
-      .def("tangent_stiffness", py::vectorize(&Contact::tangent_stiffness), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("tangent_stiffness", py::vectorize(&Contact::tangent_stiffness), overlap, peak,
            "Slope dF/d(overlap) at an overlap, of loading at the peak and of unloading below it, N/m.")
       .def("collide", &Contact::collide, py::arg("effective_mass"), py::arg("speed"), py::kw_only(),
            py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
-      .def("follow", &Contact::follow, py::arg("overlap"), py::arg("time"),
+      .def("follow", &Contact::follow, overlap, py::arg("time"),
            "Path of a new contact through overlaps at rising times, s: arrays force (N), elastic_energy, dissipated_energy "
            "(J) "
            "and rate_factor, that of the yield strength.")
-      .def("rate_factor", py::vectorize(&Contact::rate_factor), py::arg("overlap"), py::arg("velocity"),
+      .def("rate_factor", py::vectorize(&Contact::rate_factor), overlap, py::arg("velocity"),
            "Factor of the yield strength on loading at this velocity of approach, m/s.")
-      .def("contact_radius", py::vectorize(&Contact::peak_contact_radius), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::peak_contact_radius), peak,
            "Radius of the contact circle at a peak, m.")
-      .def("contact_radius", py::vectorize(&Contact::contact_radius), py::arg("overlap"), py::arg("peak_overlap"),
+      .def("contact_radius", py::vectorize(&Contact::contact_radius), overlap, peak,
            "Radius of the contact circle at an overlap when the largest so far was peak_overlap, m.")
-      .def("tangential_stiffness", py::vectorize(&Contact::tangential_stiffness), py::arg("overlap"),
-           py::arg("peak_overlap"), "k_t = 8 G* a of that circle, N/m.")
-      .def("friction_path", &Contact::friction_path, py::arg("overlap"), py::arg("slip"), py::kw_only(), py::arg("friction"),
+      .def("tangential_stiffness", py::vectorize(&Contact::tangential_stiffness), overlap, peak,
+           "k_t = 8 G* a of that circle, N/m.")
+      .def("friction_path", &Contact::friction_path, overlap, py::arg("slip"), py::kw_only(), py::arg("friction"),
            py::arg("tangential") = "mindlin_rescale", py::arg("cells") = 16,
            "Force (n, 2), N, stored_energy and loss (n,), J, of friction along a path, from a new contact on.\n\n"
            "Overlaps (n,), and the slips of the steps that end there, (n, 2), of the first body over the second, m.\n"

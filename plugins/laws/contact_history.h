@@ -13,7 +13,6 @@
 
 #include "tangential.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <numeric>

@@ -5,17 +5,10 @@
 #ifndef GRANWAVE_CONTACT_LAW_H
 #define GRANWAVE_CONTACT_LAW_H
 
-#include "cohesion.h"
 #include "elastic_contact.h"
 #include "law_table.h"
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
-#include <string>
-#include <tuple>
-#include <variant>
-#include <vector>
 
 namespace granwave {
 

@@ -13,8 +13,6 @@
 #include "resistance.h"
 #include "viscous_loss.h"
 
-#include <algorithm>
-
 namespace granwave {
 
 struct ContactMemory {

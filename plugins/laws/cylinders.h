@@ -193,30 +193,28 @@ class Tube {
     found[1] = x[2];
   }
 
-  /* Components outward, around and along the tube of a force at a sphere. */
-  void cylindrical(const double *x, const double force[3], double found[3]) const
+  /* Turn a force at a sphere into its components outward, around and along the tube. */
+  void cylindrical(const double *x, double force[3]) const
   {
     double normal[3];
     inward(x, normal);
-    found[0] = -(force[0] * normal[0] + force[1] * normal[1]);
-    found[1] = force[0] * normal[1] - force[1] * normal[0];
-    found[2] = force[2];
+    const double outward = -(force[0] * normal[0] + force[1] * normal[1]);
+    force[1] = force[0] * normal[1] - force[1] * normal[0];
+    force[0] = outward;
   }
 
   /* Radius of the sphere that is as stiff on a plane as one of this radius in the tube; of one that does not fit its own. */
   double effective_radius(double radius)
   {
-    if (radius == last_radius_) return last_;
     if (!(radius > 0.0 && holds(radius))) return radius;
-    const auto known = found_.find(radius);
-    last_ = known != found_.end() ? known->second : elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / radius_);
-    return found_[last_radius_ = radius] = last_;
+    const auto [known, fresh] = found_.try_emplace(radius, 0.0);
+    if (fresh) known->second = elliptic_radius(1.0 / radius, 1.0 / radius - 1.0 / radius_);
+    return known->second;
   }
 
  private:
   double radius_;
   std::unordered_map<double, double> found_;    // by radius of the spheres
-  double last_radius_ = 0.0, last_ = 0.0;       // of the sphere asked for last: neighbours are mostly alike
 
   static double from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
 };

@@ -14,11 +14,10 @@
 #define GRANWAVE_ELASTOPLASTIC_H
 
 #include "material.h"
-#include "simple_laws.h"
+#include "normal_law.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <utility>
 
 namespace granwave {

@@ -22,10 +22,9 @@
 
 #include "elastoplastic_fe_constants.h"
 #include "material.h"
-#include "simple_laws.h"
+#include "normal_law.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 
 namespace granwave {

@@ -9,25 +9,6 @@ namespace granwave {
 
 namespace {
 
-AnyLaw make_hertz(const LawOptions &, const LawScales &) { return Hertz(); }
-
-AnyLaw make_elastoplastic(const LawOptions &o, const LawScales &)
-{
-  return Elastoplastic(o.variant, o.yield_factor, o.constants);
-}
-
-AnyLaw make_bilinear(const LawOptions &o, const LawScales &s)
-{
-  return Bilinear(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
-}
-
-AnyLaw make_elastoplastic_fe(const LawOptions &o, const LawScales &s)
-{
-  return ElastoplasticFe(s.first, s.second, s.overlap_per_radius, o.fe_constants);
-}
-
-AnyLaw make_thornton(const LawOptions &o, const LawScales &) { return Thornton(o.yield_factor); }
-
 [[noreturn]] void refuse(const std::string &what) { throw std::invalid_argument(what); }
 
 bool is_number(const std::string &word)
@@ -37,34 +18,24 @@ bool is_number(const std::string &word)
   return !word.empty() && *end == '\0';
 }
 
-double number(const std::string &word, const std::string &what)
+/* Values that a number may have, and what a message says that it must. */
+struct Range {
+  bool (*holds)(double);
+  const char *must;
+};
+
+constexpr Range FINITE = {[](double) { return true; }, "be a number"};
+constexpr Range POSITIVE = {[](double value) { return value > 0.0; }, "be positive"};
+constexpr Range NOT_NEGATIVE = {[](double value) { return value >= 0.0; }, "not be negative"};
+constexpr Range AT_LEAST_ONE = {[](double value) { return value >= 1.0; }, "be 1 or more"};
+constexpr Range SHARE = {[](double value) { return value >= 0.0 && value < 1.0; }, "lie in [0, 1)"};
+constexpr Range POISSON = {[](double value) { return value > -1.0 && value <= 0.5; }, "lie in (-1, 0.5]"};
+
+double number(const std::string &word, const std::string &what, const Range &range = FINITE)
 {
   const double value = is_number(word) ? std::strtod(word.c_str(), nullptr) : INFINITE;
-  if (!std::isfinite(value)) refuse(what + " must be a number, found '" + word + "'");
-  return value;
-}
-
-double positive(const std::string &word, const std::string &what)
-{
-  const double value = number(word, what);
-  if (!(value > 0.0)) refuse(what + " must be positive, found '" + word + "'");
-  return value;
-}
-
-double not_negative(const std::string &word, const std::string &what)
-{
-  const double value = number(word, what);
-  if (value < 0.0) refuse(what + " must not be negative, found '" + word + "'");
-  return value;
-}
-
-/* Yield strength; INF for a body that never yields. */
-double strength(const std::string &word) { return word == "INF" ? INFINITE : positive(word, "yield strength"); }
-
-double poisson(const std::string &word)
-{
-  const double value = number(word, "Poisson's ratio");
-  if (!(value > -1.0 && value <= 0.5)) refuse("Poisson's ratio must lie in (-1, 0.5], found '" + word + "'");
+  const bool finite = std::isfinite(value);
+  if (!finite || !range.holds(value)) refuse(what + " must " + (finite ? range : FINITE).must + ", found '" + word + "'");
   return value;
 }
 
@@ -78,9 +49,9 @@ std::size_t read_slider(const std::vector<std::string> &words, std::size_t at, S
   const std::string form = key + " sds K|mindlin GAMMA MU" + (key == "twisting" ? " or twisting marshall" : "");
   if (kind != "sds") refuse("expected " + form + ", found '" + key + " " + kind + "'");
   if (at + 4 >= words.size()) refuse("'" + key + " sds' has too few values; expected " + form);
-  if (words[at + 2] != "mindlin") model.stiffness = positive(words[at + 2], key + " stiffness");
-  model.damping = not_negative(words[at + 3], key + " damping");
-  model.coefficient = not_negative(words[at + 4], key + " coefficient");
+  if (words[at + 2] != "mindlin") model.stiffness = number(words[at + 2], key + " stiffness", POSITIVE);
+  model.damping = number(words[at + 3], key + " damping", NOT_NEGATIVE);
+  model.coefficient = number(words[at + 4], key + " coefficient", NOT_NEGATIVE);
   if (!model) model = {};
   return 4;
 }
@@ -91,14 +62,27 @@ const std::vector<LawEntry> &law_table()
 {
   // name, elastic limit, fitted, options, doubles of history beyond the largest overlap; new laws last, since restart files
   // have the number of the line
+  using Options = const LawOptions &;
+  using Scales = const LawScales &;
+  const auto hertz = [](Options, Scales) -> AnyLaw { return Hertz(); };
+  const auto elastoplastic = [](Options o, Scales) -> AnyLaw {
+    return Elastoplastic(o.variant, o.yield_factor, o.constants);
+  };
+  const auto bilinear = [](Options o, Scales s) -> AnyLaw {
+    return Bilinear(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
+  };
+  const auto thornton = [](Options o, Scales) -> AnyLaw { return Thornton(o.yield_factor); };
+  const auto elastoplastic_fe = [](Options o, Scales s) -> AnyLaw {
+    return ElastoplasticFe(s.first, s.second, s.overlap_per_radius, o.fe_constants);
+  };
   static const std::vector<LawEntry> TABLE = {
-      {"hertz", INFINITE, false, 0, 0, make_hertz},
-      {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS | RATE, 0, make_elastoplastic},
-      {"bilinear", 0.0, false, BETA, 0, make_bilinear},
-      {"thornton", 1.0, false, YIELD_FACTOR | RATE, 0, make_thornton},
-      {"power", INFINITE, false, POWER, 0, make_hertz},
-      {"none", INFINITE, false, 0, 0, make_hertz, true},
-      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, make_elastoplastic_fe, false, true},
+      {"hertz", INFINITE, false, 0, 0, hertz},
+      {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS | RATE, 0, elastoplastic},
+      {"bilinear", 0.0, false, BETA, 0, bilinear},
+      {"thornton", 1.0, false, YIELD_FACTOR | RATE, 0, thornton},
+      {"power", INFINITE, false, POWER, 0, hertz},
+      {"none", INFINITE, false, 0, 0, hertz, true},
+      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, elastoplastic_fe, false, true},
   };
   return TABLE;
 }
@@ -155,8 +139,9 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (numbers != each && numbers != 2 * each)
     refuse("law '" + words[0] + "' has " + std::to_string(numbers) + " material constants; " + usage);
   const auto material = [&](std::size_t at) {
-    return Material{positive(words[at], "Young's modulus"), poisson(words[at + 1]),
-                    each == 3 ? strength(words[at + 2]) : INFINITE};
+    const bool yields = each == 3 && words[at + 2] != "INF";
+    return Material{number(words[at], "Young's modulus", POSITIVE), number(words[at + 1], "Poisson's ratio", POISSON),
+                    yields ? number(words[at + 2], "yield strength", POSITIVE) : INFINITE};
   };
   args.first = material(1);
   if (numbers == 2 * each) args.second = material(1 + each);
@@ -169,60 +154,48 @@ LawArguments parse_law(const std::vector<std::string> &words)
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
     const std::string &value = words[k + 1];
     if (key == "friction") {
-      args.friction = not_negative(value, key);
+      args.friction = number(value, key, NOT_NEGATIVE);
     } else if (key == "tangential") {
       args.tangential = tangential_model(value);
     } else if (key == "rolling" || key == "twisting") {
       k += read_slider(words, k, key == "rolling" ? args.resistance.rolling : args.resistance.twisting) - 1;
-    } else if (key == "loss") {
-      if (value != "time" && value != "dashpot") refuse("loss must be time or dashpot, found '" + value + "'");
-      if (args.loss) refuse("loss is given twice: take one of time and dashpot");
-      if (k + 2 == words.size()) refuse("'loss " + value + "' has no value; " + usage);
-      const double size = not_negative(words[k + 2], "loss " + value);
-      if (size > 0.0) args.loss = {value == "time" ? LossKind::TIME : LossKind::DASHPOT, size};
-      k++;
-    } else if (key == "cohesion") {
-      if (value != "jkr" && value != "dmt") refuse("cohesion must be jkr or dmt, found '" + value + "'");
-      if (args.options.cohesion) refuse("cohesion is given twice");
-      if (k + 2 == words.size()) refuse("'cohesion " + value + "' has no value; " + usage);
-      const double energy = not_negative(words[k + 2], "cohesion " + value);
-      if (energy > 0.0) args.options.cohesion = {value == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
-      k++;
+    } else if (key == "loss" || key == "cohesion") {
+      const bool loss = key == "loss", first = value == (loss ? "time" : "jkr");
+      if (!first && value != (loss ? "dashpot" : "dmt"))
+        refuse(key + " must be " + (loss ? "time or dashpot" : "jkr or dmt") + ", found '" + value + "'");
+      if (loss ? bool(args.loss) : bool(args.options.cohesion)) refuse(key + " is given twice");
+      if (++k + 1 == words.size()) refuse("'" + key + " " + value + "' has no value; " + usage);
+      const double size = number(words[k + 1], key + " " + value, NOT_NEGATIVE);
+      if (size > 0.0 && loss) args.loss = {first ? LossKind::TIME : LossKind::DASHPOT, size};
+      if (size > 0.0 && !loss) args.options.cohesion = {first ? CohesionKind::JKR : CohesionKind::DMT, size};
     } else if (key == "variant" && args.law->takes(VARIANT)) {
       if (value != "continuous" && value != "published")
         refuse("variant must be continuous or published, found '" + value + "'");
       args.options.variant = value == "published" ? Variant::published : Variant::continuous;
     } else if (key == "yield_factor" && args.law->takes(YIELD_FACTOR)) {
-      args.options.yield_factor = positive(value, "yield_factor");
+      args.options.yield_factor = number(value, key, POSITIVE);
     } else if (key == "beta" && args.law->takes(BETA)) {
-      args.options.beta = is_number(value) ? std::strtod(value.c_str(), nullptr) : -1.0;
-      if (!(args.options.beta >= 0.0 && args.options.beta < 1.0)) refuse("beta must lie in [0, 1), found '" + value + "'");
+      args.options.beta = number(value, key, SHARE);
     } else if (key == "hardening" && args.law->takes(HARDENING)) {
-      const auto tangent = [&](const std::string &word) {
-        const double found = number(word, key);
-        if (!(found >= 0.0 && found < 1.0)) refuse("hardening must lie in [0, 1), found '" + word + "'");
-        return found;
-      };
-      args.first.hardening = tangent(value);
+      args.first.hardening = number(value, key, SHARE);
       if (args.second) {
-        if (k + 2 == words.size()) refuse("hardening needs a value for each of the two materials; " + usage);
-        args.second->hardening = tangent(words[++k + 1]);
+        if (++k + 1 == words.size()) refuse("hardening needs a value for each of the two materials; " + usage);
+        args.second->hardening = number(words[k + 1], key, SHARE);
       }
     } else if (key == "rate" && args.law->takes(RATE)) {
       k--;
       for (Material *of : {&args.first, args.second ? &*args.second : nullptr}) {
         if (!of) continue;
         if (k + 3 >= words.size()) refuse("rate needs C and a reference rate for each of the materials; " + usage);
-        of->rate_sensitivity = not_negative(words[k + 2], "rate sensitivity");
-        of->reference_rate = positive(words[k + 3], "reference rate");
+        of->rate_sensitivity = number(words[k + 2], "rate sensitivity", NOT_NEGATIVE);
+        of->reference_rate = number(words[k + 3], "reference rate", POSITIVE);
         k += 2;
       }
     } else if (key == "constant" && args.law->takes(POWER)) {
-      args.options.constant = positive(value, key);
+      args.options.constant = number(value, key, POSITIVE);
       has_constant = true;
     } else if (key == "exponent" && args.law->takes(POWER)) {
-      args.options.exponent = number(value, key);
-      if (!(args.options.exponent >= 1.0)) refuse("exponent must be 1 or more, found '" + value + "'");
+      args.options.exponent = number(value, key, AT_LEAST_ONE);
       has_exponent = true;
     } else if (const auto constant = law_constant(key); constant && args.law->takes(CONSTANTS)) {
       args.options.constants.*constant = number(value, key);

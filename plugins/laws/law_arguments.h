@@ -1,24 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contact law from the words of an input script; syntax of the pair style and the wall fix:
-
-     hertz|none E nu [E2 nu2]
-     power E nu [E2 nu2] constant K exponent p      (F = K overlap^p, whatever the radii)
-     any other law of the table  E nu sigma_y [E2 nu2 sigma_y2]      (INF for one sigma_y: that body stays elastic)
-     keywords: hardening h [h2] (tangent modulus over E, a number for each material; law elastoplastic-fe), friction mu,
-     rate C r0 [C2 r02] (rate_dependent.h, two numbers for each material),
-     tangential mindlin_rescale|mindlin|partial_slip, rolling sds K|mindlin GAMMA MU, twisting sds K|mindlin GAMMA MU, twisting marshall,
-     loss time A, loss dashpot alpha, cohesion jkr|dmt w (work of adhesion; dmt with any law of two materials, jkr with hertz), and of the options that the law takes: variant
-     continuous|published, yield_factor C, beta b, any of LAW_CONSTANTS  */
+/* Contact law from the words of an input script, the same for pair style and wall fix: LAW E nu [sigma_y] [E2 nu2 [sigma_y2]],
+   then keywords with their values; parse_law() has all of them in its message. INF for one sigma_y: that body stays elastic. */
 
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
 #include "contact_memory.h"
 
-#include <optional>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 namespace granwave {
 

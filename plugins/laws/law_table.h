@@ -7,11 +7,8 @@
 
 #include "cohesion.h"
 #include "elastoplastic.h"
-#include "elastoplastic_fe.h"
 #include "rate_dependent.h"
-#include "simple_laws.h"
 
-#include <string>
 #include <variant>
 #include <vector>
 

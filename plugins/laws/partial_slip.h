@@ -27,9 +27,7 @@
 
 #include "tangential.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace granwave {
 

@@ -34,10 +34,6 @@
 #define GRANWAVE_RATE_DEPENDENT_H
 
 #include "elastoplastic_fe.h"
-#include "simple_laws.h"
-
-#include <algorithm>
-#include <cmath>
 
 namespace granwave {
 

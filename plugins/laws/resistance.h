@@ -24,9 +24,6 @@
 
 #include "tangential.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace granwave {
 
 /* Constants of one of the two. */

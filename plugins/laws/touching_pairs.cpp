@@ -3,8 +3,6 @@
 
 #include "processors.h"
 
-#include <cstring>
-
 using namespace granwave;
 
 namespace {
@@ -67,7 +65,6 @@ FOR_EACH_PROCESSOR bool granwave::all_finite(const double *numbers, int n)
 }
 
 /* Compute the distances of the present group: which of its pairs touch, and which rows have pairs beyond the gap. */
-
 template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs::measure()
 {
   const RowGroup &g = *group;
@@ -113,7 +110,6 @@ template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs
 }
 
 /* Find the pairs of the present group that have parted. */
-
 inline void TouchingPairs::compare()
 {
   const RowGroup &g = *group;
@@ -126,7 +122,6 @@ inline void TouchingPairs::compare()
 
 /* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
    batch whether it touches or not, and the next one takes its place if it does not. */
-
 template <bool UNIFORM> __attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch &batch, int n)
 {
   const RowGroup &g = *group;

@@ -15,8 +15,6 @@
 
 #include "contact_batch.h"
 
-#include <algorithm>
-#include <cstdint>
 #include <cstring>
 #include <vector>
 

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "compute_gran_hysteretic.h"
 
-#include "atom.h"
 #include "error.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
 #include "pair_gran_hysteretic.h"
-#include "update.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -30,7 +25,6 @@ ComputeGranHysteretic::~ComputeGranHysteretic()
 }
 
 /* Find the pair style, which a script may have replaced since the last run. */
-
 void ComputeGranHysteretic::init()
 {
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
@@ -88,23 +82,25 @@ void ComputeGranHystereticAtom::compute_peratom()
   start_atoms();
   const int nlocal = atom->nlocal;
   for (int i = 0; i < nlocal; i++) std::fill_n(array_atom[i] + FIRST, static_cast<int>(ELASTIC - FIRST), -1.0);
+  const auto reach = [](double *row, double force, double time, double overlap, double first, double yield) {
+    if (force > row[PEAK_FORCE]) row[PEAK] = time;
+    row[PEAK_FORCE] = std::max(row[PEAK_FORCE], force);
+    row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], overlap);
+    earliest(row[FIRST], first);
+    earliest(row[YIELD], yield);
+  };
   const auto add = [&](int i, double share, const Report &report) {
     double *row = array_atom[i];
+    const Dent &dent = report.dent;
+    reach(row, report.peak_force, dent.time_peak, dent.peak, dent.time_first, dent.time_yield);
     row[FORCE] = std::max(row[FORCE], report.force);
-    if (report.peak_force > row[PEAK_FORCE]) {
-      row[PEAK_FORCE] = report.peak_force;
-      row[PEAK] = report.dent.time_peak;
-    }
-    row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], report.dent.peak);
     row[DISSIPATED] += share * report.dissipated;
     row[ELASTIC] += 0.5 * report.elastic;
     row[TANGENTIAL] += 0.5 * report.tangential_elastic;
     row[FRICTIONAL] += 0.5 * report.frictional_loss;
     row[VISCOUS] += 0.5 * report.viscous_loss;
-    if (report.yielded) row[YIELDED] += 1.0;
-    if (report.touches) row[COORDINATION] += 1.0;
-    earliest(row[FIRST], report.dent.time_first);
-    earliest(row[YIELD], report.dent.time_yield);
+    row[YIELDED] += report.yielded;
+    row[COORDINATION] += report.touches;
   };
   pair->for_each_dent([&](const Report &report) {
     add(report.i, report.share_i, report);
@@ -112,18 +108,12 @@ void ComputeGranHystereticAtom::compute_peratom()
   });
   for (int i = 0; i < nlocal; i++) {
     double *row = array_atom[i];
-    const ForgottenContacts forgotten = pair->forgotten(i);
-    if (forgotten.peak_force > row[PEAK_FORCE]) {
-      row[PEAK_FORCE] = forgotten.peak_force;
-      row[PEAK] = forgotten.time_peak;
-    }
-    row[PEAK_OVERLAP] = std::max(row[PEAK_OVERLAP], forgotten.peak_overlap);
-    row[DISSIPATED] += forgotten.own_dissipated;
-    row[FRICTIONAL] += 0.5 * forgotten.frictional_loss;
-    row[VISCOUS] += 0.5 * forgotten.viscous_loss;
-    row[YIELDED] += forgotten.yielded;
-    earliest(row[FIRST], forgotten.time_first);
-    earliest(row[YIELD], forgotten.time_yield);
+    const ForgottenContacts sums = pair->forgotten(i);
+    reach(row, sums.peak_force, sums.time_peak, sums.peak_overlap, sums.time_first, sums.time_yield);
+    row[DISSIPATED] += sums.own_dissipated;
+    row[FRICTIONAL] += 0.5 * sums.frictional_loss;
+    row[VISCOUS] += 0.5 * sums.viscous_loss;
+    row[YIELDED] += sums.yielded;
   }
   finish_atoms();
 }
@@ -182,7 +172,7 @@ void ComputeGranHystereticLocal::compute_local()
     const auto [lower, higher] = std::minmax(report.tag_i, report.tag_j);
     const double side = report.tag_i < report.tag_j ? 1.0 : -1.0;    // the force is that on the sphere with the lower ID
     const double *const f = report.tangential;
-    const granwave::Dent &dent = report.dent;
+    const Dent &dent = report.dent;
     append(lower, higher, report.overlap, report.force, dent.peak, report.peak_force, report.elastic, report.dissipated,
            dent.time_first, dent.time_peak, dent.time_yield, report.live, report.tangential_force, report.tangential_elastic,
            report.frictional_loss, report.initial, report.viscous_loss, side * f[0], side * f[1], side * f[2]);

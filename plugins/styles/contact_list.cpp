@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "contact_list.h"
 
-#include <algorithm>
-#include <cstring>
-
 using namespace granwave;
 
 /* Append the rows of these pairs, in the order of the IDs of their spheres. The row is that of the lower ID, whose sphere may be
    a ghost, and has its partners in the order of their IDs: the forces on a sphere are summed in the order of the IDs of its
    partners, and are the same to the last bit on any number of processors. */
-
 void ContactList::add_rows(const std::vector<std::pair<int, int>> &pairs, const tagint *tag, int nall)
 {
   const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
@@ -104,7 +100,6 @@ void ContactList::pack(int k, double side, const BlockLayout &layout, double *pa
 }
 
 /* Read the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1). */
-
 void ContactList::unpack(int k, double side, const BlockLayout &layout, const double *packed)
 {
   if (layout.size() == 0) return;
@@ -155,7 +150,6 @@ void ContactList::store(ContactHistory &history)
 }
 
 /* Take up the live record of one of the spheres of pair k. */
-
 void ContactList::take_up(ContactHistory &history, int k, int of, tagint other, double side)
 {
   if (of >= owned) return;

@@ -10,9 +10,6 @@
 #include "../laws/touching_pairs.h"
 #include "lmptype.h"
 
-#include <utility>
-#include <vector>
-
 namespace granwave {
 
 /* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_cylinder.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "force.h"
 #include "modify.h"
+#include "motion.h"
 #include "restart_state.h"
 
-#include <cmath>
 #include <cstring>
-#include <string>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -37,9 +35,7 @@ FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) :
       error->all(FLERR, "Illegal fix {}: expected a type from 1 to {}, found {}", STYLE, atom->ntypes, arg[n]);
     Cylinder &cylinder = cylinders->shapes[type];
     if (!cylinder.is_sphere()) error->all(FLERR, "Illegal fix {}: found type {} twice", STYLE, type);
-    cylinder.length = utils::numeric(FLERR, arg[n + 1], false, lmp);
-    if (!(cylinder.length > 0.0 && std::isfinite(cylinder.length)))
-      error->all(FLERR, "Illegal fix {}: the length of a cylinder must be above 0, found {}", STYLE, arg[n + 1]);
+    cylinder.length = positive_number(lmp, STYLE, "length of a cylinder", arg[n + 1]);
     double square = 0.0;
     for (int d = 0; d < 3; d++) {
       cylinder.axis[d] = utils::numeric(FLERR, arg[n + 2 + d], false, lmp);
@@ -101,7 +97,6 @@ void FixGranCylinder::setup(int)
 }
 
 /* The torque that moves a sphere of the same mass and radius as the present one does the cylinder. */
-
 void FixGranCylinder::post_force(int)
 {
   if (!atom->torque_flag) return;
@@ -116,7 +111,6 @@ void FixGranCylinder::post_force(int)
 }
 
 /* Rotational energy of the cylinders beyond that of spheres with their masses and radii. */
-
 double FixGranCylinder::compute_scalar()
 {
   if (!atom->omega_flag) return 0.0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_damping.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "fix_gran_cylinder.h"
@@ -9,11 +8,6 @@
 #include "modify.h"
 #include "motion.h"
 #include "restart_state.h"
-#include "update.h"
-
-#include <algorithm>
-#include <cmath>
-#include <string>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -39,16 +33,12 @@ void FixGranDamping::set_axis(const std::string &name, const char *usage)
 
 void FixGranDamping::init()
 {
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} does not work with run_style respa", style);
+  refuse_respa(lmp, fmt::format("Fix {}", style));
   require_mechanical_units(lmp, fmt::format("Fix {} {}", style, id));
   if (group->count(igroup) == 0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", style, id, group->names[igroup]);
 }
 
-double FixGranDamping::mass_of(int i) const { return atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]; }
-
 /* Add the forces. Returns the power that they take, as an exact sum, which is the same on any number of processors. */
-
 double FixGranDamping::total_power(double until_end)
 {
   ExactSum mine, all;
@@ -59,7 +49,6 @@ double FixGranDamping::total_power(double until_end)
 
 /* Add the energy of the step, the trapezoid over the power at both ends. The velocities are still those of the middle of the step; in
    setup() they are those of the same instant as the forces. */
-
 void FixGranDamping::post_force(int)
 {
   const double before = power;
@@ -82,11 +71,8 @@ FixGranAbsorb::FixGranAbsorb(LAMMPS *lmp, int narg, char **arg) : FixGranDamping
   const std::string kind = arg[3];
   if (kind != "rate" && kind != "impedance")
     error->all(FLERR, "Illegal fix {}: '{}' is neither rate nor impedance; {}", STYLE, kind, USAGE_OF_ABSORB);
-  const double size = utils::numeric(FLERR, arg[4], false, lmp);
-  if (!(size > 0.0) || !std::isfinite(size))
-    error->all(FLERR, "Illegal fix {}: the {} must be positive, found {}", STYLE, kind, arg[4]);
   graded = kind == "rate" && narg > 5;
-  (kind == "rate" ? rate : impedance) = size;
+  (kind == "rate" ? rate : impedance) = positive_number(lmp, STYLE, kind, arg[4]);
   if (narg != (kind == "impedance" ? 6 : graded ? 8 : 5))
     error->all(FLERR, "Illegal fix {}: {} words after its name; {}", STYLE, narg - 3, USAGE_OF_ABSORB);
   if (narg > 5) set_axis(arg[5], USAGE_OF_ABSORB);
@@ -105,7 +91,6 @@ double FixGranAbsorb::rate_at(const double *x) const
 }
 
 /* Add forces -c v with the velocity v at the end of the step, which is the present one plus that of all forces over `until_end`. */
-
 void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
 {
   const bool turns = rate > 0.0 && atom->omega && atom->torque && atom->radius;
@@ -117,7 +102,7 @@ void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
   };
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
-    const double mass = mass_of(i);
+    const double mass = mass_of(atom, i);
     if (impedance > 0.0) {
       damp(atom->f[i][axis], atom->v[i][axis], mass, impedance);
       continue;
@@ -140,12 +125,8 @@ FixGranHolder::FixGranHolder(LAMMPS *lmp, int narg, char **arg) : FixGranDamping
 {
   if (narg != 6) error->all(FLERR, "Illegal fix {}: {} words after its name; {}", STYLE, narg - 3, USAGE_OF_HOLDER);
   set_axis(arg[3], USAGE_OF_HOLDER);
-  friction = utils::numeric(FLERR, arg[4], false, lmp);
-  acceleration = utils::numeric(FLERR, arg[5], false, lmp);
-  if (!(friction >= 0.0) || !std::isfinite(friction))
-    error->all(FLERR, "Illegal fix {}: the friction must be 0 or positive, found {}", STYLE, arg[4]);
-  if (!(acceleration > 0.0) || !std::isfinite(acceleration))
-    error->all(FLERR, "Illegal fix {}: the acceleration must be positive, found {}", STYLE, arg[5]);
+  friction = positive_number(lmp, STYLE, "friction", arg[4], true);
+  acceleration = positive_number(lmp, STYLE, "acceleration", arg[5]);
 }
 
 void FixGranHolder::init()
@@ -162,13 +143,12 @@ void FixGranHolder::init()
 }
 
 /* Add the friction, which is to bring the velocity to rest at the end of the step. */
-
 void FixGranHolder::add_forces(double until_end, ExactSum &power)
 {
   const double until_stop = until_end + 0.5 * update->dt;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
-    const double mass = mass_of(i);
+    const double mass = mass_of(atom, i);
     const double most = friction * mass * acceleration, v = atom->v[i][axis];
     double &force = atom->f[i][axis];
     const double wanted = -(mass * v / until_stop + force);

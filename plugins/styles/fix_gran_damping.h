@@ -47,7 +47,6 @@ class FixGranDamping : public Fix {
  protected:
   /* Set the axis from its name. */
   void set_axis(const std::string &name, const char *usage);
-  double mass_of(int i) const;
   /* Add the forces to those of the atoms, and what they take to the power. `until_end` is the time from the present velocities
      to those of the instant of the forces. */
   virtual void add_forces(double until_end, granwave::ExactSum &power) = 0;

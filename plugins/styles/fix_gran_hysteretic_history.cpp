@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_hysteretic_history.h"
 
-#include "atom.h"
 #include "error.h"
 #include "motion.h"
 #include "restart_state.h"
-
-#include <algorithm>
-#include <cstring>
-#include <vector>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -41,7 +36,6 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
 
 /* Copy the flat list of the pair style back to the spheres before they migrate. LAMMPS subsequently assigns spheres to
    subdomains and bins, where one whose position is not finite would be lost. */
-
 void FixGranHystereticHistory::gather()
 {
   require_finite_motion(lmp);
@@ -52,7 +46,6 @@ void FixGranHystereticHistory::gather()
 
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
    before gather() is called: the first call makes the per-sphere records the valid copy. */
-
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
 {
   if (release_contacts) release_contacts();
@@ -66,7 +59,6 @@ void FixGranHystereticHistory::set_arrays(int i)
 }
 
 /* Size of the state of sphere i, and the largest one of all processors. */
-
 int FixGranHystereticHistory::size(int i, int further) const
 {
   return N_HEAD + (history.forgotten(i).none() && further == 0 ? 0 : ForgottenContacts::SIZE) +

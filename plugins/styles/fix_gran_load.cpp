@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_load.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "motion.h"
@@ -9,17 +8,9 @@
 #include "group.h"
 #include "modify.h"
 #include "restart_state.h"
-#include "update.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <fstream>
+#include <cstdlib>
 #include <map>
-#include <sstream>
-#include <string>
-#include <vector>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -76,12 +67,7 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     std::vector<double> numbers;
     for (int k = 6; k < narg; k++) {
       const std::string name = names[k - 6];
-      const bool may_be_zero = name == "ramp" || name == "seed";
-      const double number = utils::numeric(FLERR, arg[k], false, lmp);
-      if (!(may_be_zero ? number >= 0.0 : number > 0.0) || !std::isfinite(number))
-        error->all(FLERR, "Illegal fix {}: the {} must be positive{}, found {}", STYLE, name, may_be_zero ? " or 0" : "",
-                   arg[k]);
-      numbers.push_back(number);
+      numbers.push_back(positive_number(lmp, STYLE, name, arg[k], name == "ramp" || name == "seed"));
     }
     const bool ends = form == "sweep" || form == "noise";
     if (ends && 2.0 * numbers[4] > numbers[3])
@@ -105,7 +91,6 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
 }
 
 /* Read the direction; returns the number of words it has beyond one. */
-
 int FixGranLoad::read_direction(int narg, char **arg)
 {
   const std::string word = arg[3];
@@ -124,45 +109,32 @@ int FixGranLoad::read_direction(int narg, char **arg)
   return 3;
 }
 
-/* Read the two columns of a table, on the first processor. */
-
+/* Read the two columns of a table. */
 void FixGranLoad::read_table(const char *file)
 {
   LoadShape::Rows rows;
-  if (comm->me == 0) {
-    std::ifstream in(file);
-    if (!in) error->one(FLERR, "Illegal fix {}: cannot read the table {}", STYLE, file);
-    int count = 0;
-    for (std::string line; std::getline(in, line);) {
-      count++;
-      std::istringstream words(line.substr(0, line.find('#')));
-      std::string first, second, third;
-      if (!(words >> first)) continue;
-      words >> second >> third;
-      char *end[2];
-      const double time = std::strtod(first.c_str(), &end[0]), value = std::strtod(second.c_str(), &end[1]);
-      if (second.empty() || !third.empty() || *end[0] || *end[1] || !std::isfinite(time) || !std::isfinite(value))
-        error->one(FLERR, "Illegal fix {}: line {} of table {} must be two numbers, found '{}'", STYLE, count, file, line);
-      rows.emplace_back(time, value);
+  const std::string fault = fmt::format("Illegal fix {}: cannot read the table {}", STYLE, file);
+  for (const auto &[number, text, words] : read_rows(lmp, file, fault)) {
+    std::vector<double> values;
+    for (const std::string &word : words) {
+      char *end;
+      values.push_back(std::strtod(word.c_str(), &end));
+      if (*end) values.back() = NAN;
     }
-    try {
-      LoadShape{rows};
-    } catch (const std::invalid_argument &fault) {
-      error->one(FLERR, "Illegal fix {}: table {} cannot be used: {}", STYLE, file, fault.what());
-    }
+    if (values.size() != 2 || !std::isfinite(values[0]) || !std::isfinite(values[1]))
+      error->all(FLERR, "Illegal fix {}: line {} of table {} must be two numbers, found '{}'", STYLE, number, file, text);
+    rows.emplace_back(values[0], values[1]);
   }
-  int count = static_cast<int>(rows.size());
-  MPI_Bcast(&count, 1, MPI_INT, 0, world);
-  rows.resize(count);
-  static_assert(sizeof(LoadShape::Rows::value_type) == 2 * sizeof(double));
-  MPI_Bcast(rows.data(), 2 * count, MPI_DOUBLE, 0, world);
-  shape = LoadShape(rows);
+  try {
+    shape = LoadShape(rows);
+  } catch (const std::invalid_argument &fault) {
+    error->all(FLERR, "Illegal fix {}: table {} cannot be used: {}", STYLE, file, fault.what());
+  }
 }
 
 void FixGranLoad::init()
 {
-  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
-    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  refuse_respa(lmp, fmt::format("Fix {}", STYLE));
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize: its load is a function of time", STYLE);
   require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   stepper = nullptr;
@@ -187,7 +159,6 @@ void FixGranLoad::init()
 }
 
 /* Set force or motion for the time at which the last run ended, so that no timestep is counted twice. */
-
 void FixGranLoad::setup(int)
 {
   const double now = simulated_time(*update);
@@ -201,8 +172,8 @@ void FixGranLoad::setup(int)
       for (int i = 0; i < atom->nlocal; i++) {
         if (!(atom->mask[i] & groupbit)) continue;
         const double *const v = atom->v[i];
-        total[WORK] -= 0.5 * mass_of(i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        total[IMPULSE] -= mass_of(i) * along(v);
+        total[WORK] -= 0.5 * mass_of(atom, i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+        total[IMPULSE] -= mass_of(atom, i) * along(v);
       }
     place = shape.value(now);
     velocity = shape.slope(now);
@@ -210,8 +181,6 @@ void FixGranLoad::setup(int)
   }
   started = true;
 }
-
-double FixGranLoad::mass_of(int i) const { return atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]; }
 
 /* ---------------------------------------------------------------------- a force */
 
@@ -226,19 +195,17 @@ void FixGranLoad::apply_force(double whole)
 /* Work of a half kick. The half kick of velocity Verlet does the work F dt/2 times the mean of the velocities before and after
    it, which differ by f dt/2m with the total force f. With the velocity in the middle of the step instead, as below, the sum
    over timesteps lacks the difference of this term between the last step and the first. */
-
 double FixGranLoad::half_kick_work(double dt) const
 {
   const double share = force / atoms;
   double sum = 0.0;
   for (int i = 0; i < atom->nlocal; i++)
-    if (atom->mask[i] & groupbit) sum += share * along(atom->f[i]) * dt * dt / (8.0 * mass_of(i));
+    if (atom->mask[i] & groupbit) sum += share * along(atom->f[i]) * dt * dt / (8.0 * mass_of(atom, i));
   return sum;
 }
 
 /* The step is about to change, at the end of one: the half kick to come makes up for what the one before, with the mean of
    a force around the old step, gave too much or too little. */
-
 void FixGranLoad::reset_dt()
 {
   if (moves || !started || stepped == 0.0 || stepped == update->dt) return;
@@ -251,7 +218,6 @@ void FixGranLoad::reset_dt()
 }
 
 /* Add the work of a timestep, with the velocities in the middle of the step, which moved the atoms by v dt. */
-
 void FixGranLoad::post_force(int)
 {
   const double dt = update->dt, now = simulated_time(*update), before = force;
@@ -335,7 +301,6 @@ double FixGranLoad::compute_vector(int n)
 }
 
 /* Write the totals without the present motion of the atoms, which setup() determines again. */
-
 void FixGranLoad::write_restart(FILE *fp)
 {
   std::vector<double> state(N_STATE);

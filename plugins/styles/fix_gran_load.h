@@ -1,13 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Fix gran/load: force or prescribed displacement of a group, with its work and impulse.
 
-   fix ID group gran/load DIRECTION force half-sine|rectangle AMPLITUDE DURATION
-   fix ID group gran/load DIRECTION force|displacement harmonic AMPLITUDE FREQUENCY [RAMP]
-   fix ID group gran/load DIRECTION force|displacement burst AMPLITUDE FREQUENCY CYCLES
-   fix ID group gran/load DIRECTION force|displacement up-and-down AMPLITUDE FREQUENCY DURATION
-   fix ID group gran/load DIRECTION force|displacement sweep AMPLITUDE FIRST LAST DURATION RAMP
-   fix ID group gran/load DIRECTION force|displacement noise AMPLITUDE FIRST LAST DURATION RAMP SEED
-   fix ID group gran/load DIRECTION force|displacement table FILE
+   fix ID group gran/load DIRECTION force|displacement SHAPE NUMBERS ...    (USAGE in the source)
 
    DIRECTION is x, y, z or vector DX DY DZ, of any length but zero.
 
@@ -66,7 +60,6 @@ class FixGranLoad : public Fix {
   double force_on_group() const;
   double half_kick_work(double dt) const;
   std::array<double, N_TOTALS> totals() const;
-  double mass_of(int i) const;
 
   class FixGranTimestep *stepper = nullptr;       // which sets the clock, if there is one
   std::array<double, 3> way = {0.0, 0.0, 1.0};    // direction of the load, a unit vector

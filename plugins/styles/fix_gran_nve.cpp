@@ -2,12 +2,9 @@
 #include "fix_gran_nve.h"
 
 #include "../laws/touching_pairs.h"
-#include "atom.h"
 #include "error.h"
 #include "force.h"
-#include "update.h"
-
-#include <algorithm>
+#include "motion.h"
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -21,8 +18,7 @@ FixGranNVE::FixGranNVE(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 
 void FixGranNVE::init()
 {
-  if (utils::strmatch(update->integrate_style, "^respa"))
-    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  refuse_respa(lmp, fmt::format("Fix {}", STYLE));
   reset_dt();
 }
 
@@ -33,7 +29,6 @@ void FixGranNVE::reset_dt()
 }
 
 /* Make a half kick, and move the atoms if it is that of the start of a step. */
-
 template <bool MOVES> void FixGranNVE::integrate()
 {
   double *const *const x = atom->x, *const *const v = atom->v, *const *const f = atom->f;
@@ -42,7 +37,7 @@ template <bool MOVES> void FixGranNVE::integrate()
     if (all_zero(f[begin], n) && (!MOVES || all_zero(v[begin], n))) continue;
     for (int i = begin; i < end; i++) {
       if (!(atom->mask[i] & groupbit)) continue;
-      const double kick = dtf / (atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]]);
+      const double kick = dtf / mass_of(atom, i);
       for (int d = 0; d < 3; d++) {
         v[i][d] += kick * f[i][d];
         if (MOVES) x[i][d] += dtv * v[i][d];

@@ -3,11 +3,9 @@
 
 #include "../laws/touching_pairs.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "compute.h"
 #include "error.h"
-#include "fix_gran_cylinder.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "input.h"
@@ -17,12 +15,7 @@
 #include "pair.h"
 #include "restart_state.h"
 #include "timer.h"
-#include "update.h"
 #include "variable.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -163,7 +156,6 @@ void FixGranTimestep::init()
 }
 
 /* Set the timestep of the steps to come. */
-
 void FixGranTimestep::take(std::int64_t ticks)
 {
   const double dt = static_cast<double>(ticks) * tick;
@@ -190,7 +182,6 @@ void FixGranTimestep::setup(int)
 }
 
 /* Value of a variable now, which will be asked for at the step `next` again. */
-
 double FixGranTimestep::value_of(const std::string &variable, bigint next) const
 {
   modify->clearstep_compute();
@@ -200,7 +191,6 @@ double FixGranTimestep::value_of(const std::string &variable, bigint next) const
 }
 
 /* Energy that errors are relative to. */
-
 void FixGranTimestep::read_energy()
 {
   if (energy_name.empty()) return;
@@ -209,16 +199,15 @@ void FixGranTimestep::read_energy()
 }
 
 /* Power of the forces times a tick, and force^2/mass times tick^2. Blocks of spheres without force have none. */
-
 FixGranTimestep::Sums FixGranTimestep::sums() const
 {
   if (energy == 0.0) return {};
-  const double *const *const v = atom->v, *const *const f = atom->f, *const rmass = atom->rmass;
+  const double *const *const v = atom->v, *const *const f = atom->f;
   const double of_power = tick / energy, of_force = tick * tick / energy;
   std::int64_t mine[2] = {}, all[2];
   const auto add = [&](int i) {
     if (!(atom->mask[i] & groupbit)) return;
-    const double mass = rmass ? rmass[i] : atom->mass[atom->type[i]];
+    const double mass = mass_of(atom, i);
     double p = f[i][0] * v[i][0] + f[i][1] * v[i][1] + f[i][2] * v[i][2];
     double q = (f[i][0] * f[i][0] + f[i][1] * f[i][1] + f[i][2] * f[i][2]) / mass;
     if (rotates && atom->radius[i] > 0.0) {
@@ -250,14 +239,13 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
 
 /* Bound the step by the collision that may come at any time: of a sphere that holds the share e of the energy it makes an
    error of e (step/first)^2 of that in the collision for which the first step was chosen. */
-
 void FixGranTimestep::bound_step()
 {
   double mine = 0.0, most = 0.0;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->mask[i] & groupbit)) continue;
     const double *const v = atom->v[i];
-    const double mass = atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+    const double mass = mass_of(atom, i);
     mine = std::max(mine, 0.5 * mass * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
   }
   MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE, MPI_MAX, world);
@@ -266,7 +254,6 @@ void FixGranTimestep::bound_step()
 }
 
 /* First step at which something is due after the present one. */
-
 bigint FixGranTimestep::next_due() const
 {
   bigint due = reached < update->laststep ? update->laststep : MAXBIGINT;
@@ -277,7 +264,6 @@ bigint FixGranTimestep::next_due() const
 }
 
 /* True if a compute needs energies or a virial at a step, which pair and bond styles add up only when they are told to. */
-
 bool FixGranTimestep::tallied(bigint step) const
 {
   for (auto *compute : modify->get_compute_list())
@@ -300,7 +286,6 @@ void FixGranTimestep::begin_step()
 }
 
 /* The run is about to add 1 to the counter: add the other ticks of the step. The clock is that of its end. */
-
 void FixGranTimestep::set_clock()
 {
   update->ntimestep = reached + taken - 1;

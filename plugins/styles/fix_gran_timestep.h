@@ -17,12 +17,9 @@ FixStyle(gran/timestep,FixGranTimestep);
 #define LMP_FIX_GRAN_TIMESTEP_H
 
 #include "../laws/step_controller.h"
-#include "fix.h"
 #include "fix_gran_cylinder.h"
 
-#include <cstdint>
 #include <string>
-#include <vector>
 
 namespace LAMMPS_NS {
 

@@ -5,17 +5,11 @@
 
 #include "fix_wall_gran_hysteretic.h"
 
-#include "atom.h"
 #include "domain.h"
 #include "error.h"
-#include "fix_gran_cylinder.h"
 #include "../laws/law_arguments.h"
 #include "motion.h"
 #include "neighbor.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -29,10 +23,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   int used_words = 6;
   if (std::strcmp(arg[3], "tube") == 0) {
     used_words = 5;
-    const double radius = utils::numeric(FLERR, arg[4], false, lmp);
-    if (!(radius > 0.0 && std::isfinite(radius)))
-      error->all(FLERR, "Illegal fix {}: the radius of the tube must be above 0, found {}", STYLE, arg[4]);
-    tube = std::make_unique<Tube>(radius);
+    tube = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
   } else {
     axis = arg[3][0] - 'x';
     if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
@@ -106,8 +97,7 @@ int FixWallGranHysteretic::setmask()
 
 void FixWallGranHysteretic::init()
 {
-  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
-    error->all(FLERR, "Fix {} does not work with run_style respa", STYLE);
+  refuse_respa(lmp, fmt::format("Fix {}", STYLE));
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   if (loss && !atom->rmass_flag)
     error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
@@ -154,7 +144,6 @@ void FixWallGranHysteretic::min_post_force(int)
 }
 
 /* fix_modify ID velocity V: of a free plate, towards the spheres. */
-
 int FixWallGranHysteretic::modify_param(int narg, char **arg)
 {
   if (std::strcmp(arg[0], "velocity") != 0) return 0;
@@ -165,7 +154,6 @@ int FixWallGranHysteretic::modify_param(int narg, char **arg)
 }
 
 /* Present position of the lower or upper plane. */
-
 double FixWallGranHysteretic::level(int side) const
 {
   if (!support || side != moving) return plane[side];
@@ -180,7 +168,6 @@ double FixWallGranHysteretic::depth(int i, int side) const
 }
 
 /* Unit normal of a wall at sphere i, into the packing. */
-
 void FixWallGranHysteretic::inward(int i, int side, double normal[3]) const
 {
   if (tube) return tube->inward(atom->x[i], normal);
@@ -189,7 +176,6 @@ void FixWallGranHysteretic::inward(int i, int side, double normal[3]) const
 }
 
 /* Location of sphere i along the wall. */
-
 void FixWallGranHysteretic::place_of(int i, double place[2]) const
 {
   if (tube) return tube->place(atom->x[i], place);
@@ -197,17 +183,7 @@ void FixWallGranHysteretic::place_of(int i, double place[2]) const
   place[1] = atom->x[i][(axis + 2) % 3];
 }
 
-/* Add a force on the wall to its total: along x, y, z, or outward, around and along a tube. */
-
-void FixWallGranHysteretic::add_to_wall(int i, const double force[3])
-{
-  double along[3] = {force[0], force[1], force[2]};
-  if (tube) tube->cylindrical(atom->x[i], force, along);
-  for (int d = 0; d < 3; d++) wall_force[d] += along[d];
-}
-
 /* Sum the force on the plane over all processors, bitwise identical on each. */
-
 void FixWallGranHysteretic::push_support()
 {
   static_assert(sizeof(on_plane) == 2 * ExactSum::SIZE * sizeof(std::int64_t));
@@ -276,14 +252,12 @@ void FixWallGranHysteretic::evaluate()
         }
       } else {
         mine.touching = 0.0;
-        if (loss) {
-          viscous(i, side).release(overlap[side]);
-          report_viscous(i);
-        }
+        if (loss) viscous(i, side).release(overlap[side]);
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
       if (resistance) compute_resistance(i, side, contact);
     }
+    report_losses(i);
   }
   if (arrived) list_spheres();
   if (support) push_support();

@@ -23,16 +23,12 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
 #include "../laws/contact_memory.h"
-#include "../laws/cylinders.h"
 #include "../laws/exact_sum.h"
 #include "../laws/support.h"
-#include "fix.h"
 #include "fix_gran_cylinder.h"
 #include "update.h"
 
 #include <map>
-#include <memory>
-#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -126,19 +122,17 @@ class FixWallGranHysteretic : public Fix {
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
   void place_of(int i, double place[2]) const;
-  double effective_radius(double radius) const { return tube ? tube->effective_radius(radius) : radius; }
   void init_cylinders();
   bool is_line(int i) const;
   const granwave::ScaledLaw &scaled_law(int i);
   void compute_lines(const double at[2]);
-  void add_to_wall(int i, const double force[3]);
   Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
   void compute_cohesion(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   bool joins(int i, int side, double overlap);
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void compute_resistance(int i, int side, const Contact &);
-  void report_friction(int i);
+  void report_losses(int i);
   double distance_squared(const double from[2], const double to[2]) const;
   double *at_walls(int i) { return histories.data() + static_cast<std::size_t>(i) * n_history(); }
   Side *sides(int i) { return reinterpret_cast<Side *>(at_walls(i)); }
@@ -160,7 +154,6 @@ class FixWallGranHysteretic : public Fix {
   granwave::CohesionHistory &sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
   granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
   granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
-  void report_viscous(int i);
   int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
   int n_state() const { return N_REPORTED + n_history(); }
 

@@ -4,19 +4,14 @@
 
 #include "fix_wall_gran_hysteretic.h"
 
-#include "atom.h"
 #include "domain.h"
 #include "error.h"
 #include "motion.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
 
 /* Squared distance between two locations on the wall, to the nearest image. */
-
 double FixWallGranHysteretic::distance_squared(const double from[2], const double to[2]) const
 {
   double distance[2] = {to[0] - from[0], to[1] - from[1]};
@@ -40,7 +35,6 @@ double FixWallGranHysteretic::distance_squared(const double from[2], const doubl
 }
 
 /* Energy dissipated by yielding at one wall in this run. */
-
 double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
   const Side &side = sides(i)[which];
@@ -49,7 +43,6 @@ double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 }
 
 /* Velocity of approach of sphere i to one wall; none in a minimization. */
-
 double FixWallGranHysteretic::approach(int i, int which) const
 {
   if (update->whichflag != 1) return 0.0;
@@ -61,7 +54,6 @@ double FixWallGranHysteretic::approach(int i, int which) const
 
 /* Compute the normal force of one wall on sphere i, which overlaps with it, and update its dent and its output. If the contact
    is along a line, its force is in line_force at the index `line`. */
-
 FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int which, double overlap, double now,
                                                                      std::size_t line)
 {
@@ -143,14 +135,12 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
 }
 
 /* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
-
 bool FixWallGranHysteretic::joins(int i, int which, double overlap)
 {
   return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which).active());    // also true for NaN
 }
 
 /* Overwrite force and contact circle of a contact with cohesion, as the pair style does. */
-
 void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
   const LawHistory h = law_history(i, which);
@@ -167,7 +157,6 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
 }
 
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
-
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
   ViscousHistory &history = viscous(i, which);
@@ -177,7 +166,7 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
   }
   if (has.cohesion && !(contact.pressing > 0.0)) {
     history.release(overlap);
-    return report_viscous(i);
+    return;
   }
   const double pressing = contact.force + scaled.pull_off();
   contact.force += advance_loss(history, overlap, ROUNDING * atom->radius[i], pressing, approach(i, which), step(), [&] {
@@ -186,15 +175,9 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
                                                                      : scaled.tangent_stiffness(overlap, h);
     return loss.coefficient(stiffness, rigid ? moved_mass[i] : atom->rmass[i]);
   });
-  report_viscous(i);
 }
 
-/* Update the column of the energy that the viscous forces of both walls took. */
-
-void FixWallGranHysteretic::report_viscous(int i) { array_atom[i][VISCOUS] = viscous(i, 0).lost + viscous(i, 1).lost; }
-
 /* Compute the tangential force of one wall on sphere i, and its torque. The spring is updated only if a timestep was made. */
-
 void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
 {
   TangentialSpring &spring = springs(i)[which];
@@ -225,17 +208,17 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
       atom->f[i][d] += spring.force[d];
       atom->torque[i][d] += lever * torque[d];
     }
-    const double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
-    add_to_wall(i, on_wall);
+    // on the wall: along x, y, z, or outward, around and along a tube
+    double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
+    if (tube) tube->cylindrical(atom->x[i], on_wall);
+    for (int d = 0; d < 3; d++) wall_force[d] += on_wall[d];
     if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
   } else {
     has.release_spring(spring, extra(i, which));
   }
-  report_friction(i);
 }
 
 /* Compute the torque by which one wall resists rolling and twisting of sphere i, as the pair style does. */
-
 void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &contact)
 {
   ResistanceHistory &history = resisted(i, which);
@@ -256,16 +239,16 @@ void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &
   } else {
     history.release();
   }
-  report_friction(i);
 }
 
-/* Update the column of the energy that sliding, rolling and twisting took at both walls. */
-
-void FixWallGranHysteretic::report_friction(int i)
+/* Update the columns of the energies that viscous forces, sliding, rolling and twisting took at both walls. */
+void FixWallGranHysteretic::report_losses(int i)
 {
-  double sum = friction > 0.0 ? springs(i)[0].loss + springs(i)[1].loss : 0.0;
-  if (resistance) sum += resisted(i, 0).loss() + resisted(i, 1).loss();
-  array_atom[i][FRICTION_LOSS] = sum;
+  double *const state = array_atom[i];
+  if (loss) state[VISCOUS] = viscous(i, 0).lost + viscous(i, 1).lost;
+  if (!has.friction) return;
+  state[FRICTION_LOSS] = friction > 0.0 ? springs(i)[0].loss + springs(i)[1].loss : 0.0;
+  if (resistance) state[FRICTION_LOSS] += resisted(i, 0).loss() + resisted(i, 1).loss();
 }
 
 /* ---------------------------------------------------------------------- output */

@@ -6,13 +6,9 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "fix_gran_cylinder.h"
 #include "memory.h"
 #include "neighbor.h"
 #include "restart_state.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -30,7 +26,6 @@ FixWallGranHysteretic::~FixWallGranHysteretic()
 
 /* List the spheres that can reach a wall before the next reneighboring: until then no sphere moves by more than half the skin
    of the neighbor lists. The other half is for the motion of the plane. */
-
 void FixWallGranHysteretic::list_spheres()
 {
   const double *const *x = atom->x;
@@ -49,7 +44,6 @@ void FixWallGranHysteretic::list_spheres()
 /* ---------------------------------------------------------------------- cylinders */
 
 /* Find out which cylinders touch the wall, along which line. */
-
 void FixWallGranHysteretic::init_cylinders()
 {
   cylinders = FixGranCylinder::find(lmp);
@@ -78,11 +72,9 @@ void FixWallGranHysteretic::init_cylinders()
 }
 
 /* True for a cylinder, which touches the wall along a line. */
-
 bool FixWallGranHysteretic::is_line(int i) const { return !cylinders->shape(atom->type[i]).is_sphere(); }
 
 /* Law of the contact of sphere or cylinder i with the wall; of each type the one asked for last is kept. */
-
 const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
 {
   const double radius = atom->radius[i];
@@ -92,7 +84,7 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
   if (last.radius == radius) return last.scaled;
   last.radius = radius;
   if (!cylinders || !is_line(i)) {
-    const double effective = effective_radius(radius);
+    const double effective = tube ? tube->effective_radius(radius) : radius;
     return last.scaled = ScaledLaw(law, effective, effective, INFINITE);
   }
   auto found = lines.find({type, radius});
@@ -106,7 +98,6 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
 }
 
 /* Compute the forces of the cylinders on the list that touch planes in these places. */
-
 void FixWallGranHysteretic::compute_lines(const double at[2])
 {
   line_force.resize(2 * spheres.size());
@@ -182,7 +173,6 @@ void FixWallGranHysteretic::begin()
 }
 
 /* Update the columns that depend on the dents only. */
-
 void FixWallGranHysteretic::report_dents(int i)
 {
   const ScaledLaw &scaled = scaled_law(i);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "gran_dents.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "compute.h"
 #include "domain.h"
@@ -9,22 +8,16 @@
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
 #include "modify.h"
+#include "motion.h"
 #include "neighbor.h"
 #include "pair_gran_hysteretic.h"
-
-#include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <sstream>
-#include <utility>
 
 #if defined(MPI_STUBS) && !defined(MPI_BOR)
 #define MPI_BOR MPI_LOR    // older stubs for one process lack it; they combine nothing
 #endif
 
 using namespace LAMMPS_NS;
+using namespace granwave;
 
 namespace {
 
@@ -59,7 +52,6 @@ void GranDents::command(int narg, char **arg)
 }
 
 /* Build ghost atoms and neighbor lists as at the start of a run. */
-
 void GranDents::build_lists()
 {
   lmp->init();
@@ -77,31 +69,10 @@ void GranDents::build_lists()
 
 std::vector<GranDents::Line> GranDents::read(const std::string &file)
 {
-  std::string text;
-  int length = -1;
-  if (comm->me == 0) {
-    std::ifstream stream(file);
-    std::stringstream whole;
-    if (stream) {
-      whole << stream.rdbuf();
-      text = whole.str();
-      length = static_cast<int>(text.size());
-    }
-  }
-  MPI_Bcast(&length, 1, MPI_INT, 0, world);
-  if (length < 0) error->all(FLERR, "{}: cannot read file {}", STYLE, file);
-  text.resize(length);
-  MPI_Bcast(text.data(), length, MPI_CHAR, 0, world);
-
   std::vector<Line> lines;
-  std::istringstream stream(text);
-  std::string row;
-  for (int number = 1; std::getline(stream, row); number++) {
-    std::istringstream words(row.substr(0, row.find('#')));
-    const std::vector<std::string> w{std::istream_iterator<std::string>(words), {}};
-    if (w.empty()) continue;
-    const auto wrong = [&](const std::string &what) {
-      error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, number, file, what, utils::trim(row));
+  for (const auto &[number, text, w] : read_rows(lmp, file, fmt::format("{}: cannot read file {}", STYLE, file))) {
+    const auto wrong = [&, number = number, &text = text](const std::string &what) {
+      error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, number, file, what, text);
     };
     const auto id = [&](const std::string &word) {
       const long long value = std::stoll(word);

@@ -3,14 +3,15 @@
 
 #include "../laws/touching_pairs.h"
 
-#include "atom.h"
+#include "comm.h"
 #include "error.h"
 #include "fmt/format.h"
 #include "force.h"
 #include "modify.h"
 
-#include <algorithm>
-#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 
 using namespace LAMMPS_NS;
 
@@ -110,6 +111,46 @@ bool granwave::is_rerun(const Update &update)
 {
   return update.whichflag == 1 && update.setupflag &&
          (update.ntimestep != update.firststep || update.laststep != update.firststep + update.nsteps);
+}
+
+void granwave::refuse_respa(LAMMPS *lmp, const std::string &what)
+{
+  if (utils::strmatch(lmp->update->integrate_style, "^respa"))
+    lmp->error->all(FLERR, "{} does not work with run_style respa", what);
+}
+
+double granwave::positive_number(LAMMPS *lmp, const std::string &style, const std::string &name, const char *word,
+                                 bool may_be_zero)
+{
+  const double number = utils::numeric(FLERR, word, false, lmp);
+  if (!(may_be_zero ? number >= 0.0 : number > 0.0) || !std::isfinite(number))
+    lmp->error->all(FLERR, "Illegal fix {}: the {} must be positive{}, found {}", style, name, may_be_zero ? " or 0" : "",
+                    word);
+  return number;
+}
+
+std::vector<granwave::TextRow> granwave::read_rows(LAMMPS *lmp, const std::string &file, const std::string &fault)
+{
+  std::string text;
+  int length = -1;
+  if (lmp->comm->me == 0)
+    if (std::ifstream stream(file); stream) {
+      text.assign(std::istreambuf_iterator<char>(stream), {});
+      length = static_cast<int>(text.size());
+    }
+  MPI_Bcast(&length, 1, MPI_INT, 0, lmp->world);
+  if (length < 0) lmp->error->all(FLERR, fault);
+  text.resize(length);
+  MPI_Bcast(text.data(), length, MPI_CHAR, 0, lmp->world);
+
+  std::vector<TextRow> rows;
+  std::istringstream stream(text);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); number++) {
+    std::vector<std::string> words = utils::split_words(line.substr(0, line.find('#')));
+    if (!words.empty()) rows.push_back({number, utils::trim(line), std::move(words)});
+  }
+  return rows;
 }
 
 void granwave::require_mechanical_units(LAMMPS *lmp, const std::string &what)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Motion of the spheres: checks that it is finite, the masses that they move with, and the time.
+/* What the styles share: checks that motion is finite, masses that spheres move with, the time, numbers and files of commands.
 
    The checks of LAMMPS itself do not detect a NaN: every comparison with NaN is false, so that such an atom never counts as
    moved, and the neighbor lists are not rebuilt. */
@@ -7,6 +7,7 @@
 #ifndef GRANWAVE_MOTION_H
 #define GRANWAVE_MOTION_H
 
+#include "atom.h"
 #include "fix.h"
 #include "update.h"
 
@@ -45,6 +46,29 @@ void set_moved_masses(LAMMPS_NS::LAMMPS *, LAMMPS_NS::Fix *rigid, std::vector<do
 
 /* True in `rerun`, whose snapshots have no steps between them: no run sets up at another step than its first. */
 bool is_rerun(const LAMMPS_NS::Update &);
+
+/* Mass of an atom of any style. */
+inline double mass_of(const LAMMPS_NS::Atom *atom, int i)
+{
+  return atom->rmass ? atom->rmass[i] : atom->mass[atom->type[i]];
+}
+
+/* Stop with an error with run_style respa, with which `what` does not work. */
+void refuse_respa(LAMMPS_NS::LAMMPS *, const std::string &what);
+
+/* Return the number that a word of a fix is; stop with an error if it is not positive, or 0 where it may be that. */
+double positive_number(LAMMPS_NS::LAMMPS *, const std::string &style, const std::string &name, const char *word,
+                       bool may_be_zero = false);
+
+/* Row of a text file that is not empty: its number, and its words up to a #. */
+struct TextRow {
+  int number;
+  std::string text;
+  std::vector<std::string> words;
+};
+
+/* Read a text file on all processors. Stops with an error, `fault`, if that cannot be. */
+std::vector<TextRow> read_rows(LAMMPS_NS::LAMMPS *, const std::string &file, const std::string &fault);
 
 /* Stop with an error in units in which force is not mass times acceleration (real, metal, electron). */
 void require_mechanical_units(LAMMPS_NS::LAMMPS *, const std::string &what);

@@ -3,22 +3,14 @@
 
 #include "pair_gran_hysteretic.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
-#include "fix.h"
-#include "fix_gran_cylinder.h"
 #include "force.h"
 #include "memory.h"
 #include "modify.h"
 #include "motion.h"
 #include "neighbor.h"
 #include "restart_state.h"
-#include "update.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -117,8 +109,7 @@ void PairGranHysteretic::init_style()
     error->all(FLERR, "Fix {} holds the contacts of pair style gran/hysteretic and was deleted: never unfix it",
                FixGranHystereticHistory::ID);
 
-  if (std::strncmp(update->integrate_style, "respa", 5) == 0)
-    error->all(FLERR, "Pair style gran/hysteretic does not work with run_style respa");
+  refuse_respa(lmp, "Pair style gran/hysteretic");
   if (update->whichflag == 2) refuse_line_searches();
 
   ContactMemory wanted = has;
@@ -215,7 +206,6 @@ void PairGranHysteretic::init_style()
 }
 
 /* A line search tries positions that it does not keep, and each would leave its dent. */
-
 void PairGranHysteretic::refuse_line_searches()
 {
   const std::string search = update->minimize_style;
@@ -276,7 +266,6 @@ PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype
 
 /* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
    if spheres of a type are. */
-
 void PairGranHysteretic::set_parameters()
 {
   parameters_by_type.clear();
@@ -319,17 +308,13 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
                RESTART_FORMAT);
   const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;
-  gap = settings[0];
-  has.friction = settings[1] != 0.0;
-  has.dents = settings[2] != 0.0;
-  lists_forgotten = settings[3] != 0.0;
-  has.resistance = settings[4] != 0.0;
-  has.slip = settings[5] != 0.0;
-  has.cohesion = settings[6] != 0.0;
+  const double *setting = settings.data();
+  gap = *setting++;
+  for (bool *flag : {&has.friction, &has.dents, &lists_forgotten, &has.resistance, &has.slip, &has.cohesion})
+    *flag = *setting++ != 0.0;
 }
 
 /* Write the words of the pair_coeff commands, a line for each pair of types, in a whole number of doubles. */
-
 void PairGranHysteretic::write_restart(FILE *fp)
 {
   write_restart_settings(fp);

@@ -24,7 +24,6 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
-#include "../laws/cylinders.h"
 #include "../laws/law_arguments.h"
 #include "../laws/plastic_batch.h"
 #include "contact_list.h"
@@ -34,11 +33,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 
 #include "atom.h"
 
-#include <functional>
 #include <map>
-#include <memory>
-#include <tuple>
-#include <vector>
 
 namespace LAMMPS_NS {
 
@@ -203,8 +198,6 @@ class PairGranHysteretic : public Pair {
   double distance_squared(int i, int j) const;
   double distance(int i, int j, double rsq) const;
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
-  double longest_cylinder(int axis) const;
-  bool near_special(int i, int j) const;
   void build_contacts();
   void check_displacements();
   void restore_history();
@@ -220,7 +213,6 @@ class PairGranHysteretic : public Pair {
   double approach(const Batch &, int m) const;
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
-  void set_masses();
   void compute_tangential(Batch &);
   void advance_slip(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);

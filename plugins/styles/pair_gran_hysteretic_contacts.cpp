@@ -3,16 +3,12 @@
 
 #include "pair_gran_hysteretic.h"
 
-#include "atom.h"
 #include "domain.h"
 #include "error.h"
 #include "force.h"
 #include "neigh_list.h"
 #include "neighbor.h"
 #include "update.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -41,7 +37,8 @@ void PairGranHysteretic::build_contacts()
       const int j = jlist[jj] & NEIGHMASK;
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       if (is_special(type[i], type[j])) {
-        if (near_special(i, j)) special.emplace_back(i, j);
+        const CylinderPair::Separation found = separation(i, j);
+        if (found.distance < radius[i] + radius[j] + reach && found.beyond < reach) special.emplace_back(i, j);
         continue;
       }
       const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
@@ -67,16 +64,19 @@ void PairGranHysteretic::build_contacts()
 }
 
 /* Stop with an error if two spheres could meet both directly and across a periodic boundary. */
-
 void PairGranHysteretic::require_room()
 {
   const double reach = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + gap + neighbor->skin;
-  for (int axis = 0; axis < domain->dimension; axis++)
-    if (const double least = 2.0 * reach + longest_cylinder(axis); domain->periodicity[axis] && domain->prd[axis] < least)
+  for (int axis = 0; axis < domain->dimension; axis++) {
+    double least = 2.0 * reach;
+    for (int type = 1; cylinders && type <= atom_types; type++)    // the longest of the cylinders along this axis
+      least = std::max(least, 2.0 * reach + cylinders->shape(type).length * std::fabs(cylinders->shape(type).axis[axis]));
+    if (domain->periodicity[axis] && domain->prd[axis] < least)
       error->all(FLERR,
                  "Pair style gran/hysteretic: the periodic box is {:.3g} long in {}, where two spheres could meet both "
                  "directly and across the boundary; it must be at least {:.3g}",
                  domain->prd[axis], "xyz"[axis], least);
+  }
   if (!domain->triclinic) return;
   if (cylinders) error->all(FLERR, "Pair style gran/hysteretic: cylinders need a box that is not triclinic");
   int most[3];    // images along the edges of the box
@@ -97,7 +97,6 @@ void PairGranHysteretic::require_room()
 }
 
 /* Stop with an error if a sphere has grown beyond those that the neighbor lists reckon with. */
-
 void PairGranHysteretic::require_largest_radii()
 {
   for (int i = 0; i < atom->nlocal; i++)
@@ -110,7 +109,6 @@ void PairGranHysteretic::require_largest_radii()
 
 /* Stop with an error if a sphere moves by a large part of its radius in one timestep, or a face by a large part of the radius
    of the largest sphere: they could pass through others undetected. */
-
 void PairGranHysteretic::check_displacements()
 {
   constexpr double LARGEST = 0.5;    // relative to the radius
@@ -129,7 +127,6 @@ void PairGranHysteretic::check_displacements()
 }
 
 /* Restore the flat list from the live records of the spheres. A live record whose pair is no longer within reach is forgotten. */
-
 void PairGranHysteretic::restore_history()
 {
   ContactHistory &history = fix_history->history;
@@ -160,7 +157,6 @@ void PairGranHysteretic::release_contacts()
 }
 
 /* Discard the history of a separated pair: its sums or its record are stored with both spheres, and a new contact may start. */
-
 void PairGranHysteretic::forget(int row, int k)
 {
   ContactList &c = contacts;

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: forces, with those of cohesion (cohesion.h) and losses (viscous_loss.h). */
+/* Pair style gran/hysteretic: forces, with cohesion (cohesion.h), losses (viscous_loss.h), friction (tangential.h,
+   partial_slip.h), resistance to rolling and twisting (resistance.h). */
 
 #include "pair_gran_hysteretic.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "motion.h"
 #include "neighbor.h"
-#include "update.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -23,7 +19,6 @@ constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks ar
 }    // namespace
 
 /* Velocity of approach of a touching pair; none in a minimization. */
-
 double PairGranHysteretic::approach(const Batch &batch, int m) const
 {
   if (update->whichflag != 1) return 0.0;
@@ -34,7 +29,6 @@ double PairGranHysteretic::approach(const Batch &batch, int m) const
 }
 
 /* Update the history of touching pairs, and the forces of those that have yielded. */
-
 void PairGranHysteretic::update_history(Batch &batch)
 {
   ContactList &c = contacts;
@@ -68,7 +62,6 @@ void PairGranHysteretic::update_history(Batch &batch)
 
 /* Compute the forces and contact circles of those pairs of a batch that are beyond their elastic limit: on their loading curves
    if the peak has just been raised, or below their peaks. Bits as of compare_with_peaks(). */
-
 void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std::uint64_t raised)
 {
   ContactList &c = contacts;
@@ -103,7 +96,6 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 /* ---------------------------------------------------------------------- cohesion */
 
 /* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
-
 void PairGranHysteretic::compute_cohesion(Batch &batch)
 {
   ContactList &c = contacts;
@@ -125,7 +117,6 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
 /* End the spring of a pair that has parted, and its viscous force. */
-
 void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
@@ -136,16 +127,6 @@ void PairGranHysteretic::release_contact(int k)
   }
   if (has.friction) has.release_spring(c.spring[k], c.block(k));
   if (has.resistance) has.resistance_of(c.block(k)).release();
-}
-
-/* Set the masses that spheres and ghosts move with, where there are rigid bodies. */
-
-void PairGranHysteretic::set_masses()
-{
-  if (!rigid || neighbor->ago != 0) return;
-  moved_mass.resize(atom->nmax);
-  set_moved_masses(lmp, rigid, moved_mass);
-  comm->forward_comm(this);
 }
 
 int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int, int *)
@@ -160,7 +141,6 @@ void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
 }
 
 /* Add the viscous forces of touching pairs to the normal forces; there are none in a minimization. */
-
 void PairGranHysteretic::compute_viscous(Batch &batch)
 {
   ContactList &c = contacts;
@@ -199,6 +179,86 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
   }
 }
 
+/* ---------------------------------------------------------------------- friction, rolling and twisting */
+
+/* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
+void PairGranHysteretic::compute_tangential(Batch &batch)
+{
+  ContactList &c = contacts;
+  bool without = batch.prepare_friction();
+  if (has.cohesion)
+    for (int m = 0; m < batch.size; m++) {
+      if (!batch.pair[m]->contact.cohesive()) continue;
+      batch.limit[m] = batch.friction[m] * batch.pressing[m];
+      without = without || !(batch.limit[m] > 0.0);
+    }
+  if (without)
+    for (int m = 0; m < batch.size; m++) {
+      if (batch.limit[m] > 0.0) continue;
+      has.release_spring(c.spring[batch.k[m]], c.block(batch.k[m]));
+      batch.circle[m] = 1.0;    // any value, for a pair without friction
+    }
+  batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
+  if (!step.advances) {
+    batch.compute_forces_and_torques();
+    return;
+  }
+  batch.advance_forces_and_torques(step.dt);
+  if (has.slip) advance_slip(batch);
+  batch.write(c.spring.data());
+}
+
+/* Replace the tangential forces of the pairs with partial slip by those of their rows of springs. */
+void PairGranHysteretic::advance_slip(Batch &batch)
+{
+  bool any = false;
+  for (int m = 0; m < batch.size; m++) {
+    const PairParameters &p = *batch.pair[m];
+    if (p.tangential_model != TangentialModel::PARTIAL_SLIP || !(batch.limit[m] > 0.0)) continue;
+    any = true;
+    SlipContact contact{
+        {}, {}, batch.circle[m], batch.shear_stiffness[m] * batch.circle[m], batch.limit[m], p.contact.effective_radius()};
+    double velocity[3], spin[3];
+    for (int d = 0; d < 3; d++) {
+      contact.normal[d] = batch.normal[d][m];
+      velocity[d] = batch.velocity[d][m];
+      spin[d] = batch.spin[d][m];
+    }
+    slip_of_step(velocity, spin, contact.normal, step.dt, contact.slip);
+    TangentialSpring spring = contacts.spring[batch.k[m]];
+    has.slip_of(contacts.block(batch.k[m])).advance(spring, contact);
+    for (int d = 0; d < 3; d++) batch.tangential[d][m] = spring.force[d];
+    batch.compliance[m] = spring.compliance;
+    batch.loss[m] = spring.loss;
+  }
+  if (any) batch.compute_forces_and_torques();
+}
+
+/* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
+void PairGranHysteretic::compute_resistance(const Batch &batch, const double *circle, double (*moment)[3])
+{
+  const double (*const omega)[3] = triples(atom->omega);
+  for (int m = 0; m < batch.size; m++) {
+    std::fill_n(moment[m], 3, 0.0);
+    const PairParameters &p = *batch.pair[m];
+    if (!p.resistance) continue;
+    ResistanceHistory &history = has.resistance_of(contacts.block(batch.k[m]));
+    const double pressing = p.contact.cohesive() ? batch.pressing[m] : batch.force[m];
+    if (!(pressing > 0.0)) {
+      history.release();
+      continue;
+    }
+    RollingContact contact{{},        {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m],
+                           p.friction};
+    for (int d = 0; d < 3; d++) {
+      contact.normal[d] = batch.normal[d][m];
+      contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
+    }
+    if (step.advances) history.advance(*p.resistance, contact, step.dt);
+    history.torque(contact.normal, contact.arm, moment[m]);
+  }
+}
+
 /* ---------------------------------------------------------------------- all forces of a batch, and of all contacts */
 
 void PairGranHysteretic::tally(const Batch &batch, Tally what)
@@ -234,7 +294,6 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
 }
 
 /* Compute forces and history of a batch of touching pairs. */
-
 void PairGranHysteretic::compute_batch(Tally what, bool special)
 {
   if (!uniform)
@@ -329,7 +388,11 @@ void PairGranHysteretic::compute(int eflag, int vflag)
         "Pair style gran/hysteretic: rerun lacks the steps between its snapshots, by which the history of contacts with "
         "more than a dent grows");
   if (!contacts.valid) build_contacts();
-  set_masses();
+  if (rigid && neighbor->ago == 0) {    // the masses that spheres and ghosts move with
+    moved_mass.resize(atom->nmax);
+    set_moved_masses(lmp, rigid, moved_mass);
+    comm->forward_comm(this);
+  }
   contacts.published = false;
   now = simulated_time(*update);
   step = {update->dt, update->whichflag == 1 && !update->setupflag};

@@ -3,19 +3,14 @@
 
 #include "pair_gran_hysteretic.h"
 
-#include "atom.h"
 #include "comm.h"
 #include "error.h"
 #include "motion.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
 
 /* Largest force of this run: at the peak, where it is `at_peak` without cohesion, or below the initial dent. */
-
 double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &h, const BlockView &view,
                                                 double overlap, double at_peak) const
 {
@@ -40,7 +35,6 @@ int beyond_range(const ScaledLaw &contact, double peak)
 }    // namespace
 
 /* Sum the totals; a pair shared with another processor counts half. */
-
 double PairGranHysteretic::tally_totals()
 {
   require_contacts();
@@ -130,7 +124,6 @@ double PairGranHysteretic::tally_totals()
 }
 
 /* Compute forces and energies of a contact with this overlap, from the dent of its report. */
-
 void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, const BlockView &view, double overlap) const
 {
   report.share_i = contact.law().share_of_first();
@@ -179,7 +172,6 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
 }
 
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
-
 PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double side, double rsq)
 {
   const PairParameters p = pair_parameters(i, j);
@@ -206,7 +198,6 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
 }
 
 /* Report on pair k of row r. The first sphere is that of the row unless that is a ghost. */
-
 PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
 {
   int i = contacts.row[r], j = contacts.partner[k];
@@ -233,7 +224,6 @@ void PairGranHysteretic::for_each_dent(const std::function<void(const Report &)>
 }
 
 /* Report on a forgotten contact of sphere i. */
-
 PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const ContactRecord &record, const double *block)
 {
   Report report{};
@@ -248,7 +238,6 @@ PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const Con
 }
 
 /* Add a forgotten contact of sphere i to the sums of the sphere. */
-
 void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double *block)
 {
   const Report report = report_forgotten(i, record, block);

@@ -7,13 +7,7 @@
 
 #include "pair_gran_hysteretic.h"
 
-#include "atom.h"
 #include "error.h"
-#include "fix_gran_cylinder.h"
-#include "neighbor.h"
-
-#include <algorithm>
-#include <cmath>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -21,7 +15,6 @@ using namespace granwave;
 constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
 
 /* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
-
 double PairGranHysteretic::init_shape(int i, int j)
 {
   const int n = atom_types + 1;
@@ -56,7 +49,6 @@ double PairGranHysteretic::init_shape(int i, int j)
 }
 
 /* Law of a special pair, in physical units. */
-
 ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, double rj)
 {
   const ContactLaw &of_types = law(itype, jtype);
@@ -83,7 +75,6 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
 }
 
 /* Separation of the bodies of a special pair. */
-
 CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
 {
   const double *const *x = atom->x;
@@ -102,7 +93,6 @@ double PairGranHysteretic::distance_squared(int i, int j) const
 }
 
 /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
-
 double PairGranHysteretic::distance(int i, int j, double rsq) const
 {
   if (!is_special(atom->type[i], atom->type[j])) return std::sqrt(rsq);
@@ -110,27 +100,7 @@ double PairGranHysteretic::distance(int i, int j, double rsq) const
   return found.beyond > 0.0 ? std::max(std::sqrt(rsq), atom->radius[i] + atom->radius[j]) : found.distance;
 }
 
-/* Largest extent of the axis of a cylinder along x, y or z. */
-
-double PairGranHysteretic::longest_cylinder(int axis) const
-{
-  double longest = 0.0;
-  for (int type = 1; cylinders && type <= atom_types; type++)
-    longest = std::max(longest, cylinders->shape(type).length * std::fabs(cylinders->shape(type).axis[axis]));
-  return longest;
-}
-
-/* Return true if the bodies of a special pair are within reach. */
-
-bool PairGranHysteretic::near_special(int i, int j) const
-{
-  const CylinderPair::Separation found = separation(i, j);
-  const double reach = gap + neighbor->skin;
-  return found.distance < atom->radius[i] + atom->radius[j] + reach && found.beyond < reach;
-}
-
 /* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
-
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
   static_assert(LineBatch::CAPACITY >= Batch::CAPACITY);

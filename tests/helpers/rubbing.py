@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from tests.conftest import script_of
@@ -78,17 +76,3 @@ def packing(n=3):
     places = ((2 * cells[:, None] + basis[None]).reshape(-1, 3) * half)[: 4 * n**3]
     rng = np.random.default_rng(3)
     return places, rng.uniform(-1, 1, places.shape), rng.uniform(-200, 200, places.shape)
-
-
-def assert_same_on_processors(lmp, folder: Path, text: str, columns: str, steps: int) -> None:
-    """Check that a script ends with the same bits of all spheres' `columns` on one and on two processors."""
-    end = f"dump end all custom {steps} out id {columns}\ndump_modify end sort id format float %.17g\nrun {steps}\n"
-    found = []
-    for ranks in (1, 2):
-        place = folder / str(ranks)
-        place.mkdir()
-        (place / "in").write_text(text + end)
-        done = lmp(place / "in", ranks=ranks)
-        assert done.returncode == 0, (place / "log.lammps").read_text()[-500:]
-        found.append((place / "out").read_text())
-    assert found[0] == found[1]

@@ -21,16 +21,6 @@ def test_omp_suffix_falls_back_to_the_plain_style(lammps):
     assert value(suffixed, "c_ep[1]") == pytest.approx(value(plain, "c_ep[1]"), rel=1e-13)
 
 
-@pytest.mark.parametrize(
-    "every", ["every 1 delay 0 check no", "every 7 delay 0 check yes", "every 1 delay 10 check yes"]
-)
-def test_any_neighbour_settings(lammps, every):
-    usual, other = lammps(), lammps()
-    collide(usual)
-    collide(other, extra=f"neigh_modify {every}")
-    assert value(other, "c_ep[1]") == pytest.approx(value(usual, "c_ep[1]"), rel=1e-12)
-
-
 def test_frozen_sphere(lammps):
     """A fixed sphere acts as a wall of the same material: it absorbs momentum but no energy."""
     lmp = lammps()
@@ -135,35 +125,26 @@ def test_a_sphere_at_rest_is_woken_by_whatever_moves_it(lammps, mover):
     same(*found)
 
 
-def test_a_sphere_that_comes_from_afar_meets_the_wall(lammps):
-    found = []
-    for lists in (SELDOM, EVERY_STEP):
-        lmp = lammps()
-        wall = WALL.format(z=0.03)
-        lmp.commands_string(
-            rubbing([(0, 0, 0)], BRASS, velocities=[(0, 0, 20)], box=[-0.1, 0.1] * 3, extra=f"{lists}\n{wall}")
-        )
-        lmp.command("run 150000 post no")
-        found.append((state(lmp, *ALL), lmp.numpy.extract_fix("floor", 1, 2).copy()))
-    (one, wall_one), (other, wall_other) = found
-    assert one["v"][0, 2] < 0 and wall_one[0, 2] > 0
-    assert np.array_equal(wall_one, wall_other)
-    same(one, other)
+# places, velocities, wall, timestep and steps: a sphere that comes from afar; a plane, on a soft support, thrown across several skins
+FAR = {
+    "sphere": ([(0, 0, 0)], [(0, 0, 20)], WALL.format(z=0.03), 1e-8, 150000),
+    "plane": ([(0, 0, 0), (0.02, 0, -0.0017)], [(0, 0, 20), (0, 0, 0)],
+              f"fix floor all wall/gran/hysteretic zplane NULL 0.005 {HERTZ} support 1e-2 1e4 0.0", 1e-7, 60000),
+}  # fmt: skip
 
 
-def test_a_wall_that_moves_far_meets_the_sphere(lammps):
-    """The plane, on a soft support, is thrown across several skins between two lists of near spheres."""
+@pytest.mark.parametrize("what", FAR)
+def test_walls_and_spheres_from_afar_meet(lammps, what):
+    places, speeds, wall, timestep, steps = FAR[what]
     found = []
     for lists in (SELDOM, EVERY_STEP):
-        lmp = lammps()
-        wall = "fix floor all wall/gran/hysteretic zplane NULL 0.005 hertz 115e9 0.3 support 1e-2 1e4 0.0"
-        places, speeds = [(0, 0, 0), (0.02, 0, -0.0017)], [(0, 0, 20), (0, 0, 0)]
-        lmp.commands_string(
-            rubbing(places, HERTZ, velocities=speeds, box=[-0.1, 0.1] * 3, extra=f"{lists}\n{wall}\ntimestep 1e-7")
+        extra = f"{lists}\n{wall}\ntimestep {timestep}\n"
+        lmp = lammps(
+            rubbing(places, BRASS, velocities=speeds, box=[-0.1, 0.1] * 3, extra=extra) + f"run {steps} post no"
         )
-        lmp.command("run 60000 post no")
-        found.append(state(lmp, *ALL))
-    assert found[0]["v"][1, 2] < 0, "hit by the plane on its way back"
+        by_id = np.argsort(lmp.numpy.extract_atom("id")[: len(places)])
+        found.append(state(lmp, *ALL) | {"floor": lmp.numpy.extract_fix("floor", 1, 2)[by_id]})
+    assert found[0]["v"][-1, 2] < 0 and found[0]["floor"][-1, 2] > 0
     same(*found)
 
 
@@ -186,73 +167,6 @@ def test_the_order_in_memory_changes_no_bit(lammps, law, radii):
         found.append(state(lmp, *ALL))
     assert found[0]["f"].any()
     same(*found)
-
-
-FLOOR = "wall/gran/hysteretic zplane 0 NULL hertz {modulus} {poisson}"
-
-
-def started(lmp, positions, style, radius, density, velocities, timestep, wall=None, extra=""):
-    """Spheres of one of those tests, ready to run."""
-    text = script_of(
-        positions,
-        radius=radius,
-        density=density,
-        velocities=velocities,
-        style=style,
-        box=[-20 * radius, 20 * radius] * 3,
-        extra=(f"fix floor all {wall}\n" if wall else "") + f"{extra}\ntimestep {timestep:g}",
-    )
-    text = text.replace("newton off", "newton off\ncomm_modify vel yes")
-    lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n"))
-
-
-def after(lmp, steps, name):
-    """Array of the first sphere after further steps."""
-    lmp.command(f"run {steps}")
-    return lmp.numpy.extract_atom(name)[0].copy()
-
-
-def test_two_spheres_of_a_material(lammps):
-    """dem02-hertzmaterial-twosphere-3d-si.yaml: 20 m/s, up to the largest overlap and beyond."""
-    lmp, away = lammps(), 0.0101
-    started(lmp, [(-away, 0, 0), (away, 0, 0)], "hertz 4.8e10 0.2", 0.01, 2800.0, [(10, 0, 0), (-10, 0, 0)], 2e-8)
-    stored = [(500, -9.9999999999997261e-03, 10.0), (1008, -9.8629436766014371e-03, 8.8698006865996614e-03),
-              (1000, -9.9982054989131309e-03, -9.9999015644864890)]  # fmt: skip
-    for steps, place, velocity in stored:
-        assert after(lmp, steps, "x")[0] == pytest.approx(place, rel=1e-10)
-        assert lmp.numpy.extract_atom("v")[0, 0] == pytest.approx(velocity, rel=1e-10)
-
-
-def test_sphere_on_a_wall(lammps):
-    """dem03-hertzmaterial-wall-3d-si.yaml: 3.9 m/s."""
-    lmp, wall = lammps(), FLOOR.format(modulus=0.5e11, poisson=0.25)
-    started(lmp, [(0, 0, 0.00255)], "hertz 1e11 0.25", 0.0025, 7000.0, [(0, 0, -3.9)], 1e-8, wall)
-    stored = [(1300, 2.4993000166951712e-03, -3.8996733776535106), (838, 2.4773193534324612e-03, 9.2814738217408040e-04),
-              (900, 2.5017266363104966e-03, 3.9000000198738074)]  # fmt: skip
-    for steps, place, velocity in stored:
-        assert after(lmp, steps, "x")[2] == pytest.approx(place, rel=1e-10)
-        assert lmp.numpy.extract_atom("v")[0, 2] == pytest.approx(velocity, rel=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("tangential", "steps", "velocity", "spin"),
-    [
-        ("mindlin_rescale", 1724 + 1593, (1.9626341306396919, 2.9278423115198366), 5.4426586936030731e02),
-        ("mindlin", 1700 + 1600, (1.9626341996620487, 2.9278423105668629), 5.4426580033795710e02),
-    ],
-)
-def test_oblique_impact(lammps, tangential, steps, velocity, spin):
-    """dem04-mindlinrescaleforce-oblique-3d-si.yaml and dem04-mindlinforce-oblique-3d-si.yaml: test 4 of Chung and Ooi.
-
-    Restitution 0.98 by the same dashpot. Theirs may pull at the end, damps the tangential motion too and takes R as lever
-    arm of the slip: that makes the difference, which is largest in the spin.
-    """
-    damping = -math.sqrt(5) * math.log(0.98) / math.hypot(math.pi, math.log(0.98))
-    lmp, wall = lammps(), FLOOR.format(modulus=3.5e10, poisson=0.33)
-    wall += f" friction 0.092 tangential {tangential} loss dashpot {damping:.17g}"
-    started(lmp, [(0, 0, 0.00255)], "hertz 7e10 0.33", 0.0025, 2700.0, [(2.5069, 0, -2.9876)], 1e-8, wall)
-    assert after(lmp, steps, "v")[[0, 2]] == pytest.approx(velocity, rel=2e-4)
-    assert lmp.numpy.extract_atom("omega")[0, 1] == pytest.approx(spin, rel=3e-3)
 
 
 ALONE = [*PAIR, (0.1, 0, 0)]  # the third has no other sphere within reach
@@ -298,62 +212,52 @@ def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
     refuses(lmp, "run 20000", rf"The position of sphere {sphere} is not finite \(nan 0 ")
 
 
-def test_angular_velocity(lammps):
-    lmp = lammps(script_of(ALONE, **ROUGH))
-    spoil(lmp, "omega", 2, np.nan, axis=1)
-    refuses(lmp, "run 200", r"The angular velocity of sphere 2 is not finite \(0 nan 0\)")
+PUSH = "group struck id 1\nfix push struck gran/load z"
+WALLED = "fix floor all wall/gran/hysteretic zplane {} elastoplastic 115e9 0.3 550e6"
+# script, array that is spoiled, ID and axis, what is run then, what the error says
+SPOILED = {
+    "spin": (script_of(ALONE, **ROUGH), "omega", 2, 1, "run 200", r"The angular velocity of sphere 2 is not finite \(0 nan 0\)"),
+    "minimization": (script_of(PAIR, style=HERTZ) + "min_style fire\n", "x", 2, 0, "minimize 0 1e-9 500 500", "position of sphere 2"),
+    "node of a bar": (  # which has radius 0 and may touch nothing at all
+        script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n",
+        "v", 3, 2, "run 200 pre no", r"The position of sphere 3 is not finite \(0 0 nan\)",
+    ),
+    "force by itself": (
+        foreign(script_of(PAIR, box=BOX, extra=f"{PUSH} force half-sine 100 1e-5")) + "run 7",
+        "v", 1, 2, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)",
+    ),
+} | {
+    f"walls {planes} by themselves": (
+        foreign(script_of([(0, 0, 0)], box=BOX, extra=WALLED.format(planes))) + "run 7",
+        "x", 1, 2, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)",
+    )
+    for planes in (f"NULL {R}", f"-{R} NULL", f"-{R} {R}")
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_what_is_spoiled_is_found(lammps, what):
+    script, name, ident, axis, command, message = SPOILED[what]
+    lmp = lammps(script)
+    spoil(lmp, name, ident, np.nan, axis)
+    refuses(lmp, command, message)
 
 
 def test_nan_is_found_before_it_is_reported(lammps):
     """Positions set after a run are not included in any sum, row or dump."""
-    lmp = lammps(
-        script_of(ALONE)
-        + "compute dents all gran/hysteretic/local\ncompute sum all reduce sum c_dents[4] inputs local\n"
-    )
-    lmp.command("run 7")
+    dents = "compute dents all gran/hysteretic/local\ncompute sum all reduce sum c_dents[4] inputs local\n"
+    lmp = lammps(f"{script_of(ALONE)}{dents}run 7")
     spoil(lmp, "x", 3, np.nan)
     lmp.command("variable force equal c_sum")
     with pytest.raises(Exception, match="The position of sphere 3 is not finite"):
         lmp.extract_variable("force")
 
 
-def test_minimization(lammps):
-    lmp = lammps(script_of(PAIR, style="hertz 115e9 0.3") + "min_style fire\n")
-    spoil(lmp, "x", 2, np.nan)
-    refuses(lmp, "minimize 0 1e-9 500 500", "The position of sphere 2 is not finite")
-
-
-@pytest.mark.parametrize("planes", ["NULL {r}", "-{r} NULL", "-{r} {r}"])
-def test_a_wall_by_itself(lammps, planes):
-    lmp = lammps()
-    wall = WALL.replace("NULL {z:.17g}", planes.format(r=R))
-    lmp.commands_string(foreign(script_of([(0, 0, 0)], box=BOX, extra=wall)) + "run 7")
-    spoil(lmp, "x", 1, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)")
-
-
-def test_a_force_by_itself(lammps):
-    lmp = lammps()
-    push = "group struck id 1\nfix push struck gran/load z force half-sine 100 1e-5"
-    lmp.commands_string(foreign(script_of(PAIR, box=BOX, extra=push)) + "run 7")
-    spoil(lmp, "v", 1, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 1 is not finite \(0 0 nan\)")
-
-
 def test_a_prescribed_displacement_by_itself(lammps):
     """Driven atoms follow their path for any force, but the work of a force that is not finite would be NaN."""
-    lmp = lammps()
-    push = "group struck id 1\nfix push struck gran/load z displacement harmonic 1e-6 8e3\nunfix motion"
-    lmp.commands_string(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7")
-    lmp.command("fix gone struck addforce 0.0 0.0 v_bad")
+    push = f"{PUSH} displacement harmonic 1e-6 8e3\nunfix motion"
+    lmp = lammps(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7\nfix gone struck addforce 0.0 0.0 v_bad")
     refuses(lmp, "run 200", "Fix gran/load push: the force on its atoms is not finite")
-
-
-def test_a_node_of_a_bar(lammps):
-    """Nodes have radius 0 and may touch nothing at all."""
-    lmp = lammps(script_of([*PAIR, (0, 0, 0.03)], radius=[R, R, 1e-3]) + "set atom 3 diameter 0 mass 1e-4\nrun 7\n")
-    spoil(lmp, "v", 3, np.nan, axis=2)
-    refuses(lmp, "run 200 pre no", r"The position of sphere 3 is not finite \(0 0 nan\)")
 
 
 @pytest.mark.parametrize(
@@ -380,41 +284,87 @@ def test_on_two_ranks(lmp, tmp_path, spoiled):
     pytest.fail("\n".join(texts))
 
 
-def test_spring_and_dashpot_of_yade(lammps):
-    """YADE, scripts/checks-and-tests/checks/checkViscElPM.py: stiffness and dashpot of a restitution of 0.3 and a contact time of 0.2 s; displacement at 0.05 s.
+def dashpot(restitution: float) -> float:
+    """Factor of Tsuji's dashpot with this restitution."""
+    return -math.sqrt(5) * math.log(restitution) / math.hypot(math.pi, math.log(restitution))
 
-    At a quarter of their 2 m/s, at which the spheres would be pressed to half their size: everything is linear.
+
+def chung_and_ooi(tangential: str) -> dict:
+    """Test 4, with a restitution of 0.98 by the same dashpot.
+
+    Theirs may pull at the end, damps the tangential motion too and takes R as lever arm of the slip: that makes the difference, which is
+    largest in the spin.
     """
-    radius, density, time, restitution, speed = 0.1, 2000.0, 0.2, 0.3, 0.5
-    mass = 4 / 3 * math.pi * radius**3 * density
-    stiffness = mass / time**2 * (math.pi**2 + math.log(restitution) ** 2) / 2  # of two springs in a row
-    rate = -math.log(restitution) / time
-    law = f"power 1e9 0.3 constant {stiffness:.17g} exponent 1 loss time {rate * mass / stiffness:.17g}"
-    lmp = lammps()
-    started(lmp, [(0, 0, 0), (2 * radius, 0, 0)], law, radius, density, [(speed, 0, 0), (-speed, 0, 0)], 1e-5)
-    lmp.command("run 5000 post no")
-    analytical = speed * time / math.pi * math.exp(-0.05 * rate) * math.sin(0.05 * math.pi / time)
-    assert lmp.numpy.extract_atom("x")[0, 0] == pytest.approx(analytical, rel=1e-4)
+    return {
+        "positions": [(0, 0, 0.00255)], "style": "hertz 7e10 0.33", "radius": 0.0025, "density": 2700.0, "timestep": 1e-8,
+        "velocities": [(2.5069, 0, -2.9876)],
+        "wall": f"hertz 3.5e10 0.33 friction 0.092 tangential {tangential} loss dashpot {dashpot(0.98):.17g}",
+    }  # fmt: skip
 
 
-def test_restitution_of_mercury(lammps):
-    """MercuryDPM, Drivers/UnitTests/HertzContactRestitutionUnitTest.cpp: Hertz's law with a dashpot, 2 m/s between spheres, restitution 0.8."""
-    damping = -math.sqrt(5) * math.log(0.8) / math.hypot(math.pi, math.log(0.8))
-    lmp, density = lammps(), 6 / math.pi / 8
-    style = f"hertz 40000 0 loss dashpot {damping:.17g}"
-    started(lmp, [(0, 0, 0), (3, 0, 0)], style, 1.0, density, [(1, 0, 0), (-1, 0, 0)], 1e-4)
-    lmp.command("run 15000 post no")
-    assert np.abs(lmp.numpy.extract_atom("v")[:2, 0]) == pytest.approx([0.8, 0.8], abs=1e-2)
+YADE = {"mass": 8 / 3 * math.pi, "rate": -math.log(0.3) / 0.2}  # restitution 0.3, contact time 0.2 s
+YADE["stiffness"] = YADE["mass"] / 0.2**2 * (math.pi**2 + math.log(0.3) ** 2) / 2  # of two springs in a row
+TILT = math.radians(15)
+HOP = 9.8 * math.cos(TILT) * math.sqrt(2000 * 4 / 3 * math.pi * 0.005**3 / 10000)  # of a sphere on its spring
+# tests of LAMMPS, YADE and MercuryDPM: spheres; then the first one's array and component after further steps, and how near it must be
+PUBLISHED = {
+    "LAMMPS, dem02-hertzmaterial-twosphere-3d-si.yaml: 20 m/s": (
+        {"positions": [(-0.0101, 0, 0), (0.0101, 0, 0)], "style": "hertz 4.8e10 0.2", "radius": 0.01, "density": 2800.0,
+         "velocities": [(10, 0, 0), (-10, 0, 0)], "timestep": 2e-8},
+        [(500, "x", 0, -9.9999999999997261e-03, {"rel": 1e-10}), (0, "v", 0, 10.0, {"rel": 1e-10}),
+         (1008, "x", 0, -9.8629436766014371e-03, {"rel": 1e-10}), (0, "v", 0, 8.8698006865996614e-03, {"rel": 1e-10}),
+         (1000, "x", 0, -9.9982054989131309e-03, {"rel": 1e-10}), (0, "v", 0, -9.9999015644864890, {"rel": 1e-10})],
+    ),
+    "LAMMPS, dem03-hertzmaterial-wall-3d-si.yaml: 3.9 m/s": (
+        {"positions": [(0, 0, 0.00255)], "style": "hertz 1e11 0.25", "radius": 0.0025, "density": 7000.0,
+         "velocities": [(0, 0, -3.9)], "timestep": 1e-8, "wall": "hertz 0.5e11 0.25"},
+        [(1300, "x", 2, 2.4993000166951712e-03, {"rel": 1e-10}), (0, "v", 2, -3.8996733776535106, {"rel": 1e-9}),
+         (838, "x", 2, 2.4773193534324612e-03, {"rel": 1e-10}), (0, "v", 2, 9.2814738217408040e-04, {"rel": 1e-9}),
+         (900, "x", 2, 2.5017266363104966e-03, {"rel": 1e-10}), (0, "v", 2, 3.9000000198738074, {"rel": 1e-9})],
+    ),
+    "LAMMPS, dem04-mindlinrescaleforce-oblique-3d-si.yaml": (
+        chung_and_ooi("mindlin_rescale"),
+        [(3317, "v", 0, 1.9626341306396919, {"rel": 2e-4}), (0, "v", 2, 2.9278423115198366, {"rel": 2e-4}),
+         (0, "omega", 1, 5.4426586936030731e02, {"rel": 3e-3})],
+    ),
+    "LAMMPS, dem04-mindlinforce-oblique-3d-si.yaml": (
+        chung_and_ooi("mindlin"),
+        [(3300, "v", 0, 1.9626341996620487, {"rel": 2e-4}), (0, "v", 2, 2.9278423105668629, {"rel": 2e-4}),
+         (0, "omega", 1, 5.4426580033795710e02, {"rel": 3e-3})],
+    ),
+    # at a quarter of their 2 m/s, at which the spheres would be pressed to half their size: everything is linear
+    "YADE, scripts/checks-and-tests/checks/checkViscElPM.py: displacement at 0.05 s": (
+        {"positions": [(0, 0, 0), (0.2, 0, 0)], "radius": 0.1, "density": 2000.0, "velocities": [(0.5, 0, 0), (-0.5, 0, 0)], "timestep": 1e-5,
+         "style": "power 1e9 0.3 constant {stiffness:.17g} exponent 1 loss time {time:.17g}".format(
+             **YADE, time=YADE["rate"] * YADE["mass"] / YADE["stiffness"])},
+        [(5000, "x", 0, 0.1 / math.pi * math.exp(-0.05 * YADE["rate"]) * math.sin(0.25 * math.pi), {"rel": 1e-4})],
+    ),
+    "MercuryDPM, Drivers/UnitTests/HertzContactRestitutionUnitTest.cpp: 2 m/s, restitution 0.8": (
+        {"positions": [(0, 0, 0), (3, 0, 0)], "style": f"hertz 40000 0 loss dashpot {dashpot(0.8):.17g}", "radius": 1.0,
+         "density": 6 / math.pi / 8, "velocities": [(1, 0, 0), (-1, 0, 0)], "timestep": 1e-4},
+        [(15000, "v", 0, -0.8, {"abs": 1e-2})],
+    ),
+    "MercuryDPM, Drivers/UnitTests/InclinedPlaneUnitTest.cpp: it rolls without slip, and hops on its spring": (
+        {"positions": [(0, 0, 0.005)], "style": "hertz 1e9 0.3", "radius": 0.005, "density": 2000.0, "velocities": [(0, 0, 0)],
+         "timestep": 2e-6, "wall": "power 1e9 0.3 constant 10000 exponent 1 friction 0.5",
+         "extra": f"fix weight all gravity 9.8 vector {math.sin(TILT):.17g} 0 {-math.cos(TILT):.17g}"},
+        [(500000, "v", 0, 1.81167, {"abs": 2e-4}), (0, "v", 2, 0.0, {"abs": HOP})],
+    ),
+}  # fmt: skip
 
 
-def test_sphere_on_an_inclined_plane_of_mercury(lammps):
-    """MercuryDPM, Drivers/UnitTests/InclinedPlaneUnitTest.cpp: it rolls without slip and hops on its spring; 1.81167 and 0.00234107 m/s after 1 s."""
-    radius, density, angle = 0.005, 2000.0, math.radians(15)
-    wall = "wall/gran/hysteretic zplane 0 NULL power 1e9 0.3 constant 10000 exponent 1 friction 0.5"
-    weight = f"fix weight all gravity 9.8 vector {math.sin(angle):.17g} 0 {-math.cos(angle):.17g}"
-    lmp = lammps()
-    started(lmp, [(0, 0, radius)], "hertz 1e9 0.3", radius, density, [(0, 0, 0)], 2e-6, wall, weight)
-    lmp.command("run 500000 post no")
-    across, up = lmp.numpy.extract_atom("v")[0, [0, 2]]
-    assert across == pytest.approx(1.81167, abs=2e-4)
-    assert abs(up) < 9.8 * math.cos(angle) * math.sqrt(4 / 3 * math.pi * radius**3 * density / 10000)
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_published_values(lammps, name):
+    spheres, stored = dict(PUBLISHED[name][0]), PUBLISHED[name][1]
+    wall, extra, timestep = (spheres.pop(key, "") for key in ("wall", "extra", "timestep"))
+    floor = f"fix floor all wall/gran/hysteretic zplane 0 NULL {wall}\n" if wall else ""
+    text = script_of(
+        **spheres,
+        box=[-20 * spheres["radius"], 20 * spheres["radius"]] * 3,
+        extra=f"{floor}{extra}\ntimestep {timestep}",
+    )
+    text = text.replace("newton off", "newton off\ncomm_modify vel yes").replace("all nve\n", "all nve/sphere\n")
+    lmp = lammps(text)
+    for steps, array, component, expected, near in stored:
+        lmp.command(f"run {steps} post no")
+        assert lmp.numpy.extract_atom(array)[0, component] == pytest.approx(expected, **near), array

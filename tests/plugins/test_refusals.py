@@ -26,6 +26,7 @@ POINTS = BARE.replace("sphere", "atomic") + "mass 1 1\npair_style zero 1.0\npair
 GIVEN = "variable given equal 1.0\n"
 LOSSY = rubbing(PAIR, "hertz 1e9 0.3 loss time 1e-6")
 LOSSY_ROW = rubbing([(0, 0, 2 * R * k) for k in range(4)], "hertz 1e9 0.3 loss time 1e-6")
+AT_A_FACE = script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], style="hertz 1e9 0.3", extra="set atom 1 vz {}")
 # what comes before, command with {} for the words, rows of words and message
 REFUSED = {
     "damping": (ONE, "fix calm all gran/absorb {}", [
@@ -45,12 +46,12 @@ REFUSED = {
     "holder": (ONE, "fix holder all gran/holder {}", [
         ("z 0.3", "2 words after its name"),
         ("w 0.3 9.81", "'w' is no direction"),
-        ("z -0.1 9.81", "0 or positive, found -0.1"),
+        ("z -0.1 9.81", "positive or 0, found -0.1"),
         ("z 0.3 0", "acceleration must be positive, found 0"),
         ("z 0.3 9.81\nfix pull all addforce 0 0 1\nrun 1", "but fix addforce pull"),  # forces that come after it
     ]),
     "cylinders": (ONE, "fix round all gran/cylinder {}", [
-        ("1 0 0 1 0", "the length of a cylinder must be above 0"),
+        ("1 0 0 1 0", "the length of a cylinder must be positive, found 0"),
         ("1 0.01 0 0 0", "must be a direction"),
         ("2 0.01 0 1 0", "expected a type from 1 to 1"),
         ("1 0.01 0 1 0 1 0.02 0 1 0", "found type 1 twice"),
@@ -74,13 +75,13 @@ REFUSED = {
     ]),
     "loads": (ONE, "fix push all gran/load {}", [
         ("q force half-sine 1 1", "'q' is no direction"),
+        ("vector 0 0 0 force half-sine 1 1", "a direction must not be zero, found 0 0 0"),
+        ("vector 1 0 force half-sine 1 1", "Expected floating point"),
         ("z push half-sine 1 1", "neither force nor displacement"),
         ("z force sawtooth 1 1", "'sawtooth' is no shape of a force"),
         ("z displacement half-sine 1 1", "'half-sine' is no shape of a displacement"),
         ("z force half-sine 0 1", "amplitude must be positive, found 0"),
-        ("z force half-sine 1 0", "duration must be positive, found 0"),
         ("z force rectangle 1 -1e-5", "duration must be positive"),
-        ("z force harmonic 1 0", "frequency must be positive"),
         ("z force half-sine 1", "words after 'half-sine'"),
         ("z force harmonic 1 1 1 1", "4 words after 'harmonic'"),
         ("z force burst 1 1e5 0", "number of cycles must be positive, found 0"),
@@ -108,23 +109,18 @@ REFUSED = {
         ("loss time", "'loss time' has no value"),
         ("loss 1e-6 2", "loss must be time or dashpot, found '1e-6'"),
         ("loss time -1e-6", "loss time must not be negative"),
-        ("loss time x", "loss time must be a number"),
         ("loss time 1e-6 loss dashpot 0.1", "loss is given twice"),
         ("friction -0.1", "friction must not be negative, found '-0.1'"),
-        ("friction much", "friction must be a number, found 'much'"),
         ("friction", "'friction' has no value"),
         ("tangential slip", "tangential must be mindlin_rescale, mindlin or partial_slip, found 'slip'"),
         ("rolling 0.1 2", "expected rolling sds K|mindlin GAMMA MU, found 'rolling 0.1'"),
         ("rolling sds 1e6 0", "'rolling sds' has too few values"),
-        ("rolling sds soft 0 0.1", "rolling stiffness must be a number, found 'soft'"),
         ("rolling sds 0 0 0.1", "rolling stiffness must be positive"),
-        ("rolling sds 1e6 -1 0.1", "rolling damping must not be negative, found '-1'"),
         ("twisting sds 1e6 0 -0.1", "twisting coefficient must not be negative, found '-0.1'"),
         ("twisting sds 1 0 0.1 twisting marshall", "twisting is given twice"),
         ("twisting marshall", "give friction mu"),
         ("cohesion 0.1 2", "cohesion must be jkr or dmt, found '0.1'"),
         ("cohesion jkr", "'cohesion jkr' has no value"),
-        ("cohesion dmt much", "cohesion dmt must be a number, found 'much'"),
         ("cohesion dmt -0.1", "cohesion dmt must not be negative, found '-0.1'"),
         ("cohesion dmt 0.1 cohesion jkr 0.1", "cohesion is given twice"),
         ("cohesion jkr 1e9\ncomm_modify vel yes\nrun 0", "held together up to a gap of .*; expected a gap of the pair style above it"),
@@ -169,11 +165,7 @@ REFUSED = {
         ("unfix motion\nfix a one rigid single\nfix b two rigid single", "only one fix rigid can be in use, found a and b"),
     ]),
     "computes": (ONE, "compute c all gran/hysteretic/{}", [
-        ("atom 1", "Illegal compute gran/hysteretic/atom"),
-        ("local 1", "Illegal compute gran/hysteretic/local"),
-        ("sums 1", "Illegal compute gran/hysteretic/sums"),
-        ("energy 1", "Illegal compute gran/hysteretic/energy"),
-        ("contact 1", "Illegal compute gran/hysteretic/contact"),
+        *((f"{kind} 1", f"Illegal compute gran/hysteretic/{kind}") for kind in ("atom", "local", "sums", "energy", "contact")),
         ("contact 1 1", "sphere 1 has no contact with itself"),
     ]),
     "computes without the pair style": (LIGHT, "compute c all gran/hysteretic/{}\nrun 0", [
@@ -203,8 +195,7 @@ REFUSED = {
         ("qplane 0 1 hertz 1e9 0.3", "xplane"),
         ("zplane 1 0 hertz 1e9 0.3", "below"),
         ("zplane NULL 1 rubber 1 1", "unknown contact law"),
-        ("tube 0 hertz 115e9 0.3", "the radius of the tube must be above 0"),
-        ("tube -1 hertz 115e9 0.3", "the radius of the tube must be above 0"),
+        ("tube -1 hertz 115e9 0.3", "the radius of the tube must be positive, found -1"),
         ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane or tube, found pipe"),
         ("tube 0.01 hertz 115e9 0.3 support 0.5 1e8 2e3", "support moves a plane, found a tube"),
         ("tube 0.002 hertz 1e9 0.3\nrun 0", "does not fit into the tube"),
@@ -232,7 +223,6 @@ REFUSED = {
         ("32 3e-6", "expected N TOLERANCE ENERGY"),
         ("24 3e-6 1.0", "N must be a power of two"),
         ("32 1e-2 1.0", "tolerance must be between 1e-12 and 0.001, found 1e-2"),
-        ("32 1e-14 1.0", "tolerance must be between"),
         ("32 3e-6 -1", "energy must be positive, or v_NAME, found -1"),
         ("32 3e-6 1.0 first 64", "first must be a power of two up to N, 32, found 64"),
         ("32 3e-6 1.0 balance v_given 0", "balance every 0, expected 1 or more"),
@@ -274,6 +264,8 @@ REFUSED = {
         (script_of([(0, 0, 0), (0, 0, 1e-9)]), "overlap by"),
         (script_of([(0, 0, 0), (0, 0, 0.9 * R)]), "overlap by"),
         (script_of(PAIR, velocities=[(0, 0, 1e7), (0, 0, 0)]), "of its radius in one timestep"),
+        (AT_A_FACE.format(1e4), "overlap by .* flat face"),
+        (AT_A_FACE.format(1e6), "moves by .* of its radius"),
     ]),
     "lines of dents": (script_of(PAIR, extra=TOP + SOME), "gran/dents read {}", [
         ("1 3 1e-6", "line 1 of .*: there is no sphere 3"),
@@ -345,17 +337,19 @@ def test_a_restart_needs_what_it_was_written_with(lammps, tmp_path, before, fix,
     refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\ntimestep 1e-8"), other, message)
 
 
-def test_state_of_a_fix_in_another_format(lammps, tmp_path):
+@pytest.mark.parametrize(
+    ("style", "skipped", "found", "message"),
+    [
+        ("gran/load", 4, struct.pack("<d", 2.0), "format 2 of fix gran/load; this version reads format 3"),
+        ("gran/hysteretic", 0, struct.pack("<i", 99), "format 99 of pair style gran/hysteretic; this version reads format 10"),
+    ],
+)  # fmt: skip
+def test_restart_of_another_format(lammps, tmp_path, style, skipped, found, message):
     lammps(f"{ONE}{PUSHED}run 5\nwrite_restart {tmp_path}/r")
     data = (tmp_path / "r").read_bytes()
-    at = data.index(b"gran/load\0") + len("gran/load\0") + 4
-    assert struct.unpack("<d", data[at : at + 8]) == (3.0,)
-    (tmp_path / "r").write_bytes(data[:at] + struct.pack("<d", 2.0) + data[at + 8 :])
-    refuses(
-        lammps(f"newton off\nread_restart {tmp_path}/r"),
-        PUSHED,
-        "format 2 of fix gran/load; this version reads format 3",
-    )
+    at = data.index(style.encode() + b"\0") + len(style) + 1 + skipped
+    (tmp_path / "r").write_bytes(data[:at] + found + data[at + len(found) :])
+    refuses(lammps(), f"newton off\nread_restart {tmp_path}/r\n{PUSHED}", message)
 
 
 def test_contacts_are_not_read_while_they_are_not_current(lammps):
@@ -376,20 +370,19 @@ def test_energy_that_overflows_is_an_error(lammps):
 THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
 
 
-@pytest.mark.parametrize("change", ["delete_atoms group gone", "delete_atoms group gone compress no\nreset_atoms id"])
-@pytest.mark.parametrize("steps", [800, 20000])  # in contact, separated
-def test_new_ids_of_dented_spheres_are_refused(lammps, change, steps):
-    lmp = lammps(script_of(**THREE) + f"run {steps}\ngroup gone id 1")
+@pytest.mark.parametrize(
+    ("steps", "gap", "change"),
+    [
+        (800, 1e-3, "delete_atoms group gone"),  # in contact
+        (20000, 1e-3, "delete_atoms group gone compress no\nreset_atoms id"),  # separated
+        (30000, 2e-5, "delete_atoms group gone"),  # forgotten
+    ],
+)
+def test_new_ids_of_dented_spheres_are_refused(lammps, steps, gap, change):
+    lmp = lammps(script_of(**THREE, gap=gap) + f"run {steps}\ngroup gone id 1\n")
+    assert value(lmp, "c_ep[2]") == 1
     with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
         lmp.commands_string(f"{change}\nrun 0")
-
-
-def test_new_ids_with_forgotten_dents_are_refused(lammps):
-    lmp = lammps(script_of(**THREE, gap=2e-5) + "run 30000\ngroup gone id 1\ncompute dents all gran/hysteretic/local")
-    lmp.commands_string("compute live all reduce sum c_dents[12] inputs local\nthermo_style custom step c_live\nrun 0")
-    assert value(lmp, "c_live") == 0 and value(lmp, "c_ep[2]") == 1
-    with pytest.raises(Exception, match=r"The ID of sphere \d was \d when its contacts were made"):
-        lmp.commands_string("delete_atoms group gone\nrun 0")
 
 
 def test_new_ids_before_any_contact_are_fine(lammps):
@@ -418,19 +411,19 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
             lmp.command("run 1")
 
 
-@pytest.mark.parametrize("radius", [-0.5 * R, np.nan])
-def test_radius_below_zero_is_refused(lammps, radius):
-    """LAMMPS itself lets a program or a fix set one."""
+@pytest.mark.parametrize(
+    ("name", "wrong", "message"),
+    [
+        ("radius", -0.5 * R, rf"the radius -{0.5 * R:g}, expected one above 0, or 0 for a flat face"),
+        ("radius", np.nan, "the radius -?nan, expected one above 0"),
+        ("rmass", 0.0, "the mass 0, expected one above 0"),
+    ],
+)
+def test_radii_and_masses_without_meaning_are_refused(lammps, name, wrong, message):
+    """LAMMPS itself lets a program or a fix set them."""
     lmp = lammps(script_of([(0, 0, 0), (0, 0, 2 * R)]))
-    lmp.numpy.extract_atom("radius")[1] = radius
-    refuses(lmp, "run 1", rf"atom 2 has the radius (-{0.5 * R:g}|-?nan), expected one above 0, or 0 for a flat face")
-
-
-def test_mass_of_zero_is_refused(lammps):
-    """A program may set one; `set density 0` ends LAMMPS itself, with a signal."""
-    lmp = lammps(script_of([(0, 0, 0), (0, 0, 2 * R)]))
-    lmp.numpy.extract_atom("rmass")[1] = 0.0
-    refuses(lmp, "run 1", "atom 2 has the mass 0, expected one above 0")
+    lmp.numpy.extract_atom(name)[1] = wrong
+    refuses(lmp, "run 1", f"atom 2 has {message}")
 
 
 @pytest.mark.parametrize("wall", [False, True])

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import printed, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
 R = 0.005
@@ -208,38 +208,6 @@ def test_echo_of_a_bar(lammps, end, amplitude):
         delay = times[back][np.abs(found[back]).argmax()] - times[sent][found[sent].argmax()]
         assert delay == pytest.approx(2 * LENGTH / WAVE_SPEED, rel=0.01)
     assert value(lmp, LEDGER) == pytest.approx(0.5 * MASS * 4, rel=2e-5)
-
-
-# --------------------------------------------------------------------------- bits
-
-
-SHEET = """units si
-atom_style sphere
-newton off
-boundary f f f
-region box block -0.06 0.06 -0.06 0.06 -0.03 0.05
-create_box 1 box
-lattice sc 0.0101
-region layer block -0.055 0.055 -0.055 0.055 -0.001 0.001 units box
-create_atoms 1 region layer
-set group all diameter 0.01 density 8500
-variable across atom 0.5*sin(700*x+300*y)
-variable up atom 2+sin(900*x-500*y)
-velocity all set v_across NULL v_up
-pair_style gran/hysteretic 1e-3
-pair_coeff * * elastoplastic 115e9 0.3 550e6
-neighbor 1e-3 bin
-fix plate all wall/gran/hysteretic zplane NULL 0.005 elastoplastic 115e9 0.3 550e6 friction 0.2 support 0.5 1e9 2000
-fix motion all nve/sphere
-timestep 5e-8
-run 300
-print "found $(f_plate[10]:%.17g) $(f_plate[11]:%.17g) $(f_plate[13]:%.17g) $(f_plate[15]:%.17g)"
-"""
-
-
-def test_two_ranks_give_the_same_bits(log_of):
-    one, two = (printed(log_of(SHEET, ranks), "found") for ranks in (1, 2))
-    assert one == two and abs(float(one[0])) > 1e-7
 
 
 # --------------------------------------------------------------------------- statics and messages

@@ -46,11 +46,6 @@ def test_energy_and_stiffness_follow_from_the_force():
         assert BRASS.stiffness(overlap) == pytest.approx(slope, rel=1e-7)
 
 
-def test_no_contact():
-    assert BRASS.force([0.0, -1e-6, 1e-26, 1e-300]).tolist() == [0.0] * 4
-    assert BRASS.energy([0.0, -1e-6, 1e-26]).tolist() == [0.0] * 3
-
-
 def test_two_bodies():
     pair = LineContact(youngs_modulus=(70e9, 210e9), poisson_ratio=(0.3, 0.3), diameter=D, length=LENGTH)
     both = (1 - 0.3**2) / np.pi * (1 / 70e9 + 1 / 210e9)
@@ -58,17 +53,6 @@ def test_two_bodies():
     assert pair.force(1e-6) == pytest.approx(1e-6 * LENGTH / (both * abs(lambertw(-s / np.e, -1).real)), rel=1e-12)
     with pytest.raises(ValueError, match="must be positive"):
         LineContact(youngs_modulus=(1e9, 1e9), poisson_ratio=(0.3, 0.3), diameter=0.0, length=1.0)
-
-
-def test_batches_have_the_same_bits():
-    """From none over the foot of a wave to beyond the end of the law, in batches that are full and not."""
-    rng = np.random.default_rng(1)
-    ends = [0.0, -1e-6, np.nan, 1e-26, 1.0001e-25, BRASS.largest_overlap, 2 * BRASS.largest_overlap]
-    overlap = np.concatenate([ends, np.geomspace(1e-24, 1.0, 997) * BRASS.largest_overlap, rng.uniform(0, 1e-6, 200)])
-    for part in (overlap, overlap[:3], rng.permutation(overlap)):
-        force, stiffness = BRASS.in_batches(part)
-        assert np.array_equal(force, BRASS.force(part), equal_nan=True)
-        assert np.array_equal(stiffness, BRASS.stiffness(part), equal_nan=True)
 
 
 R, TUBE = 0.003, 0.0077

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from granwave._contact_laws import ContactLaw
-from tests.conftest import printed, script_of
+from tests.conftest import script_of
 from tests.helpers.two_spheres import value
 
 # test 4: aluminium oxide; tests 5 and 6: aluminium alloy
@@ -40,15 +40,12 @@ def thrown(lmp, body, normal, across=0.0, spin=0.0, *, law="hertz", steps=1000, 
         wall
         or f"wall/gran/hysteretic zplane NULL {body['radius']:.17g} {law} {body['modulus']} {body['poisson']} {strength} friction {body['friction']}"
     )
-    text = script_of(
-        [(0, 0, 0)],
-        radius=body["radius"],
-        density=body["density"],
-        velocities=[(across, 0, normal)],
-        box=[-10 * body["radius"], 10 * body["radius"]] * 3,
-        extra=f"set atom 1 omega 0 {spin:.17g} 0\nfix floor all {wall}\ncompute spin all erotate/sphere\n"
-        f"thermo_style custom step c_ke c_spin {'f_floor f_floor[*]' if 'hysteretic' in wall else ''}\ntimestep {timestep:.17g}\n{extra}",
+    size = {name: body[name] for name in ("radius", "density")}
+    extra = (
+        f"set atom 1 omega 0 {spin:.17g} 0\nfix floor all {wall}\ncompute spin all erotate/sphere\nthermo_style custom step c_ke c_spin "
+        f"{'f_floor f_floor[*]' if 'hysteretic' in wall else ''}\ntimestep {timestep:.17g}\n{extra}"
     )
+    text = script_of([(0, 0, 0)], **size, velocities=[(across, 0, normal)], box=[-10 * body["radius"], 10 * body["radius"]] * 3, extra=extra)  # fmt: skip
     lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n"))
     if run:
         lmp.command(f"run {int((2.2 if law == 'elastoplastic' else 1.2) * steps)}")
@@ -112,16 +109,10 @@ def test_two_spheres_of_equal_spin_are_a_sphere_and_a_wall(lammps, spin):
     """
     lmp, r = lammps(), ALLOY["radius"]
     law = f"hertz {ALLOY['modulus']} {ALLOY['poisson']}"
-    text = script_of(
-        [(0, 0, 0), (0, 0, 2 * r)],
-        radius=r,
-        density=ALLOY["density"],
-        velocities=[(0, 0, 0.2), (0, 0, -0.2)],
-        box=[-10 * r, 10 * r] * 3,
-        gap=1e-2,
-        coefficients=[f"pair_coeff * * {law} friction {ALLOY['friction']}"],
-        extra=f"comm_modify vel yes\nset group all omega 0 {spin} 0\ntimestep {contact_time(ALLOY, 0.2) / 1000:.17g}",
-    )
+    spheres = {"radius": r, "density": ALLOY["density"], "style": f"{law} friction {ALLOY['friction']}", "gap": 1e-2}
+    extra = f"comm_modify vel yes\nset group all omega 0 {spin} 0\ntimestep {contact_time(ALLOY, 0.2) / 1000:.17g}"
+    speeds = [(0, 0, 0.2), (0, 0, -0.2)]
+    text = script_of([(0, 0, 0), (0, 0, 2 * r)], **spheres, velocities=speeds, box=[-10 * r, 10 * r] * 3, extra=extra)
     lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n") + "run 1200")
     wall = thrown(lammps(), ALLOY, 0.2, spin=spin)
     assert outcome(lmp) == pytest.approx(wall, rel=2e-3)
@@ -253,38 +244,3 @@ def test_a_minimisation_winds_no_spring_up(lammps):
     lmp.command("minimize 0 1e-6 5000 5000")
     assert value(lmp, "f_floor[3]") == pytest.approx(50, rel=1e-6)
     assert value(lmp, "f_floor[8]") == value(lmp, "f_floor[9]") == 0
-
-
-SLIDERS = """units si
-atom_style sphere
-atom_modify map yes
-newton off
-boundary p p f
-region box block -0.03 0.03 -0.03 0.03 -0.02 0.02
-create_box 1 box
-create_atoms 1 single -0.0101 0.0 0.0 units box
-create_atoms 1 single 0.0299 0.011 0.0 units box
-set group all diameter 0.01 density 8500 omega 0 0 200
-set atom 1 vx 20 vy 1
-set atom 2 vx 25
-pair_style gran/hysteretic 1e-3
-pair_coeff * * elastoplastic 115e9 0.3 550e6
-neighbor 2e-4 bin
-fix floor all wall/gran/hysteretic zplane -0.005 NULL elastoplastic 115e9 0.3 550e6 friction 0.3
-fix press all addforce 0 0 -400
-fix motion all nve/sphere
-timestep 2e-7
-run 6000
-compute spin all property/atom omegay
-compute most all reduce max c_spin vx x f_floor[10]
-compute least all reduce min c_spin vx x f_floor[10]
-thermo_style custom step f_floor[8] f_floor[9] c_most[*] c_least[*]
-thermo_modify format float %.17g
-run 0
-"""
-
-
-def test_springs_move_between_ranks(log_of):
-    """Pressed spheres that slide across the boundary between ranks and the periodic one: bitwise identical results."""
-    one, two = (printed(log_of(SLIDERS, ranks), "6000") for ranks in (1, 2))
-    assert one == two and len(one) > 4

@@ -18,15 +18,8 @@ MASS = 8500 * 4 / 3 * np.pi * R**3
 
 def drop(lmp, speed=2.0, sideways=0.0, steps=20000, wall=WALL, extra=""):
     """Sphere that touches a wall above it and moves towards it."""
-    report = "thermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n" + extra
-    lmp.commands_string(
-        script_of(
-            [(0, 0, 0)],
-            velocities=[(sideways, 0, speed)],
-            box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1],
-            extra=wall.format(z=R) + "\n" + report,
-        )
-    )
+    extra = f"{wall.format(z=R)}\nthermo_style custom step c_ke f_floor f_floor[4] f_floor[5]\n{extra}"
+    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(sideways, 0, speed)], box=[-0.1, 0.1] * 3, extra=extra))
     lmp.command(f"run {steps}")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-PLUGINS = Path(__file__).parents[2] / "plugins"
+PLUGINS = Path(__file__).parents[3] / "plugins"
 SOURCE = Path(__file__).parent / "device_laws.cpp"
 #: sm_70: any card since 2017; no LAMMPS header is in the path.
 FLAGS = [

@@ -13,6 +13,7 @@ from granwave._contact_laws import ContactLaw, exponential, power
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.workflows.finite_elements.sphere_contact.law_fit import errors, measured
 from tests.conftest import script_of
+from tests.helpers.rubbing import state
 from tests.helpers.twins.twin import LawTwin, scales
 
 BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
@@ -189,14 +190,6 @@ def test_unlike_spheres():
     assert brass().share_of_first == 0.5
 
 
-def test_rigid_plane():
-    law = ContactLaw(
-        youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(0.005, np.inf)
-    )
-    assert law.effective_radius == pytest.approx(0.005)
-    assert law.effective_modulus == pytest.approx(115e9 / 0.91)
-
-
 def test_thornton_against_its_equations():
     law = brass("thornton")
     overlap_y, force_y, r_star = law.yield_overlap, law.yield_force, law.effective_radius
@@ -283,47 +276,31 @@ def test_ends_of_the_range():
 )
 def test_contacts_of_a_batch_have_the_forces_of_the_law(lammps, law):
     """Pairs of spheres at many overlaps, first on the way in and then on the way out, more than fill a batch."""
-    n = 150
+    n, names = 150, {1: "thornton", 2: "elastoplastic"} if law == "mixed" else {1: law, 2: law}
     deep, out = 10 ** RNG.uniform(-8, -3.8, n), RNG.uniform(0.1, 1.0, n)
     places = [(0.02 * k, 0.0, z) for k in range(n) for z in (0.0, 2 * R - deep[k])]
-    names = {k: law for k in (1, 2)} if law != "mixed" else {1: "thornton", 2: "elastoplastic"}
-
-    def coefficients(kind: int) -> str:
-        name, *options = names[kind].split()
-        return f"pair_coeff {kind} {kind} " + " ".join(
-            [name, "115e9 0.3", "" if name == "hertz" else "550e6", *options]
-        )
-
+    words, laws = {}, {}
+    for kind, text in names.items():
+        name, *options = text.split()
+        strength = {"hertz": ""}.get(name, "550e6")
+        words[kind] = " ".join([name, "115e9 0.3", strength, *options])
+        given = dict(zip(options[::2], options[1::2], strict=True))
+        laws[kind] = ContactLaw(name, yield_strength=(float(strength or "inf"),) * 2, **ALIKE, **given)
     types = [1 + k % 2 for k in range(n) for _ in range(2)]
-    lmp = lammps()
-    both = f"pair_coeff 1 2 {coefficients(1).split(maxsplit=3)[3]}"
-    lmp.commands_string(
-        script_of(places, types=types, coefficients=[coefficients(1), coefficients(2), both], box=[-1, 4, -1, 1, -1, 1])
-    )
+    coefficients = [f"pair_coeff 1 1 {words[1]}", f"pair_coeff 2 2 {words[2]}", f"pair_coeff 1 2 {words[1]}"]
+    lmp = lammps(script_of(places, types=types, coefficients=coefficients, box=[-1, 4, -1, 1, -1, 1]))
 
-    def laws(kind: int) -> ContactLaw:
-        name, *options = names[kind].split()
-        words = dict(zip(options[::2], options[1::2], strict=True))
-        return ContactLaw(
-            law=name, yield_strength=(np.inf, np.inf) if name == "hertz" else (550e6, 550e6), **ALIKE, **words
-        )
+    def agree(peaks: np.ndarray | None, rtol: float) -> np.ndarray:
+        """Assert that the forces are those of the law at the present overlaps, which are returned."""
+        lmp.command("run 0 post no")
+        found = state(lmp, "x", "f")
+        overlaps = 2 * R - np.abs(np.diff(found["x"][:, 2].reshape(n, 2))[:, 0])
+        reached = overlaps if peaks is None else peaks
+        expected = [laws[1 + k % 2].force(overlaps[k], reached[k]) for k in range(n)]
+        assert np.allclose(found["f"][1::2, 2], expected, rtol=rtol, atol=0)
+        return overlaps
 
-    def forces() -> np.ndarray:
-        order = np.argsort(lmp.numpy.extract_atom("id")[: 2 * n])
-        return lmp.numpy.extract_atom("f")[: 2 * n][order][1::2, 2]
-
-    def overlaps() -> np.ndarray:
-        order = np.argsort(lmp.numpy.extract_atom("id")[: 2 * n])
-        x = lmp.numpy.extract_atom("x")[: 2 * n][order]
-        return 2 * R - np.abs(x[1::2, 2] - x[::2, 2])
-
-    def expected(present, peak) -> np.ndarray:
-        return np.array([laws(1 + k % 2).force(present[k], peak[k]) for k in range(n)])
-
-    lmp.command("run 0 post no")
-    peaks = overlaps()
-    assert np.allclose(forces(), expected(peaks, peaks), rtol=1e-13, atol=0)
+    peaks = agree(None, 1e-13)
     for k in range(n):
         lmp.command(f"set atom {2 * k + 2} z {2 * R - out[k] * deep[k]:.17g}")
-    lmp.command("run 0 post no")
-    assert np.allclose(forces(), expected(overlaps(), peaks), rtol=1e-9, atol=0)
+    agree(peaks, 1e-9)

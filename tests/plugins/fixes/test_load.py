@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import load_at
-from tests.conftest import printed, script_of
+from tests.conftest import script_of
 from tests.helpers.manual import PAGES, Log
 from tests.helpers.two_spheres import DRIVEN, MASS, PAIR, REPORT, A, T, balance, pushed, table, value
 
@@ -50,18 +50,6 @@ def test_velocity_before_the_drive_is_not_its_work(lammps):
     before = 0.5 * MASS * 5
     assert value(lmp, "c_ke+pe+c_ep[1]-f_push") == pytest.approx(before, rel=1e-6)
     assert value(lmp, "mass(all)*vcm(all,z)-f_push[2]") == pytest.approx(MASS, rel=1e-10)
-
-
-def test_driven_sphere_crosses_between_processors(log_of):
-    found = []
-    for ranks in (1, 2):
-        script = script_of(PAIR, box=[-0.02, 0.02, -0.02, 0.02, -0.02, 0.02002], extra=DRIVEN)
-        script = script.replace("boundary m m m", f"boundary p p p\nprocessors 1 1 {ranks}")  # in contact at z = 1e-5
-        script += f"fix push driven gran/load z displacement harmonic 2e-5 8e3{REPORT}neigh_modify check no every 10\nrun 6000\n"
-        script += 'print "result $(z[1]:%.17g) $(z[2]:%.17g) $(f_push:%.15g) $(f_push[2]:%.15g) $(f_push[3]:%.15g)"\n'
-        found.append(printed(log_of(script, ranks), "result"))
-    assert found[0][:2] == found[1][:2]
-    assert [float(w) for w in found[1]] == pytest.approx([float(w) for w in found[0]], rel=1e-12)
 
 
 def test_example_of_the_manual(log_of, tmp_path):
@@ -138,11 +126,7 @@ def test_work_of_smooth_shapes(lammps, shape):
     assert balance(moved) == pytest.approx(1, rel=1e-4)
 
 
-SHAPES = {
-    f"half-sine {A} {T}": 2 * A * T / np.pi,
-    f"rectangle {A} {T}": A * T,
-    "table {table}": 0.5 * A * T,
-}
+SHAPES = {f"half-sine {A} {T}": 2 * A * T / np.pi, f"rectangle {A} {T}": A * T, "table {table}": 0.5 * A * T}
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -158,32 +142,12 @@ def test_impulse_and_work_are_exact_for_any_timestep(lammps, tmp_path, shape, dt
     assert balance(lmp) == pytest.approx(1, rel=(dt / T) ** 2)
 
 
-def test_harmonic_force_in_mid_run(lammps):
-    lmp = pushed(lammps(), "force harmonic 100 8e3")
-    lmp.command("run 4321")
-    angle = 2 * np.pi * 8e3 * 4321e-8
-    assert value(lmp, "f_push[1]") == pytest.approx(100 * np.sin(angle), rel=1e-6)
-    assert value(lmp, "f_push[2]") == pytest.approx(100 / (2 * np.pi * 8e3) * (1 - np.cos(angle)), rel=1e-6)
-    assert balance(lmp) == pytest.approx(1, rel=1e-7)
-
-
 def test_group_shares_the_force(lammps):
     two = [(0, 0, 0), (0.02, 0, 0)]
     lmp = pushed(lammps(), f"force half-sine {A} {T}", two)
     lmp.command("run 1100")
     assert value(lmp, "vz[1]") == value(lmp, "vz[2]") == pytest.approx(A * T / np.pi / MASS, rel=1e-12)
     assert balance(lmp) == pytest.approx(1, rel=1e-9)
-
-
-def test_table_of_a_half_sine_is_the_half_sine(lammps, tmp_path):
-    times = np.linspace(0, T, 400)
-    rows = table(tmp_path / "sine.txt", times, A * np.sin(np.pi * times / T))
-    sine, sampled = (pushed(lammps(), f"force {s}") for s in (f"half-sine {A} {T}", f"table {rows}"))
-    for steps in (300, 900):
-        for lmp in (sine, sampled):
-            lmp.command(f"run {steps}")
-        for what in ("f_push", "f_push[2]", "vz[1]", "z[1]"):
-            assert value(sampled, what) == pytest.approx(value(sine, what), rel=2e-5), what
 
 
 @pytest.mark.parametrize("kind", LOADS)
@@ -207,11 +171,3 @@ def test_any_direction_is_the_load_along_z_turned(lammps, kind):
             [*speed, *(value(lmp, f"f_push[{n}]") for n in (1, 2, 3)), value(lmp, "f_push"), value(lmp, "c_ep[1]")]
         )
     assert found[1] == pytest.approx(found[0], rel=1e-8)
-
-
-@pytest.mark.parametrize(("words", "says"), [
-    ("w force", "'w' is no direction"), ("vector 0 0 0 force", "must not be zero"), ("vector 1 0 force", "Expected floating point"),
-])  # fmt: skip
-def test_no_direction(lammps, words, says):
-    with pytest.raises(Exception, match=says):
-        lammps().commands_string(script_of(PAIR, extra=f"fix push all gran/load {words} half-sine 5000 3e-5"))

@@ -5,17 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.conftest import printed, script_of
+from tests.conftest import script_of
 from tests.helpers.rubbing import (
     BRASS,
     HERTZ,
     LAMMPS_OWN,
     MU,
     NU,
-    TOTAL,
     E,
     R,
-    assert_same_on_processors,
     oblique,
     packing,
     rubbing,
@@ -38,21 +36,6 @@ def test_separation_clears_the_spring_and_not_the_dent(lammps):
     )
     assert value(lmp, "c_one[3]") == dent and value(lmp, "c_en[1]") > 0
     assert value(lmp, "c_en[7]") == pytest.approx(loss, rel=1e-3)  # second collision, head-on
-
-
-def test_a_forgotten_contact_leaves_its_loss(lammps):
-    lmp = oblique(
-        lammps,
-        1.0,
-        2.0,
-        law=f"{BRASS} friction {MU}",
-        gap="2e-5 forgotten list",
-        extra="compute dents all gran/hysteretic/local",
-    )
-    loss = value(lmp, "c_en[7]")
-    lmp.command("run 4000")
-    table = lmp.numpy.extract_compute("dents", 2, 2)
-    assert table[0, 11] == 0 and table[0, 14] == loss == value(lmp, "c_en[7]")
 
 
 @pytest.mark.parametrize("law", [HERTZ, BRASS])
@@ -87,41 +70,6 @@ def test_friction_by_pair_of_types(lammps):
         lammps(rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients[:2]) + "run 1")
 
 
-PIECES = {
-    "sort": "atom_modify sort 1 0.02",
-    "rebuild": "neigh_modify every 7 delay 0 check no",
-}
-
-
-@pytest.mark.parametrize("how", PIECES)
-def test_springs_outlive_new_lists_and_sorting(lammps, how):
-    """Other neighbor settings and another order of spheres change only the order of sums, which are exact."""
-    places, speeds, spins = packing(2)
-    found = []
-    for extra in ("", PIECES[how]):
-        lmp = lammps(rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, extra=extra))
-        lmp.command("run 3000 post no")
-        found.append((state(lmp, "x", "v", "omega"), value(lmp, "c_en[7]")))
-    (one, loss), (other, as_much) = found
-    same(one, other)
-    assert loss == pytest.approx(as_much, rel=1e-12)
-
-
-def test_two_ranks_give_the_same_bits(log_of, tmp_path):
-    places, speeds, spins = packing()
-    rows = []
-    for ranks in (1, 2):
-        text = rubbing(places, f"{BRASS} friction {MU}", velocities=3 * speeds, spins=spins, gap=2e-4)
-        text += "compute dents all gran/hysteretic/local\ncompute sums all reduce sum c_dents[13] c_dents[15] inputs local\n"
-        text += (
-            "thermo_style custom step c_en c_en[*] c_sums[*]\nthermo_modify norm no format float %.15g\nthermo 1000\n"
-        )
-        text += f"run 4000\nwrite_dump all custom {tmp_path}/{ranks}.dump id x y z vx vy vz omegax omegay omegaz tqx modify sort id format float %.17g"
-        rows.append(np.array(printed(log_of(text, ranks), "4000"), float))
-    assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
-    assert rows[0] == pytest.approx(rows[1], rel=1e-12) and rows[0][-1] == pytest.approx(rows[0][7], rel=1e-12)
-
-
 def test_springs_keep_still_in_a_minimisation(lammps):
     lmp = oblique(lammps, 1.0, steps=1000, extra="compute one all gran/hysteretic/contact 1 2")
     held = value(lmp, "c_one[6]")
@@ -142,19 +90,13 @@ def jumbled(lammps, way: str, steps: int = 20000):
         for axis in "xyz"
     )
     extra = f"{walls}compute dents all gran/hysteretic/local\ncompute atoms all gran/hysteretic/atom\ntimestep 5e-8"
-    lmp = lammps()
-    box = [edge for _ in range(3) for edge in (-2 * R, size + 2 * R)]
-    lmp.commands_string(
-        rubbing(
-            1.1 * places + R,
-            LOSSY,
-            velocities=30 * speeds,
-            spins=spins,
-            gap=f"1e-5 forgotten {way}",
-            box=box,
-            extra=extra,
-        )
-    )
+    motion = {
+        "velocities": 30 * speeds,
+        "spins": spins,
+        "box": [-2 * R, size + 2 * R] * 3,
+        "gap": f"1e-5 forgotten {way}",
+    }
+    lmp = lammps(rubbing(1.1 * places + R, LOSSY, **motion, extra=extra))
     lmp.command(f"run {steps} post no")
     return lmp
 
@@ -255,8 +197,6 @@ def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monk
 SOFT, MASS, ACCELERATION = 1e9, 8500 * 4 / 3 * np.pi * R**3, 1e4
 WEIGHT = MASS * ACCELERATION
 SDS = "rolling sds 2e6 3.0 0.05 twisting sds 4.0 1e-5 2e-5"
-ALL = f"{HERTZ} friction {MU} rolling sds mindlin 1.0 0.05 twisting marshall"
-WHOLE = TOTAL + "+c_en[9]+c_en[10]+c_en[11]+c_en[12]"
 
 
 def pressed(lmp, law: str, velocity: float, spin: tuple[float, float, float], extra: str = "") -> float:
@@ -318,29 +258,3 @@ def test_as_the_style_of_lammps(lammps, words):
         without, there = (state(oblique(lammps, 0.5, spins=spins, **one), "omega")["omega"] for one in options)
         changes.append(there - without)
     assert np.abs(changes[1] - changes[0]).max() < 1e-3 * np.abs(changes[0]).max()
-
-
-@pytest.mark.parametrize("law", [ALL, f"{HERTZ} rolling sds mindlin 0.0 0.1", f"{HERTZ} friction {MU} {SDS}",
-                                 ALL.replace(HERTZ, f"elastoplastic {E} {NU} 550e6")])  # fmt: skip
-def test_balance_and_passivity_in_a_packing(lammps, law):
-    """Random motions: kinetic, stored and lost energy keep their sum, and each loss grows."""
-    places, speeds, spins = packing(2)
-    lmp = lammps(rubbing(places, law, velocities=speeds, spins=spins))
-    lmp.command("run 0 post no")
-    start = value(lmp, WHOLE)
-    lost = np.zeros(3)
-    for _ in range(6):
-        lmp.command("run 500 post no")
-        now = np.array([value(lmp, f"c_en[{n}]") for n in (7, 10, 12)])
-        assert np.all(now >= lost - 1e-9 * start)
-        lost = now
-    assert value(lmp, WHOLE) == pytest.approx(start, rel=2e-5)
-    assert lost[1] > 1e-6 * start
-    assert ("twisting" in law) == (lost[2] > 0)
-
-
-def test_processors(lmp, tmp_path):
-    """The same bits on one and on two processors."""
-    places, speeds, spins = packing(2)
-    text = rubbing(places, ALL, velocities=speeds, spins=spins)
-    assert_same_on_processors(lmp, tmp_path, text, "x y z omegax omegay omegaz", 1000)

@@ -187,20 +187,6 @@ def test_cylinder_on_a_plane(lammps, line):
     assert value(lmp, energy) == pytest.approx(before, rel=2e-5)
 
 
-def test_powers_of_the_overlap(lammps):
-    """F = K a^p, whatever the radii; and materials that do not touch."""
-    lmp = lammps(
-        script_of([(0, 0, 0), (0, 0, 0.0069999), (0, 0, -0.006)], radius=[0.003, 0.004, 0.005], types=[1, 2, 3],
-                  coefficients=["pair_coeff 1 2 power 1e9 0.3 2e9 0.3 constant 3e7 exponent 1.25",
-                                "pair_coeff * * none 1e9 0.3", "pair_coeff 1 2 power 1e9 0.3 2e9 0.3 constant 3e7 exponent 1.25"])
-        + "compute pair all pair/local force eng\nthermo_style custom step pe\nrun 0\n"
-    )  # fmt: skip
-    assert [value(lmp, f"fz[{k}]") for k in (1, 2, 3)] == pytest.approx(
-        [-3e7 * 1e-7**1.25, 3e7 * 1e-7**1.25, 0.0], rel=1e-6
-    )
-    assert value(lmp, "pe") == pytest.approx(3e7 * 1e-7**2.25 / 2.25, rel=1e-6)
-
-
 def test_the_end_of_a_cylinder(lammps):
     """A sphere that slides over the end ends the run; one that flies past it feels nothing."""
     lmp = lammps()

@@ -163,30 +163,3 @@ def test_relaxed_under_pressure_then_begun(lammps):
     rows = table(lmp)
     assert rows[:, 5] == pytest.approx(forces[np.argsort(rows[:, 0])], rel=1e-6)
     assert value(lmp, "c_en[5]") == pytest.approx(forces.mean(), rel=1e-6)
-
-
-def test_two_ranks_take_the_same_dents(log_of, tmp_path):
-    """Row of spheres on two processors, with dents of every second contact and of a wall, and `begin` after a run."""
-    n = 12
-    places = [(2 * R * k, 0, 0) for k in range(n)]
-    dents = "".join(f"{k + 1} {k} {(20 + k) * LAW.yield_overlap:.17g}\n" for k in range(2, n, 2))
-    read = reading(tmp_path, dents + f"end {n} {30 * LAW.yield_overlap:.17g}\n")
-    for ranks in (1, 2):
-        wall = f"fix end all wall/gran/hysteretic xplane NULL {(2 * n - 1) * R:.17g} elastoplastic 115e9 0.3 550e6\n"
-        text = script_of(places, velocities=[(3.0, 0, 0)], extra=wall + REPORTS + f"{read}\nrun 3000\n")
-        text += "gran/dents begin\nset atom 1 vx 6.0\nrun 6000\n"
-        text += f"variable lost equal c_en[1]\nprint 'lost $(v_lost:%.12g)' file {tmp_path}/lost.{ranks}\n"
-        text += f"write_dump all custom {tmp_path}/{ranks}.dump id x vx f_end[*] modify sort id format float %.17g\n"
-        log_of(text, ranks)
-    assert (tmp_path / "1.dump").read_text() == (tmp_path / "2.dump").read_text()
-    assert (tmp_path / "lost.1").read_text() == (tmp_path / "lost.2").read_text() != "lost 0\n"
-
-
-def test_nothing_is_preconditioned_by_an_empty_file(lammps, tmp_path):
-    plain, read = lammps(), lammps()
-    start(plain)
-    start(read, extra=reading(tmp_path, "# none"))
-    for lmp in (plain, read):
-        lmp.command("run 20000")
-    assert value(read, "vz[1]") == value(plain, "vz[1]")
-    assert np.array_equal(table(read), table(plain))

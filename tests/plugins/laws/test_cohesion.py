@@ -11,16 +11,13 @@ from scipy.optimize import brentq
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
 from tests.helpers.rubbing import (
-    BRASS,
     HERTZ,
     MU,
     NU,
     TOTAL,
     E,
     R,
-    assert_same_on_processors,
     oblique,
-    packing,
     rubbing,
     state,
 )
@@ -264,57 +261,3 @@ def test_a_wall_is_a_sphere_of_large_radius(lammps):
     found = [value(lmp, "vz[1]") for lmp in (pair, wall)]
     assert found[0] == pytest.approx(found[1], rel=0.01)
     assert found[0] < 0
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        f"{JKR} friction {MU} rolling sds mindlin 0.0 0.05 twisting marshall",
-        f"{JKR} friction {MU} loss time 3e-7",
-        f"{DMT} friction {MU} loss dashpot 0.1",
-        f"{BRASS} cohesion dmt 1.0 friction {MU}",
-    ],
-)
-def test_balance_and_passivity_in_a_packing(lammps, text):
-    """Random motions: kinetic, stored and lost energy keep their sum, and each loss grows."""
-    places, speeds, spins = packing(2)
-    lmp = lammps(rubbing(places, text, velocities=0.1 * speeds, spins=0.1 * spins))
-    lmp.command("run 0 post no")
-    start = value(lmp, WHOLE)
-    lost = np.zeros(6)
-    for _ in range(6):
-        lmp.command("run 1500 post no")
-        now = np.array([value(lmp, f"c_en[{n}]") for n in (1, 7, 8, 10, 12, 13)])
-        assert np.all(now >= lost - 1e-9 * start)
-        lost = now
-    assert value(lmp, WHOLE) == pytest.approx(start, rel=2e-5)
-    assert (lost[5] > 1e-4 * start) == ("jkr" in text)
-
-
-def test_processors(lmp, tmp_path):
-    """The same bits on one and on two processors."""
-    places, speeds, spins = packing(2)
-    text = rubbing(places, f"{JKR} friction {MU} loss time 3e-7", velocities=0.1 * speeds, spins=0.1 * spins)
-    assert_same_on_processors(lmp, tmp_path, text, "x y z vx vy vz omegax", 2000)
-
-
-def test_single_and_local_values_of_a_neck(lammps):
-    """Surfaces held apart by half a neck: pair/local, contact and coordination see the neck."""
-    contact = law()
-    text = rubbing([(0, 0, 0), (0, 0, 2 * R - contact.balanced_overlap)], JKR,
-                   extra="compute one all gran/hysteretic/contact 1 2\ncompute each all gran/hysteretic/atom\n"
-                         "compute pl all pair/local eng force p1\ncompute least all reduce min c_pl[1] c_pl[2] c_pl[3] inputs local\n"
-                         "compute most all reduce max c_each[6]\nthermo_style custom step c_one[*] c_least[*] c_most")  # fmt: skip
-    lmp = lammps(text)
-    lmp.command("run 0")
-    apart = 2 * R + 0.5 * contact.neck_length
-    lmp.command(f"set atom 2 z {apart:.17g}")
-    lmp.command("run 0")
-    overlap = -0.5 * contact.neck_length
-    expected = float(contact.force(overlap, 1e-6))
-    assert expected < 0
-    assert value(lmp, "c_one[2]") == pytest.approx(expected, rel=1e-6)
-    assert value(lmp, "c_one[4]") == pytest.approx(float(contact.elastic_energy(overlap, 1e-6)), rel=1e-6)
-    assert value(lmp, "c_least[2]") == pytest.approx(expected, rel=1e-6)
-    assert value(lmp, "c_most") == 1.0
-    assert value(lmp, "fz[1]") == pytest.approx(-expected, rel=1e-6)

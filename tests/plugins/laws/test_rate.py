@@ -10,7 +10,7 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import law_table, restitution
 from tests.conftest import script_of
-from tests.helpers.rubbing import MU, TOTAL, assert_same_on_processors, packing, rubbing, same, state
+from tests.helpers.rubbing import same, state
 from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
 from tests.helpers.two_spheres import restitution as restitution_of
 
@@ -157,23 +157,6 @@ def test_a_wall_is_a_flat_face(lammps):
         assert value(one, "vz[1]") == pytest.approx(value(two, "vz[1]"), rel=1e-9)
         assert value(one, "f_floor[5]") == pytest.approx(value(two, "c_ep[1]"), rel=1e-9)
         assert value(one, "vz[1]") < 0
-
-
-def test_balance_passivity_and_processors_in_a_packing(lammps, lmp, tmp_path):
-    places, speeds, spins = packing(2)
-    law = f"{STEEL.replace('792e6', '100e6')} friction {MU} rate 0.05 1"
-    text = rubbing(places, law, velocities=4 * speeds, spins=spins)
-    one = lammps(text)
-    one.command("run 0 post no")
-    start, lost = value(one, TOTAL), 0.0
-    for _ in range(6):
-        one.command("run 500 post no")
-        now = value(one, "c_en[1]")
-        assert now >= lost
-        lost = now
-    assert value(one, TOTAL) == pytest.approx(start, rel=2e-5)
-    assert lost > 0.1 * start
-    assert_same_on_processors(lmp, tmp_path, text, "x y z vx vy vz", 400)
 
 
 def test_no_sensitivity_has_the_bits_of_none(lammps):

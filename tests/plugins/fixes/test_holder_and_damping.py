@@ -26,23 +26,18 @@ def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
 
 @pytest.mark.parametrize("dt", [1e-6, 7e-6, 1e-4])
 def test_a_sliding_bead_stops_where_it_must(lammps, dt):
-    """Path v^2/(2 mu g), and all kinetic energy is taken; it then rests, exactly."""
+    """While it slides, the holder took what the motion lost; path v^2/(2 mu g), all kinetic energy is taken; it then rests, exactly."""
     speed = 0.05
     lmp = beads(lammps, speed=speed, dt=dt)
-    lmp.command(f"run {round(1.2 * speed / (MU * G) / dt)} post no")
+    sliding = round(0.01 / dt)
+    lmp.command(f"run {sliding} post no")
+    mass, left = value(lmp, "mass[1]"), speed - MU * G * sliding * dt
+    assert value(lmp, "vz[1]") == pytest.approx(left, rel=1e-12)
+    assert value(lmp, "f_holder") == pytest.approx(0.5 * mass * (speed**2 - left**2), rel=1e-11)
+    lmp.command(f"run {round(1.2 * speed / (MU * G) / dt) - sliding} post no")
     assert value(lmp, "z[1]") == pytest.approx(speed**2 / (2 * MU * G), rel=2 * (dt * MU * G / speed) ** 2 + 1e-12)
     assert value(lmp, "vz[1]") == 0.0
-    assert value(lmp, "f_holder") == pytest.approx(0.5 * value(lmp, "mass[1]") * speed**2, rel=(dt * MU * G / speed))
-
-
-@pytest.mark.parametrize("dt", [1e-6, 1e-5])
-def test_energy_of_a_bead_that_slides_all_the_time(lammps, dt):
-    """While it slides, what the holder took is what the motion lost, to rounding."""
-    lmp = beads(lammps, speed=0.05, dt=dt)
-    lmp.command(f"run {round(0.01 / dt)} post no")
-    before, now = (0.5 * value(lmp, "mass[1]") * v**2 for v in (0.05, value(lmp, "vz[1]")))
-    assert value(lmp, "vz[1]") == pytest.approx(0.05 - MU * G * 0.01, rel=1e-12)
-    assert value(lmp, "f_holder") == pytest.approx(before - now, rel=1e-11)
+    assert value(lmp, "f_holder") == pytest.approx(0.5 * mass * speed**2, rel=(dt * MU * G / speed))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.999, 1.5])
@@ -114,14 +109,14 @@ def test_any_rate_is_stable(lammps):
     assert abs(value(lmp, "vz[1]")) < 3 and value(lmp, "f_calm") > 0
 
 
-def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05, ranks=1) -> tuple[str, float]:
+def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05) -> tuple[str, float]:
     """Input script of a steel bar of n nodes, behind a few beads of brass, and its wave speed."""
     modulus, density, area, h = 200e9, 7850.0, 1e-4, 5e-3
     mass, speed = density * area * h, np.sqrt(modulus / density)
     top = n * h + 0.02  # the subdomains of two processors meet between beads and bar
     lines = [
         "units si\natom_style hybrid sphere bond\natom_modify map yes\nnewton off\nboundary f f f",
-        f"region box block -0.02 0.02 -0.02 0.02 {-top} {top} units box\nprocessors 1 1 {ranks}",
+        f"region box block -0.02 0.02 -0.02 0.02 {-top} {top} units box\nprocessors 1 1 *",
         "create_box 2 box bond/types 1 extra/bond/per/atom 2 extra/special/per/atom 4",
         *(f"create_atoms 2 single 0 0 {k * h:.17g} units box" for k in range(n)),
         *(f"create_atoms 1 single 0 0 {-R - 2 * R * k:.17g} units box" for k in range(beads)),
@@ -159,23 +154,6 @@ def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
     assert value(lmp, "f_push") == pytest.approx(1000**2 * 60e-6 / 2 / impedance, rel=0.01)  # integral of F^2/Z
 
 
-def test_beads_and_bar_on_two_processors_give_the_same_bits(log_of, tmp_path):
-    found = []
-    for ranks in (1, 2):
-        script = bar(60, beads=5, load="half-sine 5000 4e-5", ranks=ranks)[0]
-        script += "dump all all custom 800 all.dump id x y z vx vy vz\ndump_modify all format float %.17g sort id\n"
-        script += "compute dents all gran/hysteretic/local\nthermo 600\nthermo_modify format float %.15g\nrun 2400\n"
-        script += (
-            'print "result $(c_ke+ebond+c_ep+c_ep[1]:%.15g) $(f_push:%.15g) $(c_ep[1]:%.15g) $(c_ep[2]) $(ebond)"\n'
-        )
-        result = [float(word) for word in printed(log_of(script, ranks), "result")]
-        found.append(((tmp_path / "all.dump").read_text(), result))
-    assert found[0][0] == found[1][0]
-    assert found[1][1] == pytest.approx(found[0][1], rel=1e-12)
-    energy, work, lost, yielded, in_bar = found[0][1]
-    assert energy == pytest.approx(work, rel=1e-4) and lost > 0 and yielded == 5 and in_bar > 0.01 * work
-
-
 def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
     """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
     script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace("timestep", "timestep 2.4e-8\n# was")
@@ -197,18 +175,11 @@ def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
 
 def on_a_face(lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 INF", speed=2.0, steps=20000):
     """A sphere thrown at a particle of radius 0."""
-    lmp.commands_string(
-        script_of(
-            [(0, 0, 0), (0, 0, R)],
-            radius=[R, 0.0],
-            types=[1, 2],
-            velocities=[(0, 0, speed)],
-            coefficients=["pair_coeff 1 1 hertz 1e9 0.3", "pair_coeff 2 2 hertz 1e9 0.3", f"pair_coeff 1 2 {law}"],
-            box=BOX,
-            extra=f"set atom 2 density {face_mass}\ncompute end all gran/hysteretic/contact 1 2\n"
-            "compute atoms all gran/hysteretic/atom\nthermo_style custom step c_ke pe c_ep[1] c_ep[2] c_ep[4] c_end[3]\n",
-        )
-    )
+    laws = ["pair_coeff 1 1 hertz 1e9 0.3", "pair_coeff 2 2 hertz 1e9 0.3", f"pair_coeff 1 2 {law}"]
+    extra = f"set atom 2 density {face_mass}\ncompute end all gran/hysteretic/contact 1 2\ncompute atoms all gran/hysteretic/atom\n"
+    extra += "thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_ep[4] c_end[3]\n"
+    spheres = {"radius": [R, 0.0], "types": [1, 2], "velocities": [(0, 0, speed)]}
+    lmp.commands_string(script_of([(0, 0, 0), (0, 0, R)], **spheres, coefficients=laws, box=BOX, extra=extra))
     lmp.command(f"run {steps}")
     return lmp
 
@@ -247,21 +218,8 @@ def test_forgotten_dent_in_a_face_stays_in_the_account(lammps):
 
 
 def test_faces_never_touch_and_fall_through_no_wall(lammps):
-    lmp = lammps(
-        script_of(
-            [(0, 0, 0), (0, 0, 1e-4), (0, 0, 0.02)],
-            radius=[0.0, 0.0, R],
-            types=[1, 1, 2],
-            velocities=[(0, 0, 50.0), (0, 0, -50.0)],
-            box=BOX,
-            extra="fix floor all wall/gran/hysteretic zplane -1e-6 NULL hertz 1e9 0.3",
-        )
-    )
+    bodies = {"radius": [0.0, 0.0, R], "types": [1, 1, 2], "velocities": [(0, 0, 50.0), (0, 0, -50.0)], "box": BOX}
+    floor = "fix floor all wall/gran/hysteretic zplane -1e-6 NULL hertz 1e9 0.3"
+    lmp = lammps(script_of([(0, 0, 0), (0, 0, 1e-4), (0, 0, 0.02)], **bodies, extra=floor))
     lmp.command("run 2000")
     assert value(lmp, "vz[1]") == 50 and value(lmp, "vz[2]") == -50 and value(lmp, "c_ep[5]") == 0
-
-
-@pytest.mark.parametrize(("speed", "message"), [(1e4, "overlap by .* flat face"), (1e6, "moves by .* of its radius")])
-def test_hostile_states_at_a_face_get_a_message(lammps, speed, message):
-    with pytest.raises(Exception, match=message):
-        on_a_face(lammps(), speed=speed)
