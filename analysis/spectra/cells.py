@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,6 @@ from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Shape
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
@@ -35,15 +33,7 @@ _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes 
 
 
 class UnitCell(NamedTuple):
-    """Grains of a unit cell.
-
-    Attributes
-    ----------
-    rows
-        Rows of the packing that they are taken from: (n,).
-    periods
-        Vectors after which it repeats: (n_periods, 3), m.
-    """
+    """Rows of the packing that make a unit cell, (n,), and the vectors after which it repeats, (n_periods, 3), m."""
 
     rows: Ints
     periods: Array
@@ -56,10 +46,8 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
     """
     found, n = _repeats(kind)
-    supports = kind.supports
-    if n == 1 and len(supports) == len(found) == 3:
-        return np.array(supports), 1
-    return np.array(found), n
+    primitive = n == 1 and len(kind.supports) == len(found) == 3
+    return np.array(kind.supports if primitive else found), n
 
 
 def vectors_of_layer(kind: Kind) -> Array:
@@ -114,7 +102,20 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             )
         return UnitCell(np.arange(n), np.array(case.packing.cell))
     if lattice.kind == "chain":
-        return _of_chain(assembly, endless=endless)
+        period, length = 1, lattice.diameter
+        if not assembly.sites.uniform:
+            if not assembly.sites.present.all():
+                raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
+            period = assembly.sites.period_of_chain(whole=endless) or n
+            length = float(assembly.sites.nominal[:period].sum())
+            if period == n and not endless:
+                raise InputError(
+                    f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
+                    'boundary.bottom = "periodic" the whole chain is the unit cell'
+                )
+        start = period * (n // (2 * period)) if holds_some(case) else 0  # in the middle, where some beads are held
+        start = start if start + period <= n else 0
+        return UnitCell(np.arange(start, start + period), np.array([[0.0, 0.0, length]]))
     if assembly.sites.uniform and not holds_some(case):
         vectors, spheres = primitive_vectors(lattice.rule)
         nx, ny, nz = lattice.shape
@@ -138,29 +139,6 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         )
     periods = np.diag([*lattice.lengths, nz * lattice.rule.layer_spacing * lattice.diameter])
     return UnitCell(np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]])
-
-
-def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
-    case, n = assembly.case, assembly.lattice.n_spheres
-    sites = assembly.sites
-    if sites.uniform:
-        return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
-    if not sites.present.all():
-        raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
-    period = sites.period_of_chain(whole=endless) or n
-    if period == n and not endless:
-        raise InputError(
-            f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
-            'boundary.bottom = "periodic" the whole chain is the unit cell'
-        )
-    nominal = sites.nominal[:period]
-    return UnitCell(_inner(case, period, n), np.array([[0.0, 0.0, float(nominal.sum())]]))
-
-
-def _inner(case: Case, period: int, n: int) -> Ints:
-    """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
-    start = period * (n // (2 * period)) if holds_some(case) else 0
-    return np.arange(start, start + period) if start + period <= n else np.arange(period)
 
 
 def holds_some(case: Case) -> bool:
@@ -189,46 +167,45 @@ def cell_bodies(case: Case) -> Bodies:
     base = packing_bodies(assembly, cell.rows)
     across = np.abs(cell.periods).max(axis=0) > 0  # axes along which a wall would cut the endless packing
     planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not across[wall.axis]))
-    lattice_walls = not isinstance(assembly.lattice, Lattice)
+    of_file = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
         periods=cell.periods,
-        walls=planes if lattice_walls else (),
+        walls=planes if of_file else (),
         dead_load=np.zeros_like(base.dead_load),
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
-    if lattice_walls:
-        _refuse_overlaps(bodies)
-    return bodies
-
-
-def _refuse_overlaps(bodies: Bodies) -> None:
-    """Raise InputError if grains of a file overlap each other, or images of each other, beyond the contact laws."""
+    if not of_file:
+        return bodies
+    # grains of a file may overlap each other, or images of each other
     shortest, largest = float(np.linalg.norm(bodies.periods, axis=1).min()), float(bodies.radius.max())
     if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
         raise InputError(
-            f"{bodies.case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
+            f"{case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
             f"diameter of {2 * largest:.3g} m, which its own image would lie in; give larger periods (m)"
         )
     near = bodies.near(bodies.position, bodies.periods, 0.0)
-    share = near.overlap * (1 / near.radii).sum(axis=1)
-    if not len(share) or share.max() <= LARGEST:
-        return
+    share = np.where(near.second >= 0, near.overlap * (1 / near.radii).sum(axis=1), 0.0)
+    if share.max(initial=0.0) <= LARGEST:
+        return bodies
     worst = int(np.argmax(share))
-    i, j, of = (
-        bodies.ids[near.first[worst]],
-        bodies.ids[near.second[worst]],
-        "an image of " * bool(near.image[worst].any()),
-    )
+    i, j = bodies.ids[near.first[worst]], bodies.ids[near.second[worst]]
+    of = "an image of " * bool(near.image[worst].any())
     raise InputError(
-        f"{bodies.case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
+        f"{case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
         f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
     )
 
 
 def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
-    """Return the spheres of a packing, without strikers, in the order of their ids, or some rows of them."""
+    """Return the spheres of a packing, without strikers, in the order of their ids, or some rows of them.
+
+    Raises
+    ------
+    InputError
+        There is friction, and the axis of a cylinder is not along x, y or z.
+    """
     case = assembly.case
     n = assembly.lattice.n_spheres
     inside = assembly.ids <= n
@@ -236,7 +213,17 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
     sites = assembly.sites
     there, kind = np.unique(sites.body[sites.present], return_inverse=True)
     kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
-    held = _no_turns([shape for _, shape in kinds], case)[kind]
+    lacking = np.zeros((len(kinds), 6), dtype=bool)  # cylinders turn about their axis alone
+    for row, (_, shape) in enumerate(kinds):
+        if shape is not None:
+            along = np.abs(shape.vector) > 1 - _ALONG
+            if case.has_friction and not along.any():
+                raise InputError(
+                    f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an "
+                    "axis along x, y or z, or contact.friction = 0"
+                )
+            lacking[row, 3:] = ~along
+    held = lacking[kind]
     for entry in case.holds.values():
         chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
         for axis in entry.axes:
@@ -262,28 +249,6 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
         np.zeros_like(position),
         touched={name: one[ids - 1][part] for name, one in acts.items() if one is not None},
     )
-
-
-def _no_turns(shapes: Sequence[Shape], case: Case) -> NDArray[np.bool_]:
-    """Degrees of freedom that grains of these shapes lack: cylinders turn about their axis alone, (n, 6).
-
-    Raises
-    ------
-    InputError
-        There is friction, and the axis of a cylinder is not along x, y or z.
-    """
-    found = np.zeros((len(shapes), 6), dtype=bool)
-    for row, shape in enumerate(shapes):
-        if shape is None:
-            continue
-        along = np.abs(shape.vector) > 1 - _ALONG
-        if case.has_friction and not along.any():
-            raise InputError(
-                f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an axis "
-                "along x, y or z, or contact.friction = 0"
-            )
-        found[row, 3:] = ~along
-    return found
 
 
 def moving(directions: str, case: Case) -> NDArray[np.bool_]:

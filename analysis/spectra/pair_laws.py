@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -112,6 +112,7 @@ class PairLaws:
 
     case: Case
     bodies: tuple[tuple[Material, Shape], ...]
+    _known: dict[Any, Touches] = dataclasses.field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         """Refuse dents that differ from place to place.
@@ -152,24 +153,23 @@ class PairLaws:
         found: list[Part] = []
         code = low * len(self.bodies) + high
         for each in np.unique(code).tolist():
-            n, m = divmod(each, len(self.bodies))
-            found += self._of_kinds(n, m, np.flatnonzero(code == each), radii)
+            one_body, other_body = self.bodies[each // len(self.bodies)], self.bodies[each % len(self.bodies)]
+            rows = np.flatnonzero(code == each)
+            (first, shape), (second, partner) = one_body, other_body
+            geometry = cylinder_pair(shape, partner) if shape or partner else None
+            contact = self.case.contact_between(first, second)
+            if contact.entry.is_power or (geometry is not None and geometry.parallel):
+                law = partial(self._touches, one_body, other_body, friction=contact.friction)
+                found += self._by_size(rows, radii, law)
+                continue
+            if geometry is None:
+                scale = radii[rows].prod(axis=1) / radii[rows].sum(axis=1)
+            else:
+                sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
+                scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
+            point = self._touches((first, None), (second, None), (2.0, 2.0), contact.friction, scaled=True)  # R* = 1 m
+            found.append((point, rows, scale))
         return found
-
-    def _of_kinds(self, n: int, m: int, rows: Ints, radii: Array) -> list[Part]:
-        (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
-        geometry = cylinder_pair(shape, partner) if shape or partner else None
-        contact = self.case.contact_between(first, second)
-        if contact.entry.is_power or (geometry is not None and geometry.parallel):
-            law = partial(self._touches, self.bodies[n], self.bodies[m], friction=contact.friction)
-            return self._by_size(rows, radii, law)
-        if geometry is None:
-            scale = radii[rows, 0] * radii[rows, 1] / (radii[rows, 0] + radii[rows, 1])
-        else:
-            sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
-            scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
-        point = self._touches((first, None), (second, None), (2.0, 2.0), contact.friction, scaled=True)  # R* = 1 m
-        return [(point, rows, scale)]
 
     @staticmethod
     def _by_size(rows: Ints, radii: Array, law: Callable[[tuple[float, float]], Touches]) -> list[Part]:
@@ -177,10 +177,6 @@ class PairLaws:
         sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
         parts = [(law((size[0], size[1])), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
         return [(touches, own, np.ones(len(own))) for touches, own in parts]
-
-    @cached_property
-    def _known(self) -> dict[Any, Touches]:
-        return {}
 
     def _touches(
         self,
@@ -191,25 +187,22 @@ class PairLaws:
         *,
         scaled: bool = False,
     ) -> Touches:
-        """Return the law of two bodies of these radii, m."""
+        """Return the law of two bodies of these radii, m, with its initial dent over R*."""
         key = first, second, radii, friction, scaled
-        if key not in self._known:
-            (one, shape), (other, partner) = first, second
-            contact, line = self.case.contact_between(one, other), self.case.contact.line == "plane-strain"
-            law = law_between(contact, (one, other), radii, shapes=(shape, partner), plane_strain=line)
-            self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
+        if key in self._known:
+            return self._known[key]
+        case, bodies, shapes = self.case, (first[0], second[0]), (first[1], second[1])
+        line, given = case.contact.line == "plane-strain", case.contact.initial_overlap
+        law = law_between(case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line)
+        dent, radius = 0.0, case.packing.diameter / 4
+        if scaled and given and law.entry.yields:
+            if isinstance(given, float | int):
+                dent = float(given) / radius
+            else:
+                own = law_between(case.contact, (case.material, case.material), (2 * radius, 2 * radius))
+                dent = largest_dent(case, own) / radius
+        self._known[key] = Touches(law, friction, dent, scaled)
         return self._known[key]
-
-    def _dent(self, law: ContactLaw) -> float:
-        """Initial dent over R*."""
-        given = self.case.contact.initial_overlap
-        if not given or not law.entry.yields:
-            return 0.0
-        radius = self.case.packing.diameter / 4
-        if isinstance(given, float | int):
-            return float(given) / radius
-        own = law_between(self.case.contact, (self.case.material, self.case.material), (2 * radius, 2 * radius))
-        return largest_dent(self.case, own) / radius
 
     def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
         """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
