@@ -90,24 +90,15 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         shape = (n * n_rows, len(contacts) * d)
         return sparse.csr_array((values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape)
 
-    moment = (
+    moment = np.cross(arm[:, :, None], force, axis=1) if d == 3 else (
         arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
-        if d == 2
-        else np.cross(arm[:, :, None], force, axis=1)
-    )
-    moment = moment.reshape(len(of), turns, d)
-    scale = SCALES[d]
+    )[:, None]  # fmt: skip
     dyads = [0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs]
     motion = matrix(np.concatenate([force, moment], axis=1), d + turns)
-    stress = matrix(scale[:, None] * np.stack(dyads, axis=1), len(pairs))
-    motion_data = np.concatenate(
-        [
-            grains.mass[:, None] * grains.acceleration - grains.known_force,
-            (grains.inertia / grains.radius)[:, None] * grains.angular_acceleration,
-        ],
-        axis=1,
-    )
-    per_length = scale / grains.radius[:, None]
+    stress = matrix(SCALES[d][:, None] * np.stack(dyads, axis=1), len(pairs))
+    forces = grains.mass[:, None] * grains.acceleration - grains.known_force
+    torques = (grains.inertia / grains.radius)[:, None] * grains.angular_acceleration
+    per_length = SCALES[d] / grains.radius[:, None]
     stress_data = per_length * grains.volume[:, None] * grains.stress
     spin_data = per_length * grains.spin_stress
     moving, strained = grains.has_motion, grains.has_stress
@@ -115,7 +106,7 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
     return Equations(
         motion[np.flatnonzero(rows_moving)],
         stress[np.flatnonzero(rows_strained)],
-        motion_data[moving].ravel(),
+        np.concatenate([forces, torques], axis=1)[moving].ravel(),
         stress_data[strained].ravel(),
         spin_data[strained].ravel(),
         np.repeat(np.flatnonzero(moving), d + turns),

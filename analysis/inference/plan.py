@@ -16,8 +16,8 @@ from granwave.analysis.inference.case import Infer, InferCase
 from granwave.analysis.inference.equations import Noise
 from granwave.analysis.inference.grains import Array, Grains, State, Wall, find_contacts, stiffness
 from granwave.analysis.inference.infer import infer, relative_noise
+from granwave.analysis.inference.measurement import groups
 from granwave.analysis.inference.output import Inferred
-from granwave.analysis.inference.table import groups
 from granwave.analysis.inference.tables import summary_of
 from granwave.analysis.inference.truth import Snapshots, seen_by_camera
 from granwave.analysis.progress_bar import progress_bar
