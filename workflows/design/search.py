@@ -10,7 +10,6 @@ number and the earlier designs alone.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import itertools
 import math
@@ -119,20 +118,17 @@ def promising(space: Space, known: Sequence[Known], seed: int, found: Sequence[V
 
 def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
     tried = {repr(one.values) for one in known}
-    if space.size <= _ENUMERATED:
-        left = {repr(values): values for values in space.all() if repr(values) not in tried}
-    else:
-        left = None
-    for _, values in zip(range(_MOST_RANDOM), random_designs(space, seed, len(known)), strict=False):
+    small = space.size <= _ENUMERATED
+    left = {repr(values): values for values in space.all() if repr(values) not in tried} if small else {}
+    for values in itertools.islice(random_designs(space, seed, len(known)), _MOST_RANDOM):
         name = repr(values)
         if name not in tried:
             tried.add(name)
+            left.pop(name, None)
             yield values
-            if left is not None:
-                left.pop(name, None)
-        if left is not None and not left:
+        if small and not left:
             return
-    rest = list((left or {}).values())
+    rest = list(left.values())
     yield from (rest[n] for n in rng.permutation(len(rest)))
 
 
@@ -142,42 +138,33 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
     It is the logarithm of the expected improvement where the limits may be met, and below that of all those the
     logarithm of the probability that they are.
     """
-    complete = _chosen([one for one in known if one.losses])
-    scores = joined(np.array([one.losses for one in complete]), rng)
+    complete = [one for one in known if one.losses]
+    if len(complete) > _MOST_MODELLED:  # the best and the latest, in their order
+        half = _MOST_MODELLED // 2
+        ranked = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))
+        complete = [complete[n] for n in sorted({*ranked[:half], *range(len(complete) - half, len(complete))})]
+    designs, scores = [one.values for one in complete], joined(np.array([one.losses for one in complete]), rng)
     feasible = np.array([one.feasible for one in complete])
     x = space.features(found)
-    model = Model(space, [one.values for one in complete], scores)
+    model = Model(space, designs, scores)
     pending = [one.values for one in known if one.losses is None and one.in_work]
     if pending:  # as if they had been found to be what is expected
         mean, _ = model.predict(space.features(pending))
-        model = Model(space, [*(one.values for one in complete), *pending], np.concatenate([scores, mean]))
+        model = Model(space, [*designs, *pending], np.concatenate([scores, mean]))
     mean, deviation = model.predict(x)
     worth = np.zeros(len(x))  # first of all a design that meets the limits
     if feasible.any():
-        worth = np.log(deviation) + _log_improvement((scores[feasible].min() - mean) / deviation)
+        z = (scores[feasible].min() - mean) / deviation
+        far = z < -6  # where the difference of the two terms is lost to rounding
+        near, away = np.where(far, 0.0, z), np.where(far, z, 1.0)
+        improvement = np.log(norm.pdf(near) + near * norm.cdf(near))
+        worth = np.log(deviation) + np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(away)), improvement)
     within = np.zeros(len(x))
     for limit in _limits(space, known, rng):
         middle, width = limit.predict(x)
         within += norm.logcdf(-middle / width)
     hopeless = within < math.log(_LEAST_PROBABLE)
     return np.where(hopeless, within + worth.min() - 1, worth + within)
-
-
-def _chosen(complete: Sequence[Known]) -> list[Known]:
-    """Return the designs that a model is made of: all, or of many the best and the latest, in their order."""
-    if len(complete) <= _MOST_MODELLED:
-        return list(complete)
-    half = _MOST_MODELLED // 2
-    best = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))[:half]
-    return [complete[n] for n in sorted({*best, *range(len(complete) - half, len(complete))})]
-
-
-def _log_improvement(z: Array) -> Array:
-    """Return the logarithm of the expected improvement of a normal variable at so many deviations: (n,)."""
-    far = z < -6  # where the difference of the two terms is lost to rounding
-    near = np.where(far, 0.0, z)
-    return np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(np.where(far, z, 1.0))),
-                    np.log(norm.pdf(near) + near * norm.cdf(near)))  # fmt: skip
 
 
 def joined(losses: Array, rng: Generator | None = None) -> Array:
@@ -202,11 +189,6 @@ def _threads() -> Any:
     return ThreadpoolController()
 
 
-def _one_thread() -> contextlib.AbstractContextManager[object]:
-    limited: contextlib.AbstractContextManager[object] = _threads().limit(limits=1)
-    return limited
-
-
 def _scaled(losses: Array) -> Array:
     """Return the logarithms of losses that all have one sign, in their order; others as they are."""
     if (losses > 0).all():
@@ -228,7 +210,7 @@ class Model:
             1e-4, (1e-8, 0.1)
         )
         self._regressor = GaussianProcessRegressor(kernel, normalize_y=True)
-        with warnings.catch_warnings(), _one_thread():  # on small matrices threads wait for each other
+        with warnings.catch_warnings(), _threads().limit(limits=1):  # on small matrices threads wait for each other
             warnings.simplefilter("ignore")  # a length at its bound
             self._regressor.fit(x, values)
 
@@ -263,13 +245,10 @@ def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:
     """Return the places of the designs that none of the others beats in all objectives, by the first objective."""
     table = [tuple(row) for row in losses]
-    found = [
-        n
-        for n, row in enumerate(table)
-        if not any(all(a <= b for a, b in zip(other, row, strict=True)) and other != row for other in table)
-        and row not in table[:n]
-    ]
-    return sorted(found, key=lambda n: table[n])
+    places = {row: n for n, row in reversed(list(enumerate(table)))}  # the first of equal ones
+    values = np.array(list(places))
+    beaten = [bool(((values <= row).all(axis=1) & (values != row).any(axis=1)).any()) for row in values]
+    return [places[row] for row, worse in sorted(zip(places, beaten, strict=True)) if not worse]
 
 
 def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int]) -> list[float]:
