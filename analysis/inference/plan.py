@@ -144,18 +144,13 @@ def plan_experiment(
 
 def _case(run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]) -> dict[str, Any]:
     """Return the tables of a case with which `granwave infer` reads the measurement; materials are in its columns."""
+    same = ("friction", "wall_friction", "contact_tolerance", "modulus", "repetitions", "ridge", "weights")
     wanted: dict[str, Any] = {
         "state": state,
-        "friction": settings.friction,
-        "wall_friction": settings.wall_friction,
         "thickness": run.length,
-        "contact_tolerance": settings.contact_tolerance,
-        "modulus": settings.modulus,
-        "repetitions": settings.repetitions,
-        "ridge": settings.ridge,
-        "weights": settings.weights,
-        "walls": {name: {"point": list(wall.point), "normal": list(wall.normal)} for name, wall in walls.items()},
+        **{name: getattr(settings, name) for name in same},
     }
+    wanted["walls"] = {name: {"point": list(one.point), "normal": list(one.normal)} for name, one in walls.items()}
     noise = {name: size for name, size in dataclasses.asdict(settings.deviations).items() if size}
     if noise:
         wanted["noise"] = noise

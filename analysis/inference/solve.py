@@ -173,8 +173,6 @@ class ModulusSearch:
         All trials, rising factors: (n,).
     factor
         The best.
-    curvature
-        Second derivative of chi^2 by the logarithm of the factor, at the best.
     error
         Standard error of the logarithm of the factor: chi^2 grows by ``scale`` there (1 for known noise).
     """
@@ -182,7 +180,6 @@ class ModulusSearch:
     factors: Array
     chi2: Array
     factor: float
-    curvature: float
     error: float
 
 
@@ -246,7 +243,7 @@ def find_modulus(equations: Equations, chi2: Callable[[float], float], n_more: i
     factors, least = np.array(sorted(tried.items())).T
     scale = 1.0 if n_more is None else float(least.min()) / max(n_more, 1)
     error = math.sqrt(2 * scale / curvature) if curvature > 0 else math.inf
-    return ModulusSearch(np.exp(factors), least, math.exp(logarithm), curvature, error)
+    return ModulusSearch(np.exp(factors), least, math.exp(logarithm), error)
 
 
 def search_near(chi2: Callable[[float], float], factor: float, width: float) -> float:

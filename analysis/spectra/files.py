@@ -124,7 +124,7 @@ def tables_of_network(group: str, state: State) -> dict[str, Table]:
         },
         f"{group}/wall_springs": {
             "id": (network.ids[walls.first], "1"),
-            "wall": (walls.wall.astype(str) if len(walls) else np.empty(0, dtype=str), "1"),
+            "wall": (np.array([] if walls.wall is None else walls.wall, dtype=str), "1"),
             "force": (walls.force, "N"),
             "stiffness": (walls.stiffness, "N m-1"),
         },

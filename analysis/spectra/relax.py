@@ -42,15 +42,19 @@ _HALVINGS = 5  # of the interval in which the first strain is sought
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _At:
-    """State with its energy, gradient and second derivatives."""
+    """State with its energy and gradient, and what the second derivatives are made of."""
 
     energy: float
     gradient: Array
-    hessian: sparse.csr_array
     contacts: Contacts  # of grains near each other, and near walls
-    stretch: sparse.csr_array  # derivatives of their distances
+    tables: list[tuple[Array, sparse.csr_array]]  # slopes of forces with the derivatives of distances, which are first
     largest: float
     rounding: float
+
+    @property
+    def hessian(self) -> sparse.csr_array:
+        """Second derivatives of the energy."""
+        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
 
 
 class _Problem:
@@ -110,15 +114,13 @@ class _Problem:
         for place, load in enumerate(bodies.stress.values(), start=self.n_motions):
             energy += load * x[place]
             gradient[place] += load
-        hessian = stretch.T @ sparse.diags_array(slope) @ stretch
+        tables = [(slope, stretch)]
         if self.with_turning:
-            weight = sparse.diags_array(-force / contacts.distance)
-            for axis in range(3):
-                turned = self._stretch(contacts, contacts.turns[:, axis])
-                hessian = hessian + turned.T @ weight @ turned
+            weight = -force / contacts.distance
+            tables += [(weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)]
         span = float(np.abs(position).max()) if len(position) else 0.0
         rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
-        return _At(energy, gradient, sparse.csr_array(hessian), contacts, stretch, force.max(initial=0.0), rounding)
+        return _At(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
 
     def largest_approach(self, now: _At, move: Array) -> float:
         """Return the largest motion of grains against their neighbours and the walls, m."""
@@ -126,7 +128,7 @@ class _Problem:
         motion[self.free] = move[: self.n_motions]
         pairs = now.contacts.second >= 0
         between = motion[now.contacts.second[pairs]] - motion[now.contacts.first[pairs]]
-        along = float(np.abs(now.stretch @ move).max(initial=0.0))
+        along = float(np.abs(now.tables[0][1] @ move).max(initial=0.0))
         return max(along, float(np.linalg.norm(between, axis=1).max(initial=0.0)))
 
     def by_linear_springs(self) -> Array:

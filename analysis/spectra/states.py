@@ -129,8 +129,8 @@ def _in_own_cell(case: Case, bodies: Bodies) -> State:
 
 def _slab_state(source: Case | Path) -> State:
     """Return the state of a column of a packing that repeats sideways, or of all of it where its grains differ."""
-    found = None if isinstance(source, Case) else packing_state(source)
-    case = source if found is None else found.case
+    found = source if isinstance(source, Case) else packing_state(source)
+    case = found if isinstance(found, Case) else found.case
     assembly = assemble(case)
     _refuse_parts(assembly)
     bodies = _whole(assembly)
@@ -139,7 +139,7 @@ def _slab_state(source: Case | Path) -> State:
             f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
             "(of a lattice with layers, or of grains with packing.cell)"
         )
-    if found is not None:
+    if isinstance(found, State):
         return found
     lattice = assembly.lattice
     if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):

@@ -228,22 +228,18 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
         block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
         block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[across]
         np.add.at(stiffness, one[across], block)
-    free = [np.flatnonzero(network.moves[row, :3]) for row in last.tolist()]
-    principal = [np.linalg.eigh(stiffness[row][np.ix_(own, own)]) for row, own in zip(last, free, strict=True)]
-    places = [network.numbers[row, own] for row, own in zip(last.tolist(), free, strict=True)]
-    rows = np.concatenate([np.repeat(at, len(at)) for at in places])
-    columns = np.concatenate([np.tile(at, len(at)) for at in places])
+    number, n = network.numbers[last, :3], network.n_freedoms
+    rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
+    kept = (rows >= 0) & (columns >= 0)
+    strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
 
     def at(omega: float) -> sparse.csc_array:
-        values = []
-        for row, (strength, axes) in zip(last.tolist(), principal, strict=True):
-            stiff = np.maximum(strength, 1e-300)
-            cosine = (1 - network.mass[row] * omega**2 / (2 * stiff)).astype(np.complex128)
-            inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
-            impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
-            values.append(((axes * impedance) @ axes.T).ravel())
-        n = network.n_freedoms
-        return sparse.coo_array((np.concatenate(values), (rows, columns)), shape=(n, n)).tocsc()
+        stiff = np.where(strength > 0, strength, 1.0)
+        cosine = (1 - network.mass[last, None] * omega**2 / (2 * stiff)).astype(np.complex128)
+        inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
+        impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
+        blocks = (axes * impedance[:, None, :]) @ axes.transpose(0, 2, 1)
+        return sparse.coo_array((blocks[kept], (rows[kept], columns[kept])), shape=(n, n)).tocsc()
 
     return at
 
@@ -277,16 +273,17 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
         more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 
-    damping, second = np.zeros(len(contacts)), contacts.second >= 0
-    one, other = network.mass[contacts.first], np.where(second, network.mass[contacts.second], np.inf)
+    damping = np.zeros(len(contacts))
+    one, other = network.mass[contacts.first], np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
     effective = one / (1 + one / other)
     ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
-    for row, (i, j) in enumerate(ids):
-        if second[row]:
+    names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
+    for row, ((i, j), wall) in enumerate(zip(ids, names, strict=True)):
+        if wall:
+            loss = loss_of((assembly.material_of(i), partners[wall]), None)
+        else:
             materials = assembly.material_of(i), assembly.material_of(j)
             loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
-        else:
-            loss = loss_of((assembly.material_of(i), partners[contacts.wall[row]]), None)
         if loss is not None:
             kind, size = loss
             k = float(contacts.stiffness[row])
