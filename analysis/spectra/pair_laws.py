@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 _STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
 Body = tuple["Material", "Shape"]
+Partner = tuple["Material | None", "Shape"]  # of a wall, which may be rigid, too
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -153,44 +153,51 @@ class PairLaws:
         found: list[Part] = []
         code = low * len(self.bodies) + high
         for each in np.unique(code).tolist():
-            one_body, other_body = self.bodies[each // len(self.bodies)], self.bodies[each % len(self.bodies)]
-            rows = np.flatnonzero(code == each)
-            (first, shape), (second, partner) = one_body, other_body
+            rows, bodies = np.flatnonzero(code == each), [self.bodies[n] for n in divmod(each, len(self.bodies))]
+            (first, shape), (second, partner) = bodies
             geometry = cylinder_pair(shape, partner) if shape or partner else None
-            contact = self.case.contact_between(first, second)
-            if contact.entry.is_power or (geometry is not None and geometry.parallel):
-                law = partial(self._touches, one_body, other_body, friction=contact.friction)
-                found += self._by_size(rows, radii, law)
-                continue
-            if geometry is None:
-                scale = radii[rows].prod(axis=1) / radii[rows].sum(axis=1)
-            else:
-                sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
+            contact, own, scale = self.case.contact_between(first, second), radii[rows], None
+            if not contact.entry.is_power and geometry is None:
+                scale = own.prod(axis=1) / own.sum(axis=1)
+            elif not contact.entry.is_power and geometry is not None and not geometry.parallel:
+                sizes, which = np.unique(own, axis=0, return_inverse=True)
                 scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
-            point = self._touches((first, None), (second, None), (2.0, 2.0), contact.friction, scaled=True)  # R* = 1 m
-            found.append((point, rows, scale))
+            found += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
         return found
 
-    @staticmethod
-    def _by_size(rows: Ints, radii: Array, law: Callable[[tuple[float, float]], Touches]) -> list[Part]:
-        """Return a law for each pair of radii."""
-        sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
-        parts = [(law((size[0], size[1])), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
-        return [(touches, own, np.ones(len(own))) for touches, own in parts]
+    def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
+        """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
+        found: list[Part] = []
+        for n, (material, shape) in enumerate(self.bodies):
+            if len(rows := np.flatnonzero(kind == n)):
+                by_size = shape is not None or self.case.contact_between(material, wall.material).entry.is_power
+                radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+                scale, friction = wall.effective_radii(radius[rows]), wall_friction(self.case, wall, material)
+                flat = (wall.material, None)
+                found += self._parts(self.bodies[n], flat, friction, rows, radii, None if by_size else scale)
+        return found
+
+    def _parts(
+        self, first: Body, second: Partner, friction: float, rows: Ints, radii: Array, scale: Array | None
+    ) -> Iterator[Part]:
+        """Give the law at R* = 1 m of two bodies with its scales, or, without these, one for each pair of radii."""
+        sizes, which, scaled = np.full((1, 2), 2.0), np.zeros(len(rows), dtype=np.int64), scale is not None
+        if scale is None:
+            sizes, which = np.unique(radii, axis=0, return_inverse=True)
+        else:
+            first, second = (first[0], None), (second[0], None)
+        scales = np.ones(len(rows)) if scale is None else scale
+        for number, size in enumerate(sizes.tolist()):
+            key = first, second, *size, friction, scaled
+            if key not in self._known:
+                self._known[key] = self._touches(first, second, (size[0], size[1]), friction, scaled=scaled)
+            own = which.ravel() == number
+            yield self._known[key], rows[own], scales[own]
 
     def _touches(
-        self,
-        first: Body,
-        second: tuple[Material | None, Shape],
-        radii: tuple[float, float],
-        friction: float,
-        *,
-        scaled: bool = False,
+        self, first: Body, second: Partner, radii: tuple[float, float], friction: float, *, scaled: bool
     ) -> Touches:
         """Return the law of two bodies of these radii, m, with its initial dent over R*."""
-        key = first, second, radii, friction, scaled
-        if key in self._known:
-            return self._known[key]
         case, bodies, shapes = self.case, (first[0], second[0]), (first[1], second[1])
         line, given = case.contact.line == "plane-strain", case.contact.initial_overlap
         law = law_between(case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line)
@@ -201,21 +208,4 @@ class PairLaws:
             else:
                 own = law_between(case.contact, (case.material, case.material), (2 * radius, 2 * radius))
                 dent = largest_dent(case, own) / radius
-        self._known[key] = Touches(law, friction, dent, scaled)
-        return self._known[key]
-
-    def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
-        """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
-        found: list[Part] = []
-        for n, (material, shape) in enumerate(self.bodies):
-            rows = np.flatnonzero(kind == n)
-            if not len(rows):
-                continue
-            flat, friction = (wall.material, None), wall_friction(self.case, wall, material)
-            if shape is not None or self.case.contact_between(material, wall.material).entry.is_power:
-                radii = np.stack([radius, np.full_like(radius, math.inf)], axis=1)
-                found += self._by_size(rows, radii, partial(self._touches, self.bodies[n], flat, friction=friction))
-            else:
-                law = self._touches(self.bodies[n], flat, (1.0, math.inf), friction, scaled=True)
-                found.append((law, rows, wall.effective_radii(radius[rows])))
-        return found
+        return Touches(law, friction, dent, scaled)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import itertools
 import logging
 from collections import Counter, deque
 from fnmatch import fnmatchcase
+from importlib.util import find_spec
 from pathlib import Path
 
 from granwave.analysis.document.model import is_number
@@ -58,27 +58,6 @@ _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
 
-@dataclasses.dataclass(frozen=True)
-class DesignOutcome:
-    """Outcome of a search.
-
-    Attributes
-    ----------
-    best
-        The best design; None if none meets the limits.
-    n_failed
-        Number of designs whose runs failed.
-    interrupted
-        True if it was stopped before its end.
-    """
-
-    directory: Path
-    best: Design | None
-    n_evaluated: int
-    n_failed: int
-    interrupted: bool
-
-
 def run_design(
     problem: Problem,
     directory: str | Path,
@@ -88,7 +67,7 @@ def run_design(
     resume: bool = False,
     force: bool = False,
     progress: bool = False,
-) -> DesignOutcome:
+) -> tuple[Study, bool]:
     """Search for the best design, check it by further runs, and write report and cases.
 
     Parameters
@@ -106,40 +85,34 @@ def run_design(
     progress
         Show a bar (on a terminal) or lines (in a log).
 
+    Returns
+    -------
+    Study, bool
+        The designs; True if the search was stopped before its end.
+
     Raises
     ------
     InputError
-        The directory holds results, another search, or files of others; or no design meets the limits.
+        The directory holds results, another search, or files of others; no design meets the limits; or scikit-learn is
+        missing.
     """
     directory = results_directory(directory)
-    check_installed()
-    with held(directory), Interrupts() as stop:
-        study = prepare(problem, directory, resume=resume, force=force)
-        return _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
-
-
-def check_installed() -> None:
-    """Raise InputError if scikit-learn is missing."""
-    from importlib.util import find_spec
-
     if find_spec("sklearn") is None:
         raise InputError("granwave design: scikit-learn is not installed; pip install 'granwave[design]'")
-
-
-def prepare(problem: Problem, directory: Path, *, resume: bool, force: bool) -> Study:
-    """Check that the search can be made in a directory, and read what is there; raise as `run_design`."""
-    check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, DESIGN)
-    if not resume and not force:
-        refuse_results(directory)
-    refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
-    study = Study(problem, directory) if force else read_study(problem, directory)
-    first_design(study)
-    if force:
-        clear(directory)
-    claim(directory, _FILES, kind=DESIGN)
-    study.write()
-    return study
+    with held(directory), Interrupts() as stop:
+        check_directory(directory, resume=resume, force=force)
+        refuse_other_kind(directory, DESIGN)
+        if not resume and not force:
+            refuse_results(directory)
+        refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
+        study = Study(problem, directory) if force else read_study(problem, directory)
+        first_design(study)
+        if force:
+            clear(directory)
+        claim(directory, _FILES, kind=DESIGN)
+        study.write()
+        _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
+        return study, bool(stop.count)
 
 
 class _Search:
@@ -149,7 +122,7 @@ class _Search:
         self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
         self.at_work: dict[str, tuple[Design, int]] = {}
 
-    def run(self) -> DesignOutcome:
+    def run(self) -> None:
         """Search, check the best design, and write the results."""
         load()
         study, problem, total = self.study, self.problem, self.problem.search.evaluations
@@ -176,8 +149,6 @@ class _Search:
             findings = check_best(study, best, self.points, self.jobs, self.stop, show=self.show)
         if not self.stop.count:
             publish(study, findings)
-        failed = sum(design.state == FAILED for design in study.designs)
-        return DesignOutcome(study.directory, best, study.n_evaluated, failed, bool(self.stop.count))
 
     def _n_done(self) -> int:
         done = sum(design.ran and design.state != RUNNING and not design.next_to for design in self.study.designs)
