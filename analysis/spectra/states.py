@@ -81,7 +81,8 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
         return _slab_state(source)
     if isinstance(source, Case):
         bodies = cell_bodies(source)
-        return _relaxed(source, bodies, *relax(bodies))
+        position, periods, residual = relax(bodies)
+        return _state(source, bodies.network(position, periods), "case", residual, periods)
     with Result(source) as result:
         return _mean_cell(result)
 
@@ -105,16 +106,18 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
         return _in_own_cell(source, _whole(assembly))
     with Result(source) as result:
         _refuse_parts(result.assembly, damped=damped)
-        bodies = _whole(result.assembly)
-        network = bodies.network(_positions(result, bodies), bodies.periods, _peaks(result, bodies.ids))
-        _refuse_unloaded(result.case, network)
-        return State(result.case.name, result.case, network, "run", np.nan, bodies.periods)
+        bodies, network, _ = _as_left(result)
+        return _state(result.case, network, "run", np.nan, bodies.periods)
 
 
-def _relaxed(case: Case, bodies: Bodies, position: Array, periods: Array, residual: float) -> State:
-    network = bodies.network(position, periods)
-    _refuse_unloaded(case, network)
-    return State(case.name, case, network, "case", residual, periods)
+def _state(case: Case, network: Network, source: str, residual: float, periods: Array, spread: float = 0.0) -> State:
+    """Return a state; raise InputError if no contact bears a force."""
+    if not len(network.contacts):
+        raise InputError(
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
+            "stiffness; give a static load that closes the contacts"
+        )
+    return State(case.name, case, network, source, residual, periods, spread)
 
 
 def _in_own_cell(case: Case, bodies: Bodies) -> State:
@@ -124,7 +127,7 @@ def _in_own_cell(case: Case, bodies: Bodies) -> State:
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
     position, _, residual = relax(bodies)
-    return _relaxed(case, bodies, position, bodies.periods, residual)
+    return _state(case, bodies.network(position, bodies.periods), "case", residual, bodies.periods)
 
 
 def _slab_state(source: Case | Path) -> State:
@@ -174,14 +177,6 @@ def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
         )
 
 
-def _refuse_unloaded(case: Case, network: Network) -> None:
-    if not len(network.contacts):
-        raise InputError(
-            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
-            "stiffness; give a static load that closes the contacts"
-        )
-
-
 def _whole(assembly: Assembly) -> Bodies:
     """Return all grains of a finite packing with their dead loads; those of a held layer do not move."""
     case, lattice = assembly.case, assembly.lattice
@@ -201,9 +196,12 @@ def _whole(assembly: Assembly) -> Bodies:
     return dataclasses.replace(bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods)
 
 
-def _positions(result: Result, bodies: Bodies) -> Array:
-    """Centres after the static stage: (n, 3), m."""
-    return np.asarray(bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)])
+def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Springs], Array]]:
+    """Return the grains of a run, their springs after the static stage, and the function of `_peaks`."""
+    bodies = _whole(result.assembly)
+    peaks = _peaks(result, bodies.ids)
+    position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
+    return bodies, bodies.network(position, bodies.periods, peaks), peaks
 
 
 def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
@@ -235,10 +233,8 @@ def _mean_cell(result: Result) -> State:
     cell = unit_cell(assembly)
     if not isinstance(assembly.lattice, Lattice):
         raise InputError(f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell")
-    bodies = _whole(assembly)
-    peaks = _peaks(result, bodies.ids)
-    whole = bodies.network(_positions(result, bodies), bodies.periods, peaks)
-    _refuse_unloaded(case, whole)
+    bodies, whole, peaks = _as_left(result)
+    _state(case, whole, "run", np.nan, bodies.periods)  # bears forces
     basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
     # grains far from the faces at which the packing ends
     low, high = bodies.position.min(axis=0), bodies.position.max(axis=0)
@@ -279,7 +275,7 @@ def _mean_cell(result: Result) -> State:
     length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
     pairs, _ = unit.pairs(i, j, mean[keys[2:]].to_numpy(), mean[["x", "y", "z"]].to_numpy(), length)
     network = unit.with_springs(unit.springs(pairs, mean["peak"].to_numpy()))
-    return State(case.name, case, network, "run", np.nan, cell.periods, spread)
+    return _state(case, network, "run", np.nan, cell.periods, spread)
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
