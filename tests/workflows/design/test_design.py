@@ -289,17 +289,16 @@ def test_what_is_refused_alone_is_warned_of_once(folder, caplog):
 def test_uncertainty_is_averaged(folder):
     tables = {**problem_of(folder).tables, "uncertainty": {"velocity": [1.0, 3.0], "replicates": 2}}
     tables |= {"variables": {"replace.1.material": MATERIALS}, "search": {"evaluations": 2, "guards": False}}
-    for statistic, of in (("mean", lambda low, high: (low + high) / 2), ("worst", lambda low, high: high)):
-        tables["uncertainty"]["statistic"] = statistic
-        found = gw.design(tables, directory=folder / statistic, progress=False)
-        for _, row in found.table[found.table["state"] == "complete"].iterrows():
-            low, high = row["target_peak_force_N_low"], row["target_peak_force_N_high"]
-            assert low < row["target_peak_force_N"] or statistic == "mean"
-            assert row["target_peak_force_N"] == pytest.approx(of(low, high))
-    cases = [tomllib.loads((path / "case.toml").read_text()) for path in (folder / "mean/points").glob("1-*")]
+    found = gw.design(tables, directory=folder / "mean", progress=False)
     assert set(found.table["state"]) <= {"complete", "pruned"}
-    runs = sorted(case["load"]["velocity"] for case in cases)
-    assert runs == [1.5, 2.5]  # the middles of two halves
+    for _, row in found.table[found.table["state"] == "complete"].iterrows():
+        low, high = row["target_peak_force_N_low"], row["target_peak_force_N_high"]
+        assert row["target_peak_force_N"] == pytest.approx((low + high) / 2) and low < high
+    cases = [tomllib.loads((path / "case.toml").read_text()) for path in (folder / "mean/points").glob("1-*")]
+    assert sorted(case["load"]["velocity"] for case in cases) == [1.5, 2.5]  # the middles of two halves
+    for statistic, value in (("worst", 5.0), (0.5, 2.0)):
+        problem = problem_of(folder, uncertainty={"statistic": statistic, "velocity": [1.0, 3.0]})
+        assert problem.statistic_of(problem.objectives[0], [1.0, 5.0, 2.0]) == value
 
 
 def test_limits_after_a_run(folder):
