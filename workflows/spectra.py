@@ -29,7 +29,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, results_in
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.run_directory import RESULT_FILE, SPECTRA, SPECTRA_FILE
+from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
 _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
@@ -304,26 +304,6 @@ def steady(
     }
     waves = SmallWaves("transmission", state, found, summary, columns, files.tables_of_transmission(state, found))
     return waves, waves.write(place, figures=figures)
-
-
-def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
-    """Return the case of this name or file, or the directory of a finished run.
-
-    Raises
-    ------
-    InputError
-        There is none, or keys are set for a run, whose case is what it was.
-    """
-    from granwave.workflows import library
-
-    path = Path(text)
-    if path.is_dir() and (path / RESULT_FILE).is_file():
-        if overrides:
-            raise InputError(
-                f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys"
-            )
-        return path
-    return library.load_case(text, overrides)
 
 
 def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:

@@ -126,8 +126,8 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
         )
     kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
     spread = eq.covariance(grains, noise if known else relative_noise(grains, 1.0))  # unknown: a share of the data
-    weighed = eq.weighting(equations, spread, kind)
-    exact = eq.weighting(equations, spread, "correlated") if settings.finds_modulus else weighed
+    weighed = spread.weighting(kind)
+    exact = spread.weighting("correlated") if settings.finds_modulus else weighed
 
     def solution(data: Array, rows: sparse.csr_array) -> tuple[Array, float]:
         matrix, right = eq.add_ridge(rows @ equations.matrix, rows @ data, settings.ridge)

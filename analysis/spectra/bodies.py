@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +99,13 @@ class Bodies:
         """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
         factor = np.array([_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes])[self.kind]
         return np.asarray(factor * self.mass * self.radius**2)
+
+    def part(self, rows: Ints, periods: Array) -> Bodies:
+        """Return some of the grains, in a cell of these periods."""
+        names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
+        own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
+        touched = {name: one[rows] for name, one in self.touched.items()}
+        return dataclasses.replace(self, **own, periods=periods, touched=touched)
 
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None

@@ -164,15 +164,13 @@ def cell_bodies(case: Case) -> Bodies:
         )
     if stage.kind == "gravity":
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
-    base = packing_bodies(assembly, cell.rows)
+    base = packing_bodies(assembly).part(cell.rows, cell.periods)
     across = np.abs(cell.periods).max(axis=0) > 0  # axes along which a wall would cut the endless packing
     planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not across[wall.axis]))
     of_file = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
-        periods=cell.periods,
         walls=planes if of_file else (),
-        dead_load=np.zeros_like(base.dead_load),
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
@@ -198,19 +196,16 @@ def cell_bodies(case: Case) -> Bodies:
     )
 
 
-def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
-    """Return the spheres of a packing, without strikers, in the order of their ids, or some rows of them.
+def packing_bodies(assembly: Assembly) -> Bodies:
+    """Return the spheres of a packing, without strikers and without dead loads, in the order of their ids.
 
     Raises
     ------
     InputError
         There is friction, and the axis of a cylinder is not along x, y or z.
     """
-    case = assembly.case
-    n = assembly.lattice.n_spheres
-    inside = assembly.ids <= n
+    case, sites, inside = assembly.case, assembly.sites, assembly.ids <= assembly.lattice.n_spheres
     ids = assembly.ids[inside]
-    sites = assembly.sites
     there, kind = np.unique(sites.body[sites.present], return_inverse=True)
     kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
     lacking = np.zeros((len(kinds), 6), dtype=bool)  # cylinders turn about their axis alone
@@ -230,25 +225,13 @@ def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
             held[chosen, "xyz".index(axis)] = True
         if entry.rotation:
             held[chosen, 3:] = True
-    moves = ~held & moving("xyz", case)
-    part = slice(None) if rows is None else rows
-    position = assembly.positions()[inside][part]
-    around = walls(assembly)
+    position, around = assembly.positions()[inside], walls(assembly)
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
-        case,
-        PairLaws(case, tuple(kinds)),
-        ids[part],
-        position,
-        assembly.sphere_diameters()[inside][part] / 2,
-        assembly.sphere_masses()[inside][part],
-        kind[part],
-        moves[part],
-        np.empty((0, 3)),
-        around,
-        np.zeros_like(position),
-        touched={name: one[ids - 1][part] for name, one in acts.items() if one is not None},
-    )
+        case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
+        assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
+        np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
+    )  # fmt: skip
 
 
 def moving(directions: str, case: Case) -> NDArray[np.bool_]:
@@ -262,45 +245,37 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
     case, stage, lattice = assembly.case, assembly.case.precompression, assembly.lattice
     assert stage is not None
-    n_periods, lengths = len(cell.periods), np.abs(cell.periods).max(axis=0)
-    along_z = float(lengths[2])
+    lengths, row = np.abs(cell.periods).max(axis=0), len(cell.periods) == 1
+    along_z, force, uniaxial = float(lengths[2]), stage.force, stage.kind == "uniaxial"
+    fault = ""
     if stage.moves_walls:
-        if stage.force is None:
-            return {}
-        if n_periods > 1 or along_z == 0:
-            raise InputError(
-                f"{case.name}: precompression.force: found {stage.force:g} N beside walls on a packing that does not "
-                "repeat along z alone, expected one that does"
-            )
-        return {(2, 2): stage.force * along_z}
-    volume = 0.0
-    if n_periods == 3:
-        volume = abs(float(np.linalg.det(cell.periods)))
-    elif n_periods == 2:
-        volume = float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
+        if force is not None and (not row or along_z == 0):
+            fault = (f"force: found {force:g} N beside walls on a packing that does not repeat along z alone, expected "
+                     "one that does")  # fmt: skip
+    elif row and not uniaxial:
+        fault = f'kind: found {show(stage.kind)} for a row, expected "uniaxial"'
+    elif uniaxial and along_z == 0:
+        fault = 'kind: found "uniaxial", but the packing ends along z'
+    elif row and force is None:
+        fault = "pressure: found a pressure on a row, expected a force (N)"
+    elif uniaxial and not row and force is not None and not isinstance(lattice, Lattice):
+        fault = (f"force: found {force:g} N on a packing that is endless across z, expected precompression.pressure "
+                 "(Pa)")  # fmt: skip
+    if fault:
+        raise InputError(f"{case.name}: precompression.{fault}")
+    if stage.moves_walls or row:
+        return {} if force is None else {(2, 2): force * along_z}
+    if uniaxial and force is not None:
+        if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
+            spheres = len(cell.rows) if len(cell.periods) == 3 else 1
+            return {(2, 2): force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
+        nx, ny, _ = lattice.shape
+        return {(2, 2): force * nx * ny * along_z}
+    volume = abs(float(np.linalg.det(cell.periods))) if len(cell.periods) == 3 else (
+        float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
+    )  # fmt: skip
     load = (stage.pressure or 0.0) * volume
-    if stage.kind != "uniaxial":
-        if n_periods == 1:
-            raise InputError(
-                f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"'
-            )
-        axes = np.flatnonzero(lengths > 0).tolist()
-        return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}
-    if along_z == 0:
-        raise InputError(f'{case.name}: precompression.kind: found "uniaxial", but the packing ends along z')
-    if stage.force is None:
-        if n_periods == 1:
-            raise InputError(f"{case.name}: precompression.pressure: found a pressure on a row, expected a force (N)")
+    if uniaxial:
         return {(2, 2): load}
-    if n_periods == 1:
-        return {(2, 2): stage.force * along_z}
-    if not isinstance(lattice, Lattice):
-        raise InputError(
-            f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
-            "expected precompression.pressure (Pa)"
-        )
-    if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
-        spheres = len(cell.rows) if n_periods == 3 else 1
-        return {(2, 2): stage.force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
-    nx, ny, _ = lattice.shape
-    return {(2, 2): stage.force * nx * ny * along_z}
+    axes = np.flatnonzero(lengths > 0).tolist()
+    return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}

@@ -147,17 +147,8 @@ def _slab_state(source: Case | Path) -> State:
     lattice = assembly.lattice
     if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):
         nx, ny, nz = lattice.shape
-        bodies = _part(bodies, np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter)
+        bodies = bodies.part(np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter)
     return _in_own_cell(case, bodies)
-
-
-def _part(bodies: Bodies, rows: Ints, periods: Array) -> Bodies:
-    """Return some of the grains, in a cell of these periods."""
-    names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
-    touched = {name: one[rows] for name, one in bodies.touched.items()}
-    return dataclasses.replace(
-        bodies, **{name: getattr(bodies, name)[rows] for name in names}, periods=periods, touched=touched
-    )
 
 
 def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
@@ -269,7 +260,7 @@ def _mean_cell(result: Result) -> State:
             "a packing"
         )
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
-    unit = dataclasses.replace(_part(bodies, cell.rows, cell.periods), moves=moves, walls=(), touched={})
+    unit = dataclasses.replace(bodies.part(cell.rows, cell.periods), moves=moves, walls=(), touched={})
     i, j = (mean[name].to_numpy() for name in keys[:2])
     # the mean overlap, which the length of the mean vector differs from by rounding
     length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()

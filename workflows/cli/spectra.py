@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.workflows import spectra
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+from granwave.workflows import library, spectra
 from granwave.workflows.cli.parser import chosen
 from granwave.workflows.cli.terminal import print_json, warn
 
@@ -74,11 +76,23 @@ def _print(options: argparse.Namespace, waves: spectra.SmallWaves, written: list
 
 
 def _source(options: argparse.Namespace, name: str) -> Case | Path:
-    """Return the case or the directory of a run; give the results a directory where none is chosen."""
-    source = spectra.source_of(options.case, options.overrides)
-    own = source.name if isinstance(source, Case) else source.resolve().name
+    """Return the case or the directory of a run; give the results a directory where none is chosen.
+
+    Raises
+    ------
+    InputError
+        There is none, or keys are set for a run, whose case is what it was.
+    """
+    path, source = Path(options.case), None
+    if not (path.is_dir() and (path / RESULT_FILE).is_file()):
+        source = library.load_case(options.case, options.overrides)
+    elif options.overrides:
+        raise InputError(
+            f"--set: found {options.overrides[0]} for the run {path}, which is done; give a case to change keys"
+        )
+    own = path.resolve().name if source is None else source.name
     options.directory = options.directory or Path(f"{own}-{name}")
-    return source
+    return source or path
 
 
 def _counted(number: int, word: str) -> str:
