@@ -112,20 +112,19 @@ def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, prog
     from granwave.analysis.inference.tables import summary_of
 
     case = read_infer_case(case_file)
-    measured = read_measurement(source, case)
+    times, measured, notes = read_measurement(source, case)
     settings = case.infer
     if repetitions is not None:
         settings = dataclasses.replace(settings, repetitions=repetitions)
     found = []
-    for time, grains in zip(measured.times, measured.grains, strict=True):
+    for time, grains in zip(times, measured, strict=True):
         try:
             found.append(infer_forces(grains, case.walls, settings, progress=progress))
         except InputError as error:
             at = "" if math.isnan(time) else f" at {time:g} s"
             raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
-    notes = list(measured.notes)
-    lacking = settings.deviations.missing(measured.grains[0])
+    lacking = settings.deviations.missing(measured[0])
     if lacking and settings.deviations != Noise():
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")
-    summary = summary_of(source.stem, str(source), case.infer.state, found, measured.times, notes)
-    return Inferred(found, measured.times, summary)
+    summary = summary_of(source.stem, str(source), case.infer.state, found, times, notes)
+    return Inferred(found, times, summary)

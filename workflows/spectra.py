@@ -15,21 +15,21 @@ import numpy as np
 from granwave.analysis.figures.style import Columns, FigureFolder, style, write_csv
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra import files
-from granwave.analysis.spectra.band_structure import BandStructure, band_structure
-from granwave.analysis.spectra.bands import ALL_UP_TO, Modes, growing, solve_modes
+from granwave.analysis.spectra.band_structure import band_structure
+from granwave.analysis.spectra.bands import ALL_UP_TO, growing, solve_modes
 from granwave.analysis.spectra.files import Table, case_in, write_spectra
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.transmission import Transmission, dampers_of, losses_of, transmission
+from granwave.analysis.spectra.transmission import dampers_of, losses_of, transmission
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, results_in
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.run_directory import RESULT_FILE, SPECTRA, SPECTRA_FILE
+from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
 _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
@@ -68,78 +68,67 @@ def check_place(directory: Path | None, name: str, source: Case | Path, *, force
     place = results_directory(directory, force=force)
     refuse_other_kind(place, SPECTRA)
     names = [f"{name}.csv", f"{name}.json"]
-    others = [one for one in results_in(place) if one not in names and one.endswith((".csv", ".json"))]
-    if not force and others and case_in(place / SPECTRA_FILE) not in ("", case):
+    there = [] if force else [one for one in results_in(place) if one.endswith((".csv", ".json"))]
+    others, again = ([one for one in there if (one in names) == own] for own in (False, True))
+    another = "or choose another directory with -o"
+    if others and case_in(place / SPECTRA_FILE) not in ("", case):
         raise InputError(
-            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, or choose "
-            "another directory with -o"
+            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, {another}"
         )
-    if not force and (there := sorted(set(names) & set(results_in(place)))):
-        raise InputError(
-            f"{place}: already holds results ({there[0]}); --force replaces them, or choose another directory with -o"
-        )
+    if again:
+        raise InputError(f"{place}: already holds results ({min(again)}); --force replaces them, {another}")
     refuse_foreign(place, [*names, SPECTRA_FILE])
     return place
 
 
-def write_output(
-    directory: Path,
-    name: str,
-    state: State,
-    found: Any,
-    columns: Columns,
-    summary: Mapping[str, Any],
-    tables: Mapping[str, Table],
-    *,
-    figures: bool,
-) -> list[Path]:
-    """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
-    with held(directory):
-        names = [f"{name}.csv", f"{name}.json"]
-        if case_in(directory / SPECTRA_FILE) not in ("", state.case.to_toml()):
-            clear(directory)  # with --force: tables of the other case would lie beside those of this one
-        claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
-        write_spectra(directory / SPECTRA_FILE, state, tables)
-        with replacing(directory / names[0]) as scratch:
-            write_csv(columns, scratch)
-        replace_text(directory / names[1], json.dumps(plain(dict(summary)), indent=1, allow_nan=False) + "\n")
-        folder = FigureFolder(directory)
-        if figures:
-            from granwave.analysis.figures import spectra as drawing  # the drawing library takes a second to load
-
-            with style():
-                for figure, draw in _FIGURES[name].items():
-                    folder.draw(partial(getattr(drawing, draw), found), figure)
-    return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
-class Finite:
-    """Modes of a finite packing, with its state."""
+class SmallWaves:
+    """Bands, modes or transmission with all that is written of them.
 
+    Attributes
+    ----------
+    name
+        Name of the files: bands, modes or transmission.
+    state
+        Static state.
+    found
+        The bands, the modes or the transmission.
+    summary
+        Values of NAME.json.
+    columns
+        Columns of NAME.csv.
+    tables
+        Groups of spectra.h5.
+    """
+
+    name: str
     state: State
-    modes: Modes
+    found: Any
+    summary: Mapping[str, Any]
+    columns: Columns
+    tables: Mapping[str, Table]
 
-    def summary(self) -> dict[str, Any]:
-        """Return the values of modes.json."""
-        frequency, network = self.modes.frequency, self.state.network
-        above = frequency[frequency > 0]
-        return {
-            "name": self.state.name,
-            "kind": "modes",
-            "source": self.state.source,
-            "n_grains": network.n_grains,
-            "n_contacts": len(network.springs),
-            "n_wall_contacts": len(network.supports),
-            "n_left_out": len(network.left_out),
-            "n_freedoms": network.n_freedoms,
-            "n_modes": len(frequency),
-            "n_floppy": self.modes.n_floppy,
-            "lowest_frequency_Hz": float(above.min()) if len(above) else None,
-            "highest_frequency_Hz": float(np.nanmax(frequency)) if self.modes.complete else None,
-            "least_participation_ratio": float(self.modes.participation.min()),
-            "static_residual": self.state.residual,
-        }
+    def write(self, directory: Path | None, *, figures: bool) -> list[Path]:
+        """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
+        if directory is None:
+            return []
+        with held(directory):
+            names = [f"{self.name}.csv", f"{self.name}.json"]
+            if case_in(directory / SPECTRA_FILE) not in ("", self.state.case.to_toml()):
+                clear(directory)  # with --force: tables of the other case would lie beside those of this one
+            claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
+            write_spectra(directory / SPECTRA_FILE, self.state, self.tables)
+            with replacing(directory / names[0]) as scratch:
+                write_csv(self.columns, scratch)
+            replace_text(directory / names[1], json.dumps(plain(dict(self.summary)), indent=1, allow_nan=False) + "\n")
+            folder = FigureFolder(directory)
+            if figures:
+                from granwave.analysis.figures import spectra as drawing  # the drawing library takes a second to load
+
+                with style():
+                    for figure, draw in _FIGURES[self.name].items():
+                        folder.draw(partial(getattr(drawing, draw), self.found), figure)
+        return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
 
 
 def bands(
@@ -155,7 +144,7 @@ def bands(
     slab: bool = False,
     force: bool = False,
     figures: bool = True,
-) -> tuple[BandStructure, list[Path]]:
+) -> tuple[SmallWaves, list[Path]]:
     """Find the bands of an endless packing and write them; see `band_structure`.
 
     Parameters
@@ -165,28 +154,19 @@ def bands(
 
     Returns
     -------
-    BandStructure, list of Path
+    SmallWaves, list of Path
         The bands, and the files.
     """
     place = check_place(directory, "bands", source, force=force)
     found = band_structure(
-        source,
-        path,
-        points=points,
-        n_bands=n_bands,
-        directions=directions,
-        plane=plane,
-        allow_floppy=allow_floppy,
+        source, path, points=points, n_bands=n_bands, directions=directions, plane=plane, allow_floppy=allow_floppy,
         slab=slab,
-    )
-    if place is None:
-        return found, []
+    )  # fmt: skip
     way = found.bands.path
-    columns: dict[str, Any] = {"distance": way.distance}
-    columns |= {name: one for name, one in zip(("kx", "ky", "kz"), way.k.T, strict=True)}
+    columns: dict[str, Any] = {"distance": way.distance, **dict(zip(("kx", "ky", "kz"), way.k.T, strict=True))}
     columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
-    tables, summary = files.tables_of_bands(found), found.summary()
-    return found, write_output(place, "bands", found.state, found, columns, summary, tables, figures=figures)
+    waves = SmallWaves("bands", found.state, found, found.summary(), columns, files.tables_of_bands(found))
+    return waves, waves.write(place, figures=figures)
 
 
 def modes(
@@ -198,7 +178,7 @@ def modes(
     allow_floppy: bool = False,
     force: bool = False,
     figures: bool = True,
-) -> tuple[Finite, list[Path]]:
+) -> tuple[SmallWaves, list[Path]]:
     """Find the modes of a finite packing and write them.
 
     Parameters
@@ -217,21 +197,33 @@ def modes(
     """
     place = check_place(directory, "modes", source, force=force)
     state = _finite(source, directions)
-    found = Finite(state, solve_modes(stiffness_of(state.network), n_modes))
-    if found.modes.n_floppy and not allow_floppy:
+    network, found = state.network, solve_modes(stiffness_of(state.network), n_modes)
+    if found.n_floppy and not allow_floppy:
         raise InputError(
-            f"{state.name}: the static state is not rigid: {found.modes.describe_floppy()}; friction, a load from all "
+            f"{state.name}: the static state is not rigid: {found.describe_floppy()}; friction, a load from all "
             "sides, --directions or [[hold]] makes it so, and --allow-floppy goes on"
         )
-    if place is None:
-        return found, []
-    columns = {
-        "mode": np.arange(1, len(found.modes.square) + 1),
-        "frequency_Hz": found.modes.frequency,
-        "participation_ratio": found.modes.participation,
+    frequency, above = found.frequency, found.frequency[found.frequency > 0]
+    summary = {
+        "name": state.name,
+        "kind": "modes",
+        "source": state.source,
+        "n_grains": network.n_grains,
+        "n_contacts": len(network.springs),
+        "n_wall_contacts": len(network.supports),
+        "n_left_out": len(network.left_out),
+        "n_freedoms": network.n_freedoms,
+        "n_modes": len(frequency),
+        "n_floppy": found.n_floppy,
+        "lowest_frequency_Hz": float(above.min()) if len(above) else None,
+        "highest_frequency_Hz": float(np.nanmax(frequency)) if found.complete else None,
+        "least_participation_ratio": float(found.participation.min()),
+        "static_residual": state.residual,
     }
-    tables, summary = files.tables_of_modes(state, found.modes), found.summary()
-    return found, write_output(place, "modes", state, found.modes, columns, summary, tables, figures=figures)
+    numbers = np.arange(1, len(frequency) + 1)
+    columns = {"mode": numbers, "frequency_Hz": frequency, "participation_ratio": found.participation}
+    waves = SmallWaves("modes", state, found, summary, columns, files.tables_of_modes(state, found))
+    return waves, waves.write(place, figures=figures)
 
 
 def steady(
@@ -246,7 +238,7 @@ def steady(
     directions: str = "",
     force: bool = False,
     figures: bool = True,
-) -> tuple[Transmission, State, list[Path]]:
+) -> tuple[SmallWaves, list[Path]]:
     """Find the steady transmission between grains of a finite packing and write it.
 
     Parameters
@@ -287,8 +279,6 @@ def steady(
         stiffness, first, sensors, frequencies, axis=axis, end=end, dampers=dampers,
         losses=losses_of(assembly, state.network), together=together, bottom=damping,
     )  # fmt: skip
-    if place is None:
-        return found, state, []
     n = len(found.sensors)
     columns = {
         "frequency_Hz": np.repeat(found.frequency, n),
@@ -296,14 +286,7 @@ def steady(
         "amplitude_ratio": found.amplitude.ravel(),
         "phase_rad": found.phase.ravel(),
     }
-    tables, summary = files.tables_of_transmission(state, found), transmission_summary(state, found)
-    written = write_output(place, "transmission", state, found, columns, summary, tables, figures=figures)
-    return found, state, written
-
-
-def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
-    """Return the values of transmission.json."""
-    return {
+    summary = {
         "name": state.name,
         "kind": "transmission",
         "source": state.source,
@@ -319,26 +302,8 @@ def transmission_summary(state: State, found: Transmission) -> dict[str, Any]:
         "highest_frequency_Hz": float(found.frequency.max()),
         "largest_amplitude_ratio": found.amplitude.max(axis=0).tolist(),
     }
-
-
-def source_of(text: str, overrides: Sequence[str]) -> Case | Path:
-    """Return the case of this name or file, or the directory of a finished run.
-
-    Raises
-    ------
-    InputError
-        There is none, or keys are set for a run, whose case is what it was.
-    """
-    from granwave.workflows import library
-
-    path = Path(text)
-    if path.is_dir() and (path / RESULT_FILE).is_file():
-        if overrides:
-            raise InputError(
-                f"--set: found {overrides[0]} for the run {text}, which is done; give a case to change keys"
-            )
-        return path
-    return library.load_case(text, overrides)
+    waves = SmallWaves("transmission", state, found, summary, columns, files.tables_of_transmission(state, found))
+    return waves, waves.write(place, figures=figures)
 
 
 def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:

@@ -90,24 +90,15 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         shape = (n * n_rows, len(contacts) * d)
         return sparse.csr_array((values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape)
 
-    moment = (
+    moment = np.cross(arm[:, :, None], force, axis=1) if d == 3 else (
         arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
-        if d == 2
-        else np.cross(arm[:, :, None], force, axis=1)
-    )
-    moment = moment.reshape(len(of), turns, d)
-    scale = SCALES[d]
+    )[:, None]  # fmt: skip
     dyads = [0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs]
     motion = matrix(np.concatenate([force, moment], axis=1), d + turns)
-    stress = matrix(scale[:, None] * np.stack(dyads, axis=1), len(pairs))
-    motion_data = np.concatenate(
-        [
-            grains.mass[:, None] * grains.acceleration - grains.known_force,
-            (grains.inertia / grains.radius)[:, None] * grains.angular_acceleration,
-        ],
-        axis=1,
-    )
-    per_length = scale / grains.radius[:, None]
+    stress = matrix(SCALES[d][:, None] * np.stack(dyads, axis=1), len(pairs))
+    forces = grains.mass[:, None] * grains.acceleration - grains.known_force
+    torques = (grains.inertia / grains.radius)[:, None] * grains.angular_acceleration
+    per_length = SCALES[d] / grains.radius[:, None]
     stress_data = per_length * grains.volume[:, None] * grains.stress
     spin_data = per_length * grains.spin_stress
     moving, strained = grains.has_motion, grains.has_stress
@@ -115,7 +106,7 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
     return Equations(
         motion[np.flatnonzero(rows_moving)],
         stress[np.flatnonzero(rows_strained)],
-        motion_data[moving].ravel(),
+        np.concatenate([forces, torques], axis=1)[moving].ravel(),
         stress_data[strained].ravel(),
         spin_data[strained].ravel(),
         np.repeat(np.flatnonzero(moving), d + turns),
@@ -191,6 +182,28 @@ class Covariance:
         errors = np.einsum("gij,gj->gi", self.stress, rng.normal(size=self.stress.shape[:2]))
         return np.concatenate([self.motion * rng.normal(size=len(self.motion)), scale * errors.ravel()])
 
+    def weighting(self, kind: Weights) -> Callable[[float], sparse.csr_array]:
+        """Return a function of the factor of the moduli that gives the weights: a matrix to multiply all equations by.
+
+        They are 1 (equal), each row over its standard deviation (white), or whiten the rows (correlated).
+        """
+        n, k = self.stress.shape[:2]
+        motion = np.ones(len(self.motion)) if kind == "equal" else 1 / self.motion
+        stress: NDArray = np.zeros((n, k, k))
+        if kind == "equal":
+            stress[:] = np.eye(k)
+        elif kind == "white":
+            stress[:, range(k), range(k)] = 1 / np.sqrt((self.stress**2).sum(axis=2))
+        else:
+            stress = np.linalg.inv(self.stress)
+
+        def weights(factor: float) -> sparse.csr_array:
+            blocks = stress / (factor if self.of_strain and kind != "equal" else 1.0)
+            of_stress = sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(n * k, n * k))
+            return sparse.csr_array(sparse.block_diag([sparse.diags_array(motion), of_stress]))
+
+        return weights
+
 
 def covariance(grains: Grains, noise: Noise) -> Covariance:
     """Return the covariance of the right-hand sides that follows from the noise of the measurement."""
@@ -209,31 +222,6 @@ def covariance(grains: Grains, noise: Noise) -> Covariance:
         (per_length[:, :, None] * roots)[strained],
         grains.compliance is not None,
     )
-
-
-def weighting(equations: Equations, spread: Covariance, kind: Weights) -> Callable[[float], sparse.csr_array]:
-    """Return a function of the factor of the moduli that gives the weights, a matrix to multiply both equations by.
-
-    They are 1 (equal), each row over its standard deviation (white), or whiten the rows (correlated).
-    """
-    n, k = spread.stress.shape[:2]
-    motion = np.ones(len(equations.motion_data)) if kind == "equal" else 1 / spread.motion
-    stress: NDArray = np.zeros((n, k, k))
-    if kind == "equal":
-        stress[:] = np.eye(k)
-    elif kind == "white":
-        stress[:, range(k), range(k)] = 1 / np.sqrt((spread.stress**2).sum(axis=2))
-    else:
-        stress = np.linalg.inv(spread.stress)
-    places = np.arange(n * k).reshape(n, k, 1)
-    rows, columns = (one.ravel() for one in np.broadcast_arrays(places, places.transpose(0, 2, 1)))
-
-    def weights(factor: float) -> sparse.csr_array:
-        blocks = stress / (factor if spread.of_strain and kind != "equal" else 1.0)
-        of_stress = sparse.csr_array((blocks.ravel(), (rows, columns)), shape=(n * k, n * k))
-        return sparse.csr_array(sparse.block_diag([sparse.diags_array(motion), of_stress]))
-
-    return weights
 
 
 def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> float | None:

@@ -4,25 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from granwave.analysis.inference import equations as eq
 from granwave.analysis.inference.case import Infer
-from granwave.analysis.inference.equations import (
-    Covariance,
-    Equations,
-    Noise,
-    Weights,
-    add_ridge,
-    covariance,
-    make_equations,
-    refuse_undetermined,
-    unknown_columns,
-    weighting,
-)
+from granwave.analysis.inference.equations import Equations, Noise, Weights
 from granwave.analysis.inference.grains import Array, Contacts, Grains, Wall, find_contacts
 from granwave.analysis.inference.solve import (
     ModulusSearch,
@@ -100,15 +90,11 @@ class Inference:
 
     def residual_of_grains(self) -> tuple[Array, Array]:
         """Return the sizes of the residuals of motion and of stress by grain; NaN where not measured: (n,), N."""
-        n_motion = len(self.equations.motion_grain)
+        rows = self.equations.motion_grain, self.equations.stress_grain
         found = []
-        for rows, values in (
-            (self.equations.motion_grain, self.residual[:n_motion]),
-            (self.equations.stress_grain, self.residual[n_motion:]),
-        ):
-            squares = np.bincount(rows, values**2, minlength=len(self.grains))
-            known = np.bincount(rows, minlength=len(self.grains)) > 0
-            found.append(np.where(known, np.sqrt(squares), np.nan))
+        for own, values in zip(rows, np.split(self.residual, [len(rows[0])]), strict=True):
+            squares, known = (np.bincount(own, one, minlength=len(self.grains)) for one in (values**2, None))
+            found.append(np.where(known > 0, np.sqrt(squares), np.nan))
         return found[0], found[1]
 
 
@@ -126,87 +112,85 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
         A grain touches nothing, the equations do not determine the forces, or nothing tells the modulus.
     """
     contacts = find_contacts(grains, walls, settings.contact_tolerance)
-    refuse_behind(grains, walls)
-    refuse_lonely(grains, contacts, settings.contact_tolerance)
-    equations = make_equations(grains, contacts)
+    _refuse_misplaced(grains, walls, contacts, settings.contact_tolerance)
+    equations = eq.make_equations(grains, contacts)
     if settings.finds_modulus:
         refuse_unknowable(grains, equations)
-    friction = settings.friction_of(contacts)
-    kept = unknown_columns(friction, grains.dimension)
-    condition = refuse_undetermined(equations, friction, settings.ridge)
-    kind, spread = _weights(grains, settings)
-    weighed = weighting(equations, spread, kind)
-
-    def solution(factor: float, data: Array, rows: sparse.csr_array | None = None) -> tuple[Array, float]:
-        rows = weighed(factor) if rows is None else rows
-        matrix, right = add_ridge(rows @ equations.matrix, rows @ data, settings.ridge)
-        force = solve(matrix, right, friction, grains.dimension)
-        return force, float(((matrix @ force.ravel() - right) ** 2).sum())
-
-    exact = weighting(equations, spread, "correlated") if settings.finds_modulus else weighed
-
-    def misfit(factor: float, data: Array) -> float:
-        rows = exact(factor)
-        if condition is None:
-            return solution(factor, data, rows)[1]
-        return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
-
-    search, factor, known = None, 1.0, settings.deviations.complete(grains)
-    if settings.finds_modulus:
-        search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)))
-        factor = search.factor
-        n_more = max(equations.n_equations - len(kept), 1)
-        search = search.with_error(1.0 if known else float(search.chi2.min()) / n_more)
-    force, chi2 = solution(factor, equations.data(factor))
-    residual = equations.matrix @ force.ravel() - equations.data(factor)
-    errors = None
-    if settings.repetitions > 1 and known:
-        errors = _repeat(equations, spread, settings, force, factor, solution, misfit, search, progress)
-    return Inference(
-        grains, contacts, equations, settings, force, errors, residual, len(kept), factor, kind, chi2, search, condition
-    )
-
-
-def refuse_behind(grains: Grains, walls: Mapping[str, Wall]) -> None:
-    """Raise InputError for each wall that has centres of grains behind it, but for those that pass walls."""
-    errors = []
-    for name, wall in walls.items():
-        behind = ((grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0) & grains.at_walls
-        if behind.any():
-            errors.append(
-                f"grain {_few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
-                "places, both in m"
-            )
-    if errors:
-        raise InputError(errors)
-
-
-def _few(ids: NDArray[np.int64]) -> str:
-    return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
-
-
-def refuse_lonely(grains: Grains, contacts: Contacts, tolerance: float) -> None:
-    """Raise InputError if a grain touches nothing."""
-    touched = contacts.touched(len(grains))
-    if not touched.all():
-        raise InputError(
-            f"grain {_few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "
-            f"{tolerance:g}; give the walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
-        )
-
-
-def _weights(grains: Grains, settings: Infer) -> tuple[Weights, Covariance]:
-    """Return the weights in use, and the covariance they follow from; unknown noise counts as a share of the data."""
-    known = settings.deviations.complete(grains)
-    kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
+    friction, noise = settings.friction_of(contacts), settings.deviations
+    kept, known = eq.unknown_columns(friction, grains.dimension), noise.complete(grains)
+    condition = eq.refuse_undetermined(equations, friction, settings.ridge)
     if settings.weights in ("white", "correlated") and not known and not settings.finds_modulus:
         raise InputError(
             f'infer.weights: found "{settings.weights}" without the standard deviations that it takes; expected '
             "infer.noise of all that was measured"
         )
-    if known:
-        return kind, covariance(grains, settings.deviations)
-    return kind, covariance(grains, relative_noise(grains, 1.0))
+    kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
+    spread = eq.covariance(grains, noise if known else relative_noise(grains, 1.0))  # unknown: a share of the data
+    weighed = spread.weighting(kind)
+    exact = spread.weighting("correlated") if settings.finds_modulus else weighed
+
+    def solution(data: Array, rows: sparse.csr_array) -> tuple[Array, float]:
+        matrix, right = eq.add_ridge(rows @ equations.matrix, rows @ data, settings.ridge)
+        force = solve(matrix, right, friction, grains.dimension)
+        return force, float(((matrix @ force.ravel() - right) ** 2).sum())
+
+    def misfit(factor: float, data: Array) -> float:
+        rows = exact(factor)
+        if condition is None:
+            return solution(data, rows)[1]
+        return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
+
+    search, factor = None, 1.0
+    if settings.finds_modulus:
+        n_more = None if known else equations.n_equations - len(kept)
+        search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)), n_more)
+        factor = search.factor
+    force, chi2 = solution(equations.data(factor), weighed(factor))
+    fitted = equations.matrix @ force.ravel()
+
+    def repeated(rng: np.random.Generator) -> Array:
+        """Return the forces of the fitted data with new noise."""
+        data, n_motion = fitted + spread.draw(rng, factor), len(equations.motion_data)
+        if search is None or not search.error:
+            return solution(data, weighed(factor))[0]
+        fixed = np.concatenate([data[:n_motion], equations.spin_data])
+        strained = (data - fixed) / factor
+        best = search_near(lambda trial: misfit(trial, fixed + trial * strained), factor, NEAR * search.error)
+        return solution(fixed + best * strained, weighed(best))[0]
+
+    errors = None
+    if settings.repetitions > 1 and known:
+        rng, n = np.random.default_rng(settings.seed), settings.repetitions
+        bar = progress_bar(progress, iterable=range(n), desc="repetitions with noise", leave=False)
+        errors = np.sqrt((np.array([repeated(rng) - force for _ in bar]) ** 2).sum(axis=0) / (n - 1))
+    return Inference(
+        grains, contacts, equations, settings, force, errors, fitted - equations.data(factor), len(kept), factor, kind,
+        chi2, search, condition,
+    )  # fmt: skip
+
+
+def _refuse_misplaced(grains: Grains, walls: Mapping[str, Wall], contacts: Contacts, tolerance: float) -> None:
+    """Raise InputError if centres of grains lie behind walls that they do not pass, or a grain touches nothing."""
+
+    def few(ids: NDArray[np.int64]) -> str:
+        return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
+
+    errors = []
+    for name, wall in walls.items():
+        behind = ((grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0) & grains.at_walls
+        if behind.any():
+            errors.append(
+                f"grain {few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
+                "places, both in m"
+            )
+    if errors:
+        raise InputError(errors)
+    touched = contacts.touched(len(grains))
+    if not touched.all():
+        raise InputError(
+            f"grain {few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "
+            f"{tolerance:g}; give the walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
+        )
 
 
 def relative_noise(grains: Grains, share: float) -> Noise:
@@ -222,37 +206,3 @@ def relative_noise(grains: Grains, share: float) -> Noise:
     if grains.compliance is None:
         return Noise(None, size(grains.stress), motion, turning)
     return Noise(size(grains.strain), None, motion, turning)
-
-
-def _repeat(
-    equations: Equations,
-    spread: Covariance,
-    settings: Infer,
-    force: Array,
-    factor: float,
-    solution: Callable[[float, Array], tuple[Array, float]],
-    misfit: Callable[[float, Array], float],
-    search: ModulusSearch | None,
-    progress: bool,
-) -> Array:
-    """Return standard errors of the forces: deviations of solutions whose data are the fitted ones with new noise."""
-    rng = np.random.default_rng(settings.seed)
-    fitted = equations.matrix @ force.ravel()
-    found = []
-    bar = progress_bar(progress, iterable=range(settings.repetitions), desc="repetitions with noise", leave=False)
-    for _ in bar:
-        data = fitted + spread.draw(rng, factor)
-        if search is None or not search.error:
-            found.append(solution(factor, data)[0])
-            continue
-        n_motion = len(equations.motion_data)
-        spin = np.concatenate([np.zeros(n_motion), equations.spin_data])
-        strained = np.concatenate([np.zeros(n_motion), (data - spin)[n_motion:] / factor])
-        rest = np.concatenate([data[:n_motion], equations.spin_data])
-
-        def again(trial: float, rest: Array = rest, strained: Array = strained) -> float:
-            return misfit(trial, rest + trial * strained)
-
-        best = search_near(again, factor, NEAR * search.error)
-        found.append(solution(best, rest + best * strained)[0])
-    return np.sqrt(((np.array(found) - force) ** 2).sum(axis=0) / (len(found) - 1))

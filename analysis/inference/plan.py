@@ -16,8 +16,8 @@ from granwave.analysis.inference.case import Infer, InferCase
 from granwave.analysis.inference.equations import Noise
 from granwave.analysis.inference.grains import Array, Grains, State, Wall, find_contacts, stiffness
 from granwave.analysis.inference.infer import infer, relative_noise
+from granwave.analysis.inference.measurement import groups
 from granwave.analysis.inference.output import Inferred
-from granwave.analysis.inference.table import groups
 from granwave.analysis.inference.tables import summary_of
 from granwave.analysis.inference.truth import Snapshots, seen_by_camera
 from granwave.analysis.progress_bar import progress_bar
@@ -144,18 +144,13 @@ def plan_experiment(
 
 def _case(run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]) -> dict[str, Any]:
     """Return the tables of a case with which `granwave infer` reads the measurement; materials are in its columns."""
+    same = ("friction", "wall_friction", "contact_tolerance", "modulus", "repetitions", "ridge", "weights")
     wanted: dict[str, Any] = {
         "state": state,
-        "friction": settings.friction,
-        "wall_friction": settings.wall_friction,
         "thickness": run.length,
-        "contact_tolerance": settings.contact_tolerance,
-        "modulus": settings.modulus,
-        "repetitions": settings.repetitions,
-        "ridge": settings.ridge,
-        "weights": settings.weights,
-        "walls": {name: {"point": list(wall.point), "normal": list(wall.normal)} for name, wall in walls.items()},
+        **{name: getattr(settings, name) for name in same},
     }
+    wanted["walls"] = {name: {"point": list(one.point), "normal": list(one.normal)} for name, one in walls.items()}
     noise = {name: size for name, size in dataclasses.asdict(settings.deviations).items() if size}
     if noise:
         wanted["noise"] = noise

@@ -16,7 +16,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg, optimize, sparse
 
 from granwave.analysis.inference.equations import Equations, unknown_columns
@@ -53,20 +52,12 @@ def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
     ndarray
         Normal and tangential components: (n_contacts, dimension), N.
     """
-    if matrix.shape[1] <= DENSE_UNKNOWNS and (dimension == 2 or not friction.any()):
-        return _by_edges(matrix, data, friction, dimension)
-    return solve_conic(matrix, data, friction, dimension)
-
-
-def _by_edges(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Solve by non-negative least squares: in the plane a force is a sum of the two edges of its cone.
-
-    In space this holds without friction alone, where a force is a push.
-    """
+    if matrix.shape[1] > DENSE_UNKNOWNS or (dimension == 3 and friction.any()):
+        return solve_conic(matrix, data, friction, dimension)
+    # a force is a sum of pushes along the two edges of its cone in the plane; in space, without friction, a push
     rough = friction > 0
     edges, tangent = matrix[:, ::dimension].toarray(), matrix[:, 1::dimension].toarray()
-    if rough.any():
-        edges = np.concatenate([edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1)
+    edges = np.concatenate([edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1)
     factors, _ = optimize.nnls(edges, data, maxiter=20 * edges.shape[1])
     upper, lower = factors[: len(friction)], np.zeros(len(friction))
     lower[rough] = factors[len(friction) :]
@@ -76,55 +67,46 @@ def _by_edges(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
 
 
 def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Solve by second-order cones (Clarabel); see `solve`."""
+    """Solve by second-order cones (Clarabel), unless the solution without cones lies within; see `solve`."""
     force = _free(matrix, data, friction, dimension)
-    if force is not None and _within(force, friction):
-        return _onto(force, friction)
+    if force is not None:
+        slack = _ROUNDING * float(np.abs(force).max(initial=0.0))
+        size = np.linalg.norm(force[:, 1:], axis=1)
+        if (force[:, 0] >= -slack).all() and (size <= friction * force[:, 0] + 4 * slack).all():
+            return _onto(force, friction)
     return _by_cones(matrix, data, friction, dimension)
 
 
 def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array | None:
-    """Return the solution without cones, which is that with them if it lies within; None if it is not unique."""
+    """Return the solution without cones; None if it is not unique.
+
+    By orthogonal columns, whose error grows with the condition and not with its square; of a large problem by the
+    normal equations. It is corrected once, or twice.
+    """
     kept = unknown_columns(friction, dimension)
-    columns = sparse.csr_array(matrix[:, kept])
-    if columns.shape[0] < columns.shape[1]:
+    matrix = sparse.csr_array(matrix[:, kept])
+    if matrix.shape[0] < matrix.shape[1]:
         return None
-    found = _dense(columns, data) if len(kept) <= DENSE_UNKNOWNS else _sparse(columns, data)
-    if found is None or not np.isfinite(found).all():
+    if len(kept) <= DENSE_UNKNOWNS:
+        columns, triangle = np.linalg.qr(matrix.toarray())
+        diagonal = np.abs(triangle.diagonal())
+        if diagonal.min(initial=1.0) <= _SINGULAR * diagonal.max(initial=0.0):
+            return None
+        found = linalg.solve_triangular(triangle, columns.T @ data)
+        found += linalg.solve_triangular(triangle, columns.T @ (data - matrix @ found))
+    else:
+        try:
+            factors = sparse.linalg.splu(sparse.csc_array(matrix.T @ matrix))
+        except RuntimeError:  # singular
+            return None
+        found = factors.solve(matrix.T @ data)
+        for _ in range(2):
+            found += factors.solve(matrix.T @ (data - matrix @ found))
+    if not np.isfinite(found).all():
         return None
     force = np.zeros(len(friction) * dimension)
     force[kept] = found
     return force.reshape(-1, dimension)
-
-
-def _dense(matrix: sparse.csr_array, data: Array) -> Array | None:
-    """Solve by orthogonal columns, whose error grows with the condition and not with its square."""
-    columns, triangle = np.linalg.qr(matrix.toarray())
-    diagonal = np.abs(triangle.diagonal())
-    if diagonal.min(initial=1.0) <= _SINGULAR * diagonal.max(initial=0.0):
-        return None
-    found = linalg.solve_triangular(triangle, columns.T @ data)
-    return np.asarray(found + linalg.solve_triangular(triangle, columns.T @ (data - matrix @ found)))
-
-
-def _sparse(matrix: sparse.csr_array, data: Array) -> Array | None:
-    """Solve the normal equations of a large problem, and correct the solution twice."""
-    try:
-        factors = sparse.linalg.splu(sparse.csc_array(matrix.T @ matrix))
-    except RuntimeError:  # singular
-        return None
-    found = factors.solve(matrix.T @ data)
-    for _ in range(2):
-        found += factors.solve(matrix.T @ (data - matrix @ found))
-    return np.asarray(found)
-
-
-def _within(force: Array, friction: Array) -> bool:
-    slack = _ROUNDING * float(np.abs(force).max(initial=0.0))
-    return bool(
-        (force[:, 0] >= -slack).all()
-        and (np.linalg.norm(force[:, 1:], axis=1) <= friction * force[:, 0] + 4 * slack).all()
-    )
 
 
 def _onto(force: Array, friction: Array) -> Array:
@@ -156,10 +138,11 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
     columns = place.reshape(len(friction), dimension)
     rough, smooth = np.flatnonzero(friction > 0), np.flatnonzero(friction == 0)
     # s = b - A x: zero for the equations, and in the cones (friction f_n, f_t)
-    scale = np.ones((len(friction), dimension))
-    scale[:, 0] = friction
-    push = _selection(columns[smooth, 0], -np.ones(len(smooth)), n_columns + n_rows)
-    cone = _selection(columns[rough].ravel(), -scale[rough].ravel(), n_columns + n_rows)
+    scale = np.ones((len(rough), dimension))
+    scale[:, 0] = friction[rough]
+    each = sparse.csr_array(sparse.eye_array(n_columns + n_rows))
+    push = -each[columns[smooth, 0]]
+    cone = sparse.diags_array(-scale.ravel()) @ each[columns[rough].ravel()]
     equations = sparse.hstack([matrix, -sparse.eye_array(n_rows)])
     constraints = sparse.csc_array(sparse.vstack([equations, push, cone]))
     right = np.concatenate([data / size, np.zeros(constraints.shape[0] - n_rows)])
@@ -180,11 +163,6 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
     return _onto(force.reshape(-1, dimension), friction)
 
 
-def _selection(columns: NDArray[np.int64], values: Array, n_columns: int) -> sparse.csr_array:
-    """Return a matrix with one value in each row."""
-    return sparse.csr_array((values, (np.arange(len(columns)), columns)), shape=(len(columns), n_columns))
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class ModulusSearch:
     """Search for the factor of the moduli.
@@ -195,22 +173,14 @@ class ModulusSearch:
         All trials, rising factors: (n,).
     factor
         The best.
-    curvature
-        Second derivative of chi^2 by the logarithm of the factor, at the best.
     error
-        Standard error of the logarithm of the factor.
+        Standard error of the logarithm of the factor: chi^2 grows by ``scale`` there (1 for known noise).
     """
 
     factors: Array
     chi2: Array
     factor: float
-    curvature: float
-    error: float = 0.0
-
-    def with_error(self, scale: float) -> ModulusSearch:
-        """Return the search with the standard error: chi^2 grows by ``scale`` at that distance from the minimum."""
-        error = math.sqrt(2 * scale / self.curvature) if self.curvature > 0 else math.inf
-        return dataclasses.replace(self, error=error)
+    error: float
 
 
 def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
@@ -224,15 +194,21 @@ def refuse_unknowable(grains: Grains, equations: Equations) -> None:
     """Raise InputError if stresses were measured, or no acceleration or weight tells the modulus."""
     if grains.compliance is None:
         raise InputError('infer.modulus: found "find" with measured stresses, which need no modulus; expected strains')
-    if not len(equations.motion_data) or not np.any(equations.motion_data):
+    if not np.any(equations.motion_data):
         raise InputError(
             'infer.modulus: found "find", but nothing to find it from: strains tell forces up to a factor; expected '
             "accelerations other than zero (or a weight, infer.gravity), or material.youngs_modulus"
         )
 
 
-def find_modulus(equations: Equations, chi2: Callable[[float], float]) -> ModulusSearch:
+def find_modulus(equations: Equations, chi2: Callable[[float], float], n_more: int | None) -> ModulusSearch:
     """Find the factor of the moduli with the least chi^2.
+
+    Parameters
+    ----------
+    n_more
+        Number of equations minus that of unknowns, by which the least chi^2 tells a noise that is not known; None if
+        it is.
 
     Raises
     ------
@@ -264,10 +240,10 @@ def find_modulus(equations: Equations, chi2: Callable[[float], float]) -> Modulu
     found = optimize.minimize_scalar(at, bounds=(low, high), method="bounded", options={"xatol": _OF_FACTOR})
     logarithm = float(found.x)
     curvature = (at(logarithm + _STEP) - 2 * at(logarithm) + at(logarithm - _STEP)) / _STEP**2
-    logarithms = np.array(sorted(tried))
-    return ModulusSearch(
-        np.exp(logarithms), np.array([tried[one] for one in logarithms.tolist()]), math.exp(logarithm), curvature
-    )
+    factors, least = np.array(sorted(tried.items())).T
+    scale = 1.0 if n_more is None else float(least.min()) / max(n_more, 1)
+    error = math.sqrt(2 * scale / curvature) if curvature > 0 else math.inf
+    return ModulusSearch(np.exp(factors), least, math.exp(logarithm), error)
 
 
 def search_near(chi2: Callable[[float], float], factor: float, width: float) -> float:

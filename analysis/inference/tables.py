@@ -149,14 +149,14 @@ def in_words(summary: Mapping[str, Any]) -> str:
     ]
     if instants := summary["n_instants"] - 1:
         rows.insert(0, ("instants", str(instants + 1)))
-    if text := shown("chi2_per_equation", ".3g"):
-        rows.append(("chi^2", f"{text} for each free equation (1: as the noise)"))
-    if text := shown("standard_error_fraction", ".2g", 100):
-        rows.append(("standard error", f"{text} % of the forces, from {summary['repetitions']} repetitions"))
-    if text := shown("youngs_modulus_error_Pa", ".2g", 1e-6):
-        rows.append(("Young's modulus", f"{shown('youngs_modulus_Pa', '.4g', 1e-6)} +- {text} MPa"))
-    if text := shown("acceleration_error", ".2g", 100):
-        rows.append(("accelerations", f"off by {text} %"))
-    if text := shown("true_force_error", ".2g", 100):
-        rows.append(("forces", f"off by {text} % of the true ones"))
+    modulus = shown("youngs_modulus_Pa", ".4g", 1e-6)
+    for label, key, form, factor, words in (
+        ("chi^2", "chi2_per_equation", ".3g", 1, "{} for each free equation (1: as the noise)"),
+        ("standard error", "standard_error_fraction", ".2g", 100, "{} % of the forces, from {repetitions} repetitions"),
+        ("Young's modulus", "youngs_modulus_error_Pa", ".2g", 1e-6, "{modulus} +- {} MPa"),
+        ("accelerations", "acceleration_error", ".2g", 100, "off by {} %"),
+        ("forces", "true_force_error", ".2g", 100, "off by {} % of the true ones"),
+    ):
+        if text := shown(key, form, factor):
+            rows.append((label, words.format(text, modulus=modulus, **summary)))
     return lines([*rows, *(("note", note) for note in summary["notes"])])

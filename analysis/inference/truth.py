@@ -24,9 +24,7 @@ from granwave.analysis.inference.grains import (
 from granwave.analysis.lammps_output.dumps import read_frame_forces, read_frames
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import walls
 
@@ -84,31 +82,19 @@ class Snapshots:
             if found:
                 raise InputError(f"{self.directory}: has {name}, expected grains between planes, as a camera would "
                                  "see them")  # fmt: skip
-        cylinder = _cylinders(assembly, self.directory)
+        shapes = set(assembly.grain_shapes())
+        cylinder = shapes.pop()
+        if shapes or (cylinder is not None and 1.0 not in np.abs(cylinder.axis[1:])):
+            raise InputError(
+                f"{self.directory}: has cylinders of several lengths or axes, or spheres too; expected spheres, or "
+                "cylinders of one length along y or z"
+            )
         axis, self.turn, about = "", np.eye(3), np.eye(3)
         if cylinder is not None:
             axis = "y" if cylinder.axis[1] else "z"
             self.turn, about = _TURNS[axis], np.eye(3)[["xyz".index(axis)]]  # about the axis of rotation
         self.dimension = 3 if cylinder is None else 2
         self.length = 1.0 if cylinder is None else cylinder.length
-        self._read_grains(result)
-        self._read_snapshots(result, about)
-        self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {
-            wall.name: (wall, tuple(fix for fix, _, _ in wall.fixes))
-            for wall in there
-            if not wall.held_layer and "xyz"[wall.axis] != axis
-        }
-        self.moved = {
-            name: np.interp(self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
-            if f"walls/{name}/displacement" in result
-            else np.zeros(len(self.times))
-            for name in self.wall_fixes
-        }
-        frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
-        at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
-        self.friction = max(frictions), max(at_walls)
-
-    def _read_grains(self, result: Result) -> None:
         self.ids = result["particles/spheres/id"].astype(np.int64)
         self.radius = result["particles/spheres/radius"]
         self.strikers = np.isin(self.ids, result.assembly.passing)
@@ -117,8 +103,6 @@ class Snapshots:
         self.density = np.array([material.density for material in materials])
         self.youngs_modulus = np.array([material.youngs_modulus for material in materials])
         self.poisson_ratio = np.array([material.poisson_ratio for material in materials])
-
-    def _read_snapshots(self, result: Result, about: Array) -> None:
         by_step = {frame.step: frame for frame in read_frame_forces(Path(self.directory))}
         frames = [frame for frame in read_frames(Path(self.directory)) if frame.step in by_step]
         number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
@@ -134,6 +118,20 @@ class Snapshots:
         inertia = _OF_SPHERE * self.density * self.volume * self.radius**2
         torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in self.frames])
         self.angular_acceleration = torque / inertia[:, None]
+        self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {
+            wall.name: (wall, tuple(fix for fix, _, _ in wall.fixes))
+            for wall in there
+            if not wall.held_layer and "xyz"[wall.axis] != axis
+        }
+        self.moved = {
+            name: np.interp(self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
+            if f"walls/{name}/displacement" in result
+            else np.zeros(len(self.times))
+            for name in self.wall_fixes
+        }
+        frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
+        at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
+        self.friction = max(frictions), max(at_walls)
 
     @property
     def volume(self) -> Array:
@@ -144,12 +142,9 @@ class Snapshots:
         """Return the walls at a snapshot, by name."""
         found = {}
         for name, (wall, _) in self.wall_fixes.items():
-            outward = np.zeros(3)
-            outward[wall.axis] = wall.outward
+            along = self.turn[:, wall.axis]  # the axis of the run in the coordinates of the measurement
             level = wall.coordinate + wall.outward * float(self.moved[name][number])
-            point = np.zeros(3)
-            point[wall.axis] = level
-            found[name] = Wall(tuple((self.turn @ point).tolist()), tuple((-self.turn @ outward).tolist()))
+            found[name] = Wall(*(tuple((size * along + 0.0).tolist()) for size in (level, -wall.outward)))
         return found
 
     def largest_snapshot(self, spare: float = 0.0) -> int:
@@ -172,22 +167,19 @@ class Snapshots:
             The second: normal and tangential components, (n_contacts, d), N.
         """
         frame, forces = self.frames[number], self.forces[number]
-        n, turns = len(self.radius), TURNS[self.dimension]
-        mass = self.density * self.volume
-        total = frame.vector("fx", "fy", "fz")
-        nothing = np.zeros((n, len(PAIRS[self.dimension])))
-        still = np.zeros((n, turns))
+        n, d, mass = len(self.radius), self.dimension, self.density * self.volume
+        total, still = frame.vector("fx", "fy", "fz"), np.zeros((n, d))
         grains = Grains(
             self.ids, self.position[number], self.radius, mass, self.volume,
-            np.zeros((n, self.dimension)), self.spin[number], still, np.zeros((n, self.dimension)), nothing,
+            still, self.spin[number], np.zeros((n, TURNS[d])), still, np.zeros((n, len(PAIRS[d]))),
             passes_walls=self.strikers if self.wall_fixes and self.strikers.any() else None,
         )  # fmt: skip
         contacts = find_contacts(grains, self.walls(number), tolerance)
-        true = np.zeros((len(contacts), self.dimension))
+        true = np.zeros((len(contacts), d))
         on_pairs = self._pairs(grains, contacts, forces, true)
         rest = total @ self.turn.T - on_pairs
         equations = make_equations(grains, contacts)
-        of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, self.dimension :] * self.radius[:, None]
+        of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, d:] * self.radius[:, None]
         torque = self.angular_acceleration[number] * grains.inertia[:, None] - of_pairs
         known = self._walls(grains, contacts, frame, rest, torque, true)
         # what is held in place has unknown forces upon it, and is left out of the measurement
@@ -195,10 +187,10 @@ class Snapshots:
         held = (np.linalg.norm(total, axis=1) == 0) & (np.linalg.norm(known, axis=1) > _REST * size)
         known[np.linalg.norm(known, axis=1) <= _REST * size] = 0.0
         sums = (equations.motion @ true.ravel()).reshape(n, -1)
-        turning = sums[:, self.dimension :] * (self.radius / grains.inertia)[:, None]
-        exact = (sums[:, : self.dimension] + known) / mass[:, None]
+        turning = sums[:, d:] * (self.radius / grains.inertia)[:, None]
+        exact = (sums[:, :d] + known) / mass[:, None]
         moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(n, -1) * self.radius[:, None]
-        stress = moments / SCALES[self.dimension] / self.volume[:, None]
+        stress = moments / SCALES[d] / self.volume[:, None]
         for values in (exact, turning, stress):
             values[held] = np.nan
         known[held] = 0.0
@@ -253,9 +245,13 @@ class Snapshots:
         for grain in np.unique(contacts.first[loaded]).tolist():
             own = loaded[contacts.first[loaded] == grain]
             tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
-            radius = grains.radius[grain] if self.dimension == 3 else None
-            moments = np.concatenate([_moments(contacts, m, radius) for m in own.tolist()], axis=1)
+            levers = contacts.arm[own].repeat(self.dimension - 1, axis=0).T
             scale = grains.radius[grain]
+            if self.dimension == 3:  # levers end half-way into the overlap
+                apart = np.linalg.norm(levers, axis=0)
+                moments = np.cross((scale + apart) / 2 * levers / apart, tangents, axis=0)
+            else:
+                moments = (levers[0] * tangents[1] - levers[1] * tangents[0])[None]
             matrix = np.concatenate([tangents, moments / scale])
             found, _, rank, _ = np.linalg.lstsq(
                 matrix, np.concatenate([left[grain], torque[grain] / scale]), rcond=None
@@ -268,38 +264,6 @@ class Snapshots:
             true[own, 1:] = found.reshape(len(own), -1)
             left[grain] -= tangents @ found
         return left
-
-
-def _moments(contacts: Contacts, number: int, radius: float | None) -> Array:
-    """Return the moments about a grain of unit tangential forces at a wall, in columns: (1 or 3, d - 1), m.
-
-    The lever ends at the wall, of spheres (with a radius) half-way into the overlap.
-    """
-    arm = contacts.arm[number]
-    apart = float(np.linalg.norm(arm))
-    lever = arm if radius is None else (radius + apart) / 2 * arm / apart
-    tangents = contacts.basis[number][:, 1:]
-    if len(lever) == 2:
-        return np.array([lever[0] * tangents[1] - lever[1] * tangents[0]])
-    return np.cross(lever[:, None], tangents, axis=0)
-
-
-def _cylinders(assembly: Assembly, directory: str) -> Cylinder | None:
-    """Return the shape of the cylinders of a run; None for spheres.
-
-    Raises
-    ------
-    InputError
-        Grains have different shapes, or axes other than y and z.
-    """
-    shapes = set(assembly.grain_shapes())
-    one = shapes.pop()
-    if shapes or (one is not None and 1.0 not in np.abs(one.axis[1:])):
-        raise InputError(
-            f"{directory}: has cylinders of several lengths or axes, or spheres too; expected spheres, or cylinders of "
-            "one length along y or z"
-        )
-    return one
 
 
 def seen_by_camera(

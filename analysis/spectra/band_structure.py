@@ -7,10 +7,9 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from granwave.analysis.spectra.bands import Bands, Gap, band_edges, describe_floppy, gaps, refuse_floppy, solve_bands
-from granwave.analysis.spectra.network import Array, Network
+from granwave.analysis.spectra.bands import ROLLING, Bands, Gap, band_edges, describe_floppy, gaps, solve_bands
+from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
 from granwave.analysis.spectra.stiffness import Stiffness, stiffness_of
@@ -66,7 +65,7 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     """
     network = stiffness.network
     n_waves = int(network.moves[:, :3].all(axis=0).sum()) if network.n_grains else 0
-    if network.supports.grain.size:
+    if len(network.supports):
         held = (np.abs(network.supports.normal).max(axis=0) > 0) | (network.supports.tangential.max() > 0)
         n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
     size = float(np.linalg.norm(network.periods, axis=1).max())
@@ -134,8 +133,7 @@ class BandStructure:
     def unit_frequency(self) -> float:
         """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of normalised axes."""
         network = self.state.network
-        stiffness = np.concatenate([network.springs.stiffness, network.supports.stiffness])
-        return float(np.sqrt(stiffness.mean() / network.mass.mean()) / (2 * np.pi))
+        return float(np.sqrt(network.contacts.stiffness.mean() / network.mass.mean()) / (2 * np.pi))
 
     @property
     def edges(self) -> Array:
@@ -224,10 +222,20 @@ def band_structure(
         state = dataclasses.replace(state, network=state.network.turned_off(directions))
     stiffness = stiffness_of(state.network)
     way = make_path(path, state.network.periods, points)
-    bands = solve_bands(stiffness, way, n_bands, _near_top(state.network) if slab else None)
-    if not allow_floppy:
-        refuse_floppy(bands, state.name)
-    note = describe_floppy(bands) if bands.floppy.any() else ""
+    near_top = None
+    if slab:
+        depth, (grain, _) = state.network.position[:, 2], state.network.freedoms
+        near_top = depth[grain] <= depth.min() + NEAR_TOP * np.ptp(depth)
+    bands = solve_bands(stiffness, way, n_bands, near_top)
+    note = describe_floppy(bands)
+    if note and not allow_floppy:
+        cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
+        if ROLLING in note:
+            cure = "[[hold]] with rotation = true, --set contact.friction=0"
+        raise InputError(
+            f"{state.name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes "
+            "blank"
+        )
     start, towards = way.k[0], way.k[1] - way.k[0]
     direction = towards / np.linalg.norm(towards)
     top = float(np.nanmax(bands.frequency, initial=0.0))
@@ -237,11 +245,3 @@ def band_structure(
     curves = next((one for name in planes if (one := surface(stiffness, name)) is not None), None)
     speeds = long_wave_speeds(stiffness, direction[None])[0]
     return BandStructure(state, bands, tuple(gaps(bands)), decaying, curves, speeds, note)
-
-
-def _near_top(network: Network) -> NDArray[np.bool_]:
-    """Degrees of freedom of the grains in the upper part of a slab: (n_freedoms,)."""
-    depth = network.position[:, 2]
-    low, high = float(depth.min()), float(depth.max())
-    grain, _ = network.freedoms
-    return np.asarray(depth[grain] <= low + NEAR_TOP * (high - low))

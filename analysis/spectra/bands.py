@@ -18,7 +18,6 @@ from granwave.analysis.spectra.network import FREEDOMS, Array, Network
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES
 from granwave.analysis.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.analysis.spectra.wave_vectors import Path
-from granwave.lammps_inputs.errors import InputError
 
 _ZERO = 1e-10  # omega^2 over the largest: no stiffness
 _LONG = 1e-6  # |k| times the period: a uniform displacement
@@ -133,34 +132,16 @@ def solve_bands(
     return Bands(stiffness, path, square, velocity, shape, largest, share)
 
 
-def refuse_floppy(bands: Bands, name: str) -> None:
-    """Raise InputError if grains can move without resistance at a wave vector of the path.
-
-    Raises
-    ------
-    InputError
-        They can; the message says in how many modes, where, and which grains move how.
-    """
-    if bands.floppy.any():
-        found = describe_floppy(bands)
-        cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
-        if ROLLING in found:
-            cure = "[[hold]] with rotation = true, --set contact.friction=0"
-        raise InputError(
-            f"{name}: {found}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes blank"
-        )
-
-
 def describe_floppy(bands: Bands) -> str:
-    """Describe the modes without resistance: how many, where, which grains move how."""
-    floppy = bands.floppy
-    counts = floppy.sum(axis=1)
-    row = int(np.argmax(counts))
+    """Describe the modes without resistance: how many, where, which grains move how; empty if there are none."""
+    counts = bands.floppy.sum(axis=1)
+    row, at = int(np.argmax(counts)), int(np.count_nonzero(counts))
+    if not at:
+        return ""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], floppy.shape[1])
-    loose = np.abs(vectors[0][:, floppy[row]]) ** 2
-    at = int(np.count_nonzero(counts))
+        _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], bands.floppy.shape[1])
+    loose = np.abs(vectors[0][:, bands.floppy[row]]) ** 2
     return (
         f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no resistance at "
         f"{bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors there are some)"
@@ -233,18 +214,13 @@ def gaps(bands: Bands) -> list[Gap]:
     Of a large cell the last one is left out where only the lowest bands were sought.
     """
     edges = band_edges(bands)
-    order = np.argsort(edges[:, 0])
     found: list[Gap] = []
     top, least = 0.0, _LEAST * float(np.nanmax(edges, initial=0.0))
-    for n, (low, high) in enumerate(edges[order].tolist()):
-        if np.isnan(low):
-            continue
+    for n, (low, high) in enumerate(edges[np.argsort(edges[:, 0])].tolist()):  # bands without any frequency are last
         if low > top + least:
             found.append(Gap(top, low, n))
         top = max(top, high)
-    if bands.complete:
-        found.append(Gap(top, np.inf, len(edges)))
-    return found
+    return [*found, Gap(top, np.inf, len(edges))] if bands.complete else found
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -294,11 +270,9 @@ class Modes:
         """Describe the modes without resistance: how many, and which grains move how."""
         loose = self.square <= _ZERO * self.largest
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
-        n = int(loose.sum())
-        known = "" if self.complete or n < len(self.square) else " or more"
-        text = f"{n}{known} of {self.network.n_freedoms} modes meet no resistance{growing(self.square, self.largest)}; "
-        text += who_moves(self.network, share)
-        return text
+        known = "" if self.complete or not loose.all() else " or more"
+        many = f"{self.n_floppy}{known} of {self.network.n_freedoms} modes meet no resistance"
+        return f"{many}{growing(self.square, self.largest)}; {who_moves(self.network, share)}"
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
@@ -314,7 +288,10 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     matrix, largest = stiffness.matrix(np.zeros(3)).real.tocsr(), stiffness.largest
     if n <= ALL_UP_TO:
         square, vectors = np.linalg.eigh(matrix.toarray())
-        frequency, density = _histogram(square)
+        known = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
+        n_bins = int(np.clip(len(square) / 8, 10, _BINS))
+        counts, edges = np.histogram(known, n_bins, (0.0, 1.02 * known.max()))
+        frequency, density = (edges[1:] + edges[:-1]) / 2, counts / (len(square) * np.diff(edges))
         if n_modes is not None:
             square, vectors = square[:n_modes], vectors[:, :n_modes]
     else:
@@ -327,14 +304,6 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     participation = own.sum(axis=0) ** 2 / (moving * (own**2).sum(axis=0))
     shape = vectors / np.sqrt(network.masses)[:, None]
     return Modes(network, square, shape, participation, frequency, density, largest)
-
-
-def _histogram(square: Array) -> tuple[Array, Array]:
-    """Density of states of all modes."""
-    frequency = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
-    n_bins = int(np.clip(len(square) / 8, 10, _BINS))
-    counts, edges = np.histogram(frequency, n_bins, (0.0, 1.02 * frequency.max()))
-    return (edges[1:] + edges[:-1]) / 2, counts / (len(square) * np.diff(edges))
 
 
 def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]

@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.spectra.network import Array, Ints, Network, Springs, Supports, across, joined
-from granwave.analysis.spectra.pair_laws import PairLaws
+from granwave.analysis.spectra.network import Array, Ints, Network, Springs, across, joined
+from granwave.analysis.spectra.pair_laws import PairLaws, Part
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
@@ -21,17 +22,17 @@ _UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what th
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Pairs:
-    """Pairs of grains near each other, each once.
+class Contacts:
+    """Grains near each other, each pair once, or near walls.
 
     Attributes
     ----------
-    first, second, image, normal, turns
+    first, second, image, normal, distance, turns, wall
         As in `Springs`.
-    distance, overlap
-        Distances that overlaps count from, and overlaps: (n,), m.
+    overlap
+        (n,), m.
     radii
-        Radii of both grains: (n, 2), m.
+        Radii of both grains, infinite for a wall: (n, 2), m.
     shift
         Vectors between their cells before the load: (n, 3), m.
     """
@@ -40,11 +41,15 @@ class Pairs:
     second: Ints
     image: Ints
     normal: Array
-    turns: Array | None
     distance: Array
+    turns: Array
+    wall: NDArray[np.object_]
     overlap: Array
     radii: Array
     shift: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -95,40 +100,23 @@ class Bodies:
         factor = np.array([_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes])[self.kind]
         return np.asarray(factor * self.mass * self.radius**2)
 
-    def at_walls(self, position: Array, gap: float) -> Iterator[tuple[Wall, Ints, Array, Array]]:
-        """Give each wall with the rows of the grains whose gap to it is less than ``gap``, m, overlaps and normals.
-
-        Overlaps are (n,), m, and unit vectors to the wall (n, 3). The ends of cylinders do not touch.
-        """
-        for wall in self.walls:
-            if wall.held_layer:
-                continue
-            gaps = wall.gaps(position, self.radius)
-            near = gaps < gap
-            if wall.name in self.touched:
-                near &= self.touched[wall.name]
-            if self.laws.has_cylinders and not wall.tube:
-                ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
-                near &= ~np.array(ends)[self.kind]
-            rows = np.flatnonzero(near)
-            normal = np.zeros((len(rows), 3))
-            if wall.tube:
-                reach = np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
-                normal[:, :2] = position[rows, :2] / reach[:, None]
-            else:
-                normal[:, wall.axis] = wall.outward
-            yield wall, rows, -gaps[rows], normal
+    def part(self, rows: Ints, periods: Array) -> Bodies:
+        """Return some of the grains, in a cell of these periods."""
+        names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
+        own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
+        touched = {name: one[rows] for name, one in self.touched.items()}
+        return dataclasses.replace(self, **own, periods=periods, touched=touched)
 
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
-    ) -> tuple[Pairs, NDArray[np.bool_]]:
+    ) -> tuple[Contacts, NDArray[np.bool_]]:
         """Return pairs of rows from the vectors between their centres (n, 3), m, and True where nothing touches.
 
         That is where the nearest places are beyond the end of a cylinder. Distances may be given: (n,), m.
         """
-        apart, turns, beyond = step, None, np.zeros(len(first), dtype=bool)
+        apart, turns, beyond = step, np.empty((len(first), 3, 3)), np.zeros(len(first), dtype=bool)
         if self.laws.has_cylinders:
-            apart, turns = np.empty_like(step), np.empty((len(first), 3, 3))
+            apart = np.empty_like(step)
             shapes = self.laws.shapes
             code = self.kind[first] * len(shapes) + self.kind[second]
             for each in np.unique(code).tolist():
@@ -143,16 +131,46 @@ class Bodies:
             apart, distance = apart * (lengths / distance)[:, None], lengths
         with np.errstate(invalid="ignore"):
             normal = apart / distance[:, None]
-        overlap = radii.sum(axis=1) - distance
-        return Pairs(first, second, image, normal, turns, distance, overlap, radii, image @ self.periods), beyond
+        if not self.laws.has_cylinders:
+            turns = across(normal)
+        names, overlap = np.full(len(first), "", dtype=object), radii.sum(axis=1) - distance
+        shift = image @ self.periods
+        return Contacts(first, second, image, normal, distance, turns, names, overlap, radii, shift), beyond
 
     @property
     def spacing(self) -> float:
         """Mean diameter, m."""
         return float(2 * self.radius.mean())
 
-    def near(self, position: Array, periods: Array, gap: float) -> Pairs:
-        """Find the pairs of grains whose surfaces are at most ``gap`` apart, m."""
+    def _at_walls(self, position: Array, gap: float) -> Iterator[Contacts]:
+        """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not touch."""
+        for wall in self.walls:
+            if wall.held_layer:
+                continue
+            gaps = wall.gaps(position, self.radius)
+            near = gaps < gap
+            if wall.name in self.touched:
+                near &= self.touched[wall.name]
+            if self.laws.has_cylinders and not wall.tube:
+                ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
+                near &= ~np.array(ends)[self.kind]
+            rows = np.flatnonzero(near)
+            n = len(rows)
+            normal, around, distance = np.zeros((n, 3)), np.zeros((n, 3)), np.full(n, np.inf)
+            if wall.tube:
+                distance = -np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
+                normal[:, :2] = position[rows, :2] / -distance[:, None]
+                around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
+            else:
+                normal[:, wall.axis] = wall.outward
+            yield Contacts(
+                rows, np.full(n, -1), np.zeros((n, len(self.periods)), dtype=np.int64), normal, distance,
+                around[:, :, None] * around[:, None, :], np.full(n, wall.name, dtype=object), -gaps[rows],
+                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
+            )  # fmt: skip
+
+    def near(self, position: Array, periods: Array, gap: float, wall_gap: float | None = None) -> Contacts:
+        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than ``wall_gap``."""
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
         half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
@@ -172,12 +190,10 @@ class Bodies:
             found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
         first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
         near, beyond = self.pairs(first, second, shifts, position[second] - position[first] + shifts @ periods)
-        return joined([near], (-near.overlap <= gap) & ~beyond)
+        at_walls = self._at_walls(position, gap if wall_gap is None else wall_gap)
+        return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
 
-    def network(
-        self, position: Array, periods: Array, peak: Callable[[Ints, Ints], Array] | None = None,
-        wall_peak: Callable[[str, Ints], Array] | None = None,
-    ) -> Network:  # fmt: skip
+    def network(self, position: Array, periods: Array, peak: Callable[[Contacts], Array] | None = None) -> Network:
         """Return the springs of the contacts that bear force in a state.
 
         Parameters
@@ -186,49 +202,40 @@ class Bodies:
             Centres in the static state: (n, 3), m.
         periods
             Periods in the static state: (n_periods, 3), m.
-        peak, wall_peak
-            Functions that give the largest overlaps so far, m, of pairs of rows, and of rows at a wall; by default
-            those of the state.
+        peak
+            Function that gives the largest overlaps of contacts so far, m; by default those of the state.
         """
-        slack = -_NEGLIGIBLE * self.spacing
-        near = self.near(position, periods, slack)
-        springs = self.springs(near, None if peak is None else peak(near.first, near.second))
-        supports = self._supports(position, slack, wall_peak)
-        least = _UNLOADED * max(springs.force.max(initial=0.0), supports.force.max(initial=0.0))
-        springs = joined([springs], (springs.force > least) & (springs.stiffness > 0))
-        return self.with_springs(springs, joined([supports], (supports.force > least) & (supports.stiffness > 0)))
+        near = self.near(position, periods, -_NEGLIGIBLE * self.spacing)
+        springs = self.springs(near, None if peak is None else peak(near))
+        least = _UNLOADED * springs.force.max(initial=0.0)
+        return self.with_springs(joined([springs], (springs.force > least) & (springs.stiffness > 0)))
 
-    def with_springs(self, springs: Springs, supports: Supports) -> Network:
+    def with_springs(self, springs: Springs) -> Network:
         """Return the network of these contacts, without grains that nothing touches."""
         given = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
-        return Network(*given, springs, supports).without_idle()
+        return Network(*given, springs).without_idle()
 
-    def springs(self, pairs: Pairs, peak: Array | None = None) -> Springs:
-        """Return the springs of pairs; ``peak`` are the largest overlaps so far, (n,), m, by default those now."""
-        most = pairs.overlap if peak is None else np.maximum(pairs.overlap, peak)
+    def springs(self, contacts: Contacts, peak: Array | None = None) -> Springs:
+        """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by default those now."""
+        most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
         force, stiffness, tangential = np.zeros((3, len(most)))
-        for law, rows, scale in self.laws.pairs(self.kind[pairs.first], self.kind[pairs.second], pairs.radii):
-            force[rows], stiffness[rows], tangential[rows] = law.small(pairs.overlap[rows], most[rows], scale)
+        for law, rows, scale in self.laws_of(contacts):
+            force[rows], stiffness[rows], tangential[rows] = law.small(contacts.overlap[rows], most[rows], scale)
+        lever = np.where(np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0)
         return Springs(
-            pairs.first, pairs.second, pairs.image, pairs.normal, pairs.distance, force, stiffness, tangential,
-            pairs.radii - pairs.overlap[:, None] / 2, across(pairs.normal) if pairs.turns is None else pairs.turns,
+            contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
+            tangential, lever, contacts.turns, contacts.wall,
         )  # fmt: skip
 
-    def _supports(self, position: Array, gap: float, wall_peak: Callable[[str, Ints], Array] | None) -> Supports:
-        tables = [Supports.none()]
-        for wall, grain, overlap, normal in self.at_walls(position, gap):
-            most = overlap if wall_peak is None else np.maximum(overlap, wall_peak(wall.name, grain))
-            force, stiffness, tangential, turning = np.zeros((4, len(grain)))
-            for law, rows, scale in self.laws.wall(wall, self.kind[grain], self.radius[grain]):
-                force[rows], stiffness[rows], tangential[rows] = law.small(overlap[rows], most[rows], scale)
-            around = np.zeros_like(normal)
-            if wall.tube:
-                around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
-                turning = force / np.hypot(*position[grain].T[:2])
-            names = np.full(len(grain), wall.name, dtype=object)
-            lever = self.radius[grain] - overlap / 2
-            tables.append(Supports(grain, names, normal, force, stiffness, tangential, lever, turning, around))
-        return joined(tables)
+    def laws_of(self, contacts: Contacts) -> Iterator[Part]:
+        """Give the laws of contacts, each with its rows and their scales."""
+        pairs, kind, radii = np.flatnonzero(contacts.second >= 0), self.kind[contacts.first], contacts.radii
+        for law, rows, scale in self.laws.pairs(kind[pairs], self.kind[contacts.second[pairs]], radii[pairs]):
+            yield law, pairs[rows], scale
+        for wall in self.walls:
+            own = np.flatnonzero(contacts.wall == wall.name)
+            for law, rows, scale in self.laws.wall(wall, kind[own], radii[own, 0]):
+                yield law, own[rows], scale
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:

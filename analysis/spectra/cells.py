@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,6 @@ from granwave.analysis.spectra.bodies import Bodies
 from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import Shape
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
@@ -35,15 +33,7 @@ _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes 
 
 
 class UnitCell(NamedTuple):
-    """Grains of a unit cell.
-
-    Attributes
-    ----------
-    rows
-        Rows of the packing that they are taken from: (n,).
-    periods
-        Vectors after which it repeats: (n_periods, 3), m.
-    """
+    """Rows of the packing that make a unit cell, (n,), and the vectors after which it repeats, (n_periods, 3), m."""
 
     rows: Ints
     periods: Array
@@ -56,10 +46,8 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
     """
     found, n = _repeats(kind)
-    supports = kind.supports
-    if n == 1 and len(supports) == len(found) == 3:
-        return np.array(supports), 1
-    return np.array(found), n
+    primitive = n == 1 and len(kind.supports) == len(found) == 3
+    return np.array(kind.supports if primitive else found), n
 
 
 def vectors_of_layer(kind: Kind) -> Array:
@@ -114,7 +102,20 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             )
         return UnitCell(np.arange(n), np.array(case.packing.cell))
     if lattice.kind == "chain":
-        return _of_chain(assembly, endless=endless)
+        period, length = 1, lattice.diameter
+        if not assembly.sites.uniform:
+            if not assembly.sites.present.all():
+                raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
+            period = assembly.sites.period_of_chain(whole=endless) or n
+            length = float(assembly.sites.nominal[:period].sum())
+            if period == n and not endless:
+                raise InputError(
+                    f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
+                    'boundary.bottom = "periodic" the whole chain is the unit cell'
+                )
+        start = period * (n // (2 * period)) if holds_some(case) else 0  # in the middle, where some beads are held
+        start = start if start + period <= n else 0
+        return UnitCell(np.arange(start, start + period), np.array([[0.0, 0.0, length]]))
     if assembly.sites.uniform and not holds_some(case):
         vectors, spheres = primitive_vectors(lattice.rule)
         nx, ny, nz = lattice.shape
@@ -140,29 +141,6 @@ def unit_cell(assembly: Assembly) -> UnitCell:
     return UnitCell(np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]])
 
 
-def _of_chain(assembly: Assembly, *, endless: bool) -> UnitCell:
-    case, n = assembly.case, assembly.lattice.n_spheres
-    sites = assembly.sites
-    if sites.uniform:
-        return UnitCell(_inner(case, 1, n), np.array([[0.0, 0.0, assembly.lattice.diameter]]))
-    if not sites.present.all():
-        raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
-    period = sites.period_of_chain(whole=endless) or n
-    if period == n and not endless:
-        raise InputError(
-            f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
-            'boundary.bottom = "periodic" the whole chain is the unit cell'
-        )
-    nominal = sites.nominal[:period]
-    return UnitCell(_inner(case, period, n), np.array([[0.0, 0.0, float(nominal.sum())]]))
-
-
-def _inner(case: Case, period: int, n: int) -> Ints:
-    """Rows of the first beads of a chain, or, where some are held, of those in its middle."""
-    start = period * (n // (2 * period)) if holds_some(case) else 0
-    return np.arange(start, start + period) if start + period <= n else np.arange(period)
-
-
 def holds_some(case: Case) -> bool:
     """Return True if some grains are held or guided, and others not."""
     return any(hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size) for hold in case.holds.values())
@@ -186,104 +164,74 @@ def cell_bodies(case: Case) -> Bodies:
         )
     if stage.kind == "gravity":
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
-    base = packing_bodies(assembly, cell.rows)
+    base = packing_bodies(assembly).part(cell.rows, cell.periods)
     across = np.abs(cell.periods).max(axis=0) > 0  # axes along which a wall would cut the endless packing
     planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not across[wall.axis]))
-    lattice_walls = not isinstance(assembly.lattice, Lattice)
+    of_file = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
-        periods=cell.periods,
-        walls=planes if lattice_walls else (),
-        dead_load=np.zeros_like(base.dead_load),
+        walls=planes if of_file else (),
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
-    if lattice_walls:
-        _refuse_overlaps(bodies)
-    return bodies
-
-
-def _refuse_overlaps(bodies: Bodies) -> None:
-    """Raise InputError if grains of a file overlap each other, or images of each other, beyond the contact laws."""
+    if not of_file:
+        return bodies
+    # grains of a file may overlap each other, or images of each other
     shortest, largest = float(np.linalg.norm(bodies.periods, axis=1).min()), float(bodies.radius.max())
     if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
         raise InputError(
-            f"{bodies.case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
+            f"{case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
             f"diameter of {2 * largest:.3g} m, which its own image would lie in; give larger periods (m)"
         )
     near = bodies.near(bodies.position, bodies.periods, 0.0)
-    share = near.overlap * (1 / near.radii).sum(axis=1)
-    if not len(share) or share.max() <= LARGEST:
-        return
+    share = np.where(near.second >= 0, near.overlap * (1 / near.radii).sum(axis=1), 0.0)
+    if share.max(initial=0.0) <= LARGEST:
+        return bodies
     worst = int(np.argmax(share))
-    i, j, of = (
-        bodies.ids[near.first[worst]],
-        bodies.ids[near.second[worst]],
-        "an image of " * bool(near.image[worst].any()),
-    )
+    i, j = bodies.ids[near.first[worst]], bodies.ids[near.second[worst]]
+    of = "an image of " * bool(near.image[worst].any())
     raise InputError(
-        f"{bodies.case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
+        f"{case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
         f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
     )
 
 
-def packing_bodies(assembly: Assembly, rows: Ints | None = None) -> Bodies:
-    """Return the spheres of a packing, without strikers, in the order of their ids, or some rows of them."""
-    case = assembly.case
-    n = assembly.lattice.n_spheres
-    inside = assembly.ids <= n
-    ids = assembly.ids[inside]
-    sites = assembly.sites
-    there, kind = np.unique(sites.body[sites.present], return_inverse=True)
-    kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
-    held = _no_turns([shape for _, shape in kinds], case)[kind]
-    for entry in case.holds.values():
-        chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
-        for axis in entry.axes:
-            held[chosen, "xyz".index(axis)] = True
-        if entry.rotation:
-            held[chosen, 3:] = True
-    moves = ~held & moving("xyz", case)
-    part = slice(None) if rows is None else rows
-    position = assembly.positions()[inside][part]
-    around = walls(assembly)
-    acts = {wall.name: touched_by(assembly, wall) for wall in around}
-    return Bodies(
-        case,
-        PairLaws(case, tuple(kinds)),
-        ids[part],
-        position,
-        assembly.sphere_diameters()[inside][part] / 2,
-        assembly.sphere_masses()[inside][part],
-        kind[part],
-        moves[part],
-        np.empty((0, 3)),
-        around,
-        np.zeros_like(position),
-        touched={name: one[ids - 1][part] for name, one in acts.items() if one is not None},
-    )
-
-
-def _no_turns(shapes: Sequence[Shape], case: Case) -> NDArray[np.bool_]:
-    """Degrees of freedom that grains of these shapes lack: cylinders turn about their axis alone, (n, 6).
+def packing_bodies(assembly: Assembly) -> Bodies:
+    """Return the spheres of a packing, without strikers and without dead loads, in the order of their ids.
 
     Raises
     ------
     InputError
         There is friction, and the axis of a cylinder is not along x, y or z.
     """
-    found = np.zeros((len(shapes), 6), dtype=bool)
-    for row, shape in enumerate(shapes):
-        if shape is None:
-            continue
-        along = np.abs(shape.vector) > 1 - _ALONG
-        if case.has_friction and not along.any():
-            raise InputError(
-                f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an axis "
-                "along x, y or z, or contact.friction = 0"
-            )
-        found[row, 3:] = ~along
-    return found
+    case, sites, inside = assembly.case, assembly.sites, assembly.ids <= assembly.lattice.n_spheres
+    ids = assembly.ids[inside]
+    there, kind = np.unique(sites.body[sites.present], return_inverse=True)
+    kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
+    lacking = np.zeros((len(kinds), 6), dtype=bool)  # cylinders turn about their axis alone
+    for row, (_, shape) in enumerate(kinds):
+        if shape is not None:
+            along = np.abs(shape.vector) > 1 - _ALONG
+            if case.has_friction and not along.any():
+                raise InputError(
+                    f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an "
+                    "axis along x, y or z, or contact.friction = 0"
+                )
+            lacking[row, 3:] = ~along
+    held = lacking[kind]
+    for entry in case.holds.values():
+        chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
+        for axis in entry.axes:
+            held[chosen, "xyz".index(axis)] = True
+        if entry.rotation:
+            held[chosen, 3:] = True
+    position, around = assembly.positions()[inside], walls(assembly)
+    acts = {wall.name: touched_by(assembly, wall) for wall in around}
+    return Bodies(
+        case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
+        assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
+        np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
+    )  # fmt: skip
 
 
 def moving(directions: str, case: Case) -> NDArray[np.bool_]:
@@ -297,45 +245,37 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
     case, stage, lattice = assembly.case, assembly.case.precompression, assembly.lattice
     assert stage is not None
-    n_periods, lengths = len(cell.periods), np.abs(cell.periods).max(axis=0)
-    along_z = float(lengths[2])
+    lengths, row = np.abs(cell.periods).max(axis=0), len(cell.periods) == 1
+    along_z, force, uniaxial = float(lengths[2]), stage.force, stage.kind == "uniaxial"
+    fault = ""
     if stage.moves_walls:
-        if stage.force is None:
-            return {}
-        if n_periods > 1 or along_z == 0:
-            raise InputError(
-                f"{case.name}: precompression.force: found {stage.force:g} N beside walls on a packing that does not "
-                "repeat along z alone, expected one that does"
-            )
-        return {(2, 2): stage.force * along_z}
-    volume = 0.0
-    if n_periods == 3:
-        volume = abs(float(np.linalg.det(cell.periods)))
-    elif n_periods == 2:
-        volume = float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
+        if force is not None and (not row or along_z == 0):
+            fault = (f"force: found {force:g} N beside walls on a packing that does not repeat along z alone, expected "
+                     "one that does")  # fmt: skip
+    elif row and not uniaxial:
+        fault = f'kind: found {show(stage.kind)} for a row, expected "uniaxial"'
+    elif uniaxial and along_z == 0:
+        fault = 'kind: found "uniaxial", but the packing ends along z'
+    elif row and force is None:
+        fault = "pressure: found a pressure on a row, expected a force (N)"
+    elif uniaxial and not row and force is not None and not isinstance(lattice, Lattice):
+        fault = (f"force: found {force:g} N on a packing that is endless across z, expected precompression.pressure "
+                 "(Pa)")  # fmt: skip
+    if fault:
+        raise InputError(f"{case.name}: precompression.{fault}")
+    if stage.moves_walls or row:
+        return {} if force is None else {(2, 2): force * along_z}
+    if uniaxial and force is not None:
+        if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
+            spheres = len(cell.rows) if len(cell.periods) == 3 else 1
+            return {(2, 2): force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
+        nx, ny, _ = lattice.shape
+        return {(2, 2): force * nx * ny * along_z}
+    volume = abs(float(np.linalg.det(cell.periods))) if len(cell.periods) == 3 else (
+        float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
+    )  # fmt: skip
     load = (stage.pressure or 0.0) * volume
-    if stage.kind != "uniaxial":
-        if n_periods == 1:
-            raise InputError(
-                f'{case.name}: precompression.kind: found {show(stage.kind)} for a row, expected "uniaxial"'
-            )
-        axes = np.flatnonzero(lengths > 0).tolist()
-        return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}
-    if along_z == 0:
-        raise InputError(f'{case.name}: precompression.kind: found "uniaxial", but the packing ends along z')
-    if stage.force is None:
-        if n_periods == 1:
-            raise InputError(f"{case.name}: precompression.pressure: found a pressure on a row, expected a force (N)")
+    if uniaxial:
         return {(2, 2): load}
-    if n_periods == 1:
-        return {(2, 2): stage.force * along_z}
-    if not isinstance(lattice, Lattice):
-        raise InputError(
-            f"{case.name}: precompression.force: found {stage.force:g} N on a packing that is endless across z, "
-            "expected precompression.pressure (Pa)"
-        )
-    if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
-        spheres = len(cell.rows) if n_periods == 3 else 1
-        return {(2, 2): stage.force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
-    nx, ny, _ = lattice.shape
-    return {(2, 2): stage.force * nx * ny * along_z}
+    axes = np.flatnonzero(lengths > 0).tolist()
+    return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import tomllib
+from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -27,14 +28,13 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
     """Write groups, and keep those that an earlier file of the same case has beside them."""
-    text, new = state.case.to_toml(), {name.partition("/")[0] for name in tables}
     earlier: dict[str, Table] = {}
     with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
-        if file.attrs["case"] == text:
-            for kind in file.keys() - new:
+        if file.attrs["case"] == state.case.to_toml():
+            for kind in file.keys() - {name.partition("/")[0] for name in tables}:
                 earlier |= _tables(file[kind])
     with new_hdf5(path) as file:
-        file.attrs["name"], file.attrs["kind"], file.attrs["case"] = state.name, "spectra", text
+        file.attrs["name"], file.attrs["kind"], file.attrs["case"] = state.name, "spectra", state.case.to_toml()
         file.attrs["versions"] = json.dumps(versions_of(()))
         for group, table in (earlier | dict(tables)).items():
             for name, (values, unit) in table.items():
@@ -71,16 +71,23 @@ def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[st
 
 def _tables(parent: h5py.Group) -> dict[str, Table]:
     """Return values and units of all data sets of a group, by group and name."""
-    found: dict[str, dict[str, tuple[Any, str]]] = {}
+    found: dict[str, dict[str, tuple[Any, str]]] = defaultdict(dict)
 
     def add(_: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset):
             group, _, own = item.name[1:].rpartition("/")
             values = item.asstr()[()] if h5py.check_string_dtype(item.dtype) else item[()]
-            found.setdefault(group, {})[own] = values, str(item.attrs["unit"])
+            found[group][own] = values, str(item.attrs["unit"])
 
     parent.visititems(add)
     return dict(found)
+
+
+def case_in(path: Path) -> str:
+    """Return the text of the case that a file of spectra is of; empty if there is none."""
+    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
+        return str(file.attrs["case"])
+    return ""
 
 
 def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
@@ -90,13 +97,6 @@ def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
             return tomllib.loads(str(file.attrs["case"])), json.loads(str(file.attrs["versions"]))
     except (OSError, KeyError, ValueError):
         return {}, {}
-
-
-def case_in(path: Path) -> str:
-    """Return the text of the case that a file of spectra is of; empty if there is none."""
-    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
-        return str(file.attrs["case"])
-    return ""
 
 
 def tables_of_network(group: str, state: State) -> dict[str, Table]:
@@ -123,8 +123,8 @@ def tables_of_network(group: str, state: State) -> dict[str, Table]:
             "tangential_stiffness": (springs.tangential, "N m-1"),
         },
         f"{group}/wall_springs": {
-            "id": (network.ids[walls.grain], "1"),
-            "wall": (walls.wall.astype(str) if len(walls) else np.empty(0, dtype=str), "1"),
+            "id": (network.ids[walls.first], "1"),
+            "wall": (np.array([] if walls.wall is None else walls.wall, dtype=str), "1"),
             "force": (walls.force, "N"),
             "stiffness": (walls.stiffness, "N m-1"),
         },
@@ -135,6 +135,7 @@ def tables_of_bands(found: BandStructure) -> dict[str, Table]:
     """Return the groups of bands."""
     bands, path = found.bands, found.bands.path
     grain, direction = found.state.network.freedoms
+    share = {} if bands.share is None else {"surface_share": (bands.share, "1")}
     tables: dict[str, Table] = {
         "bands": {
             "k": (path.k, "rad m-1"),
@@ -147,6 +148,7 @@ def tables_of_bands(found: BandStructure) -> dict[str, Table]:
             "gaps": (np.array([[gap.low, gap.high] for gap in found.gaps]).reshape(-1, 2), "Hz"),
             "speed": (found.speeds, "m s-1"),
             "unit_frequency": (found.unit_frequency, "Hz"),
+            **share,
         },
         "bands/shapes": {
             "amplitude": (bands.shape / np.sqrt(found.state.network.masses)[None, :, None], "kg-1/2"),
@@ -154,8 +156,6 @@ def tables_of_bands(found: BandStructure) -> dict[str, Table]:
             "freedom": ([FREEDOMS[one] for one in direction], "1"),
         },
     }
-    if bands.share is not None:
-        tables["bands"] = {**tables["bands"], "surface_share": (bands.share, "1")}
     if found.complex_bands is not None:
         one = found.complex_bands
         tables["bands/complex"] = {

@@ -10,13 +10,14 @@ spheres, T = P - a a at the side of a cylinder with the axis a, along which noth
 the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is
 + F/(2 (R - r)) times the square of the motion around the axis.
 
-The numbers may come from a packing (`granwave.analysis.spectra.packing`), or from anything else that acts like springs.
+The numbers may come from a packing (`granwave.analysis.spectra.bodies`), or from anything else that acts like springs.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,18 +33,18 @@ FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")  # displacements and rotations of a
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Springs:
-    """Contacts of pairs of grains; each array has a row for a contact.
+    """Contacts of grains with each other and with walls; each array has a row for a contact.
 
     Attributes
     ----------
     first, second
-        Rows of the grains: (n,).
+        Rows of the grains; -1 for a wall: (n,).
     image
         Whole numbers of periods between the cells of the first and the second: (n, n_periods).
     normal
         Unit vectors from the first to the second: (n, 3).
     distance
-        Distances of the centres: (n,), m.
+        Distances of the centres, infinite at a plane; in a tube minus that from its axis: (n,), m.
     force
         Static forces, compression positive: (n,), N.
     stiffness, tangential
@@ -51,7 +52,9 @@ class Springs:
     lever
         Lever arms of both grains: (n, 2), m.
     turns
-        Projections T, see the module; of spheres as of `across`: (n, 3, 3).
+        Projections T, see the module; of spheres as of `across`, in a tube on the direction around it: (n, 3, 3).
+    wall
+        Names of the walls, empty for pairs: (n,); None if there are pairs alone.
     """
 
     first: Ints
@@ -64,50 +67,10 @@ class Springs:
     tangential: Array
     lever: Array
     turns: Array
+    wall: NDArray[np.object_] | None = None
 
     def __len__(self) -> int:
         return len(self.first)
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Supports:
-    """Contacts with walls; each array has a row for a contact.
-
-    Attributes
-    ----------
-    grain
-        Rows of the grains: (n,).
-    wall
-        Names of the walls: (n,).
-    normal
-        Unit vectors from the grain to the wall: (n, 3).
-    force, stiffness, tangential
-        As in `Springs`.
-    lever
-        Lever arms: (n,), m.
-    turning
-        Stiffness of the static force that turns as the grain moves along the wall, with its direction: (n,), N/m, and
-        (n, 3).
-    """
-
-    grain: Ints
-    wall: NDArray[np.object_]
-    normal: Array
-    force: Array
-    stiffness: Array
-    tangential: Array
-    lever: Array
-    turning: Array
-    turning_direction: Array
-
-    def __len__(self) -> int:
-        return len(self.grain)
-
-    @classmethod
-    def none(cls) -> Supports:
-        """Return an empty table."""
-        none, vectors, names = np.empty(0), np.empty((0, 3)), np.empty(0, dtype=object)
-        return cls(np.empty(0, dtype=np.int64), names, vectors, none, none, none, none, none, vectors)
 
 
 def across(normal: Array) -> Array:
@@ -139,8 +102,8 @@ class Network:
         True for the directions in which a grain moves, in the order of `FREEDOMS`: (n, 6).
     periods
         Vectors after which the packing repeats, before the load: (n_periods, 3), m; none of a finite packing.
-    springs, supports
-        Contacts of grains, and with walls.
+    contacts
+        All contacts; ``springs`` are those of grains, ``supports`` those with walls.
     left_out
         Ids of grains without static load, which belong to no wave: (m,).
     """
@@ -151,9 +114,18 @@ class Network:
     inertia: Array
     moves: NDArray[np.bool_]
     periods: Array
-    springs: Springs
-    supports: Supports = dataclasses.field(default_factory=Supports.none)
+    contacts: Springs
     left_out: Ints = dataclasses.field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    @cached_property
+    def springs(self) -> Springs:
+        """Contacts of grains with each other."""
+        return joined([self.contacts], self.contacts.second >= 0)
+
+    @cached_property
+    def supports(self) -> Springs:
+        """Contacts with walls."""
+        return joined([self.contacts], self.contacts.second < 0)
 
     @property
     def n_grains(self) -> int:
@@ -190,19 +162,11 @@ class Network:
 
     def without_idle(self) -> Network:
         """Return the network without the grains that bear no static load, which nothing touches: they are left out."""
-        present = np.zeros(self.n_grains, dtype=bool)
-        for ends in (self.springs.first, self.springs.second, self.supports.grain):
-            present[ends] = True
-        if present.all():
-            return self
-        row = np.cumsum(present) - 1
-        springs = joined([self.springs], present[self.springs.first] & present[self.springs.second])
-        supports = joined([self.supports], present[self.supports.grain])
+        contacts, present = self.contacts, np.zeros(self.n_grains + 1, dtype=bool)
+        present[contacts.first] = present[contacts.second] = True  # walls are the row beyond the last
+        present = present[:-1]
+        row = np.append(np.cumsum(present) - 1, -1)
         own = {name: getattr(self, name)[present] for name in ("ids", "position", "mass", "inertia", "moves")}
-        return dataclasses.replace(
-            self,
-            **own,
-            springs=dataclasses.replace(springs, first=row[springs.first], second=row[springs.second]),
-            supports=dataclasses.replace(supports, grain=row[supports.grain]),
-            left_out=np.concatenate([self.left_out, self.ids[~present]]),
-        )
+        contacts = dataclasses.replace(contacts, first=row[contacts.first], second=row[contacts.second])
+        left_out = np.concatenate([self.left_out, self.ids[~present]])
+        return dataclasses.replace(self, **own, contacts=contacts, left_out=left_out)

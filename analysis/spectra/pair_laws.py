@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
-from functools import cached_property, partial
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -29,6 +28,7 @@ Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 _STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
 Body = tuple["Material", "Shape"]
+Partner = tuple["Material | None", "Shape"]  # of a wall, which may be rigid, too
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -112,6 +112,7 @@ class PairLaws:
 
     case: Case
     bodies: tuple[tuple[Material, Shape], ...]
+    _known: dict[Any, Touches] = dataclasses.field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         """Refuse dents that differ from place to place.
@@ -152,77 +153,59 @@ class PairLaws:
         found: list[Part] = []
         code = low * len(self.bodies) + high
         for each in np.unique(code).tolist():
-            n, m = divmod(each, len(self.bodies))
-            found += self._of_kinds(n, m, np.flatnonzero(code == each), radii)
+            rows, bodies = np.flatnonzero(code == each), [self.bodies[n] for n in divmod(each, len(self.bodies))]
+            (first, shape), (second, partner) = bodies
+            geometry = cylinder_pair(shape, partner) if shape or partner else None
+            contact, own, scale = self.case.contact_between(first, second), radii[rows], None
+            if not contact.entry.is_power and geometry is None:
+                scale = own.prod(axis=1) / own.sum(axis=1)
+            elif not contact.entry.is_power and geometry is not None and not geometry.parallel:
+                sizes, which = np.unique(own, axis=0, return_inverse=True)
+                scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
+            found += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
         return found
-
-    def _of_kinds(self, n: int, m: int, rows: Ints, radii: Array) -> list[Part]:
-        (first, shape), (second, partner) = self.bodies[n], self.bodies[m]
-        geometry = cylinder_pair(shape, partner) if shape or partner else None
-        contact = self.case.contact_between(first, second)
-        if contact.entry.is_power or (geometry is not None and geometry.parallel):
-            law = partial(self._touches, self.bodies[n], self.bodies[m], friction=contact.friction)
-            return self._by_size(rows, radii, law)
-        if geometry is None:
-            scale = radii[rows, 0] * radii[rows, 1] / (radii[rows, 0] + radii[rows, 1])
-        else:
-            sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
-            scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
-        point = self._touches((first, None), (second, None), (2.0, 2.0), contact.friction, scaled=True)  # R* = 1 m
-        return [(point, rows, scale)]
-
-    @staticmethod
-    def _by_size(rows: Ints, radii: Array, law: Callable[[tuple[float, float]], Touches]) -> list[Part]:
-        """Return a law for each pair of radii."""
-        sizes, which = np.unique(radii[rows], axis=0, return_inverse=True)
-        parts = [(law((size[0], size[1])), rows[which.ravel() == number]) for number, size in enumerate(sizes.tolist())]
-        return [(touches, own, np.ones(len(own))) for touches, own in parts]
-
-    @cached_property
-    def _known(self) -> dict[Any, Touches]:
-        return {}
-
-    def _touches(
-        self,
-        first: Body,
-        second: tuple[Material | None, Shape],
-        radii: tuple[float, float],
-        friction: float,
-        *,
-        scaled: bool = False,
-    ) -> Touches:
-        """Return the law of two bodies of these radii, m."""
-        key = first, second, radii, friction, scaled
-        if key not in self._known:
-            (one, shape), (other, partner) = first, second
-            contact, line = self.case.contact_between(one, other), self.case.contact.line == "plane-strain"
-            law = law_between(contact, (one, other), radii, shapes=(shape, partner), plane_strain=line)
-            self._known[key] = Touches(law, friction, self._dent(law) if scaled else 0.0, scaled)
-        return self._known[key]
-
-    def _dent(self, law: ContactLaw) -> float:
-        """Initial dent over R*."""
-        given = self.case.contact.initial_overlap
-        if not given or not law.entry.yields:
-            return 0.0
-        radius = self.case.packing.diameter / 4
-        if isinstance(given, float | int):
-            return float(given) / radius
-        own = law_between(self.case.contact, (self.case.material, self.case.material), (2 * radius, 2 * radius))
-        return largest_dent(self.case, own) / radius
 
     def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
         """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
         found: list[Part] = []
         for n, (material, shape) in enumerate(self.bodies):
-            rows = np.flatnonzero(kind == n)
-            if not len(rows):
-                continue
-            flat, friction = (wall.material, None), wall_friction(self.case, wall, material)
-            if shape is not None or self.case.contact_between(material, wall.material).entry.is_power:
-                radii = np.stack([radius, np.full_like(radius, math.inf)], axis=1)
-                found += self._by_size(rows, radii, partial(self._touches, self.bodies[n], flat, friction=friction))
-            else:
-                law = self._touches(self.bodies[n], flat, (1.0, math.inf), friction, scaled=True)
-                found.append((law, rows, wall.effective_radii(radius[rows])))
+            if len(rows := np.flatnonzero(kind == n)):
+                by_size = shape is not None or self.case.contact_between(material, wall.material).entry.is_power
+                radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+                scale, friction = wall.effective_radii(radius[rows]), wall_friction(self.case, wall, material)
+                flat = (wall.material, None)
+                found += self._parts(self.bodies[n], flat, friction, rows, radii, None if by_size else scale)
         return found
+
+    def _parts(
+        self, first: Body, second: Partner, friction: float, rows: Ints, radii: Array, scale: Array | None
+    ) -> Iterator[Part]:
+        """Give the law at R* = 1 m of two bodies with its scales, or, without these, one for each pair of radii."""
+        sizes, which, scaled = np.full((1, 2), 2.0), np.zeros(len(rows), dtype=np.int64), scale is not None
+        if scale is None:
+            sizes, which = np.unique(radii, axis=0, return_inverse=True)
+        else:
+            first, second = (first[0], None), (second[0], None)
+        scales = np.ones(len(rows)) if scale is None else scale
+        for number, size in enumerate(sizes.tolist()):
+            key = first, second, *size, friction, scaled
+            if key not in self._known:
+                self._known[key] = self._touches(first, second, (size[0], size[1]), friction, scaled=scaled)
+            own = which.ravel() == number
+            yield self._known[key], rows[own], scales[own]
+
+    def _touches(
+        self, first: Body, second: Partner, radii: tuple[float, float], friction: float, *, scaled: bool
+    ) -> Touches:
+        """Return the law of two bodies of these radii, m, with its initial dent over R*."""
+        case, bodies, shapes = self.case, (first[0], second[0]), (first[1], second[1])
+        line, given = case.contact.line == "plane-strain", case.contact.initial_overlap
+        law = law_between(case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line)
+        dent, radius = 0.0, case.packing.diameter / 4
+        if scaled and given and law.entry.yields:
+            if isinstance(given, float | int):
+                dent = float(given) / radius
+            else:
+                own = law_between(case.contact, (case.material, case.material), (2 * radius, 2 * radius))
+                dent = largest_dent(case, own) / radius
+        return Touches(law, friction, dent, scaled)

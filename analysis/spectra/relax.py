@@ -16,8 +16,8 @@ from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
-from granwave.analysis.spectra.bodies import Bodies, Pairs
-from granwave.analysis.spectra.network import Array, Ints, across
+from granwave.analysis.spectra.bodies import Bodies, Contacts
+from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.errors import InputError, RunError
@@ -42,20 +42,19 @@ _HALVINGS = 5  # of the interval in which the first strain is sought
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _At:
-    """Energy, its gradient, and slopes of forces with the derivatives of distances, at a state."""
+    """State with its energy and gradient, and what the second derivatives are made of."""
 
     energy: float
     gradient: Array
-    tables: list[tuple[Array, sparse.csr_array]]
+    contacts: Contacts  # of grains near each other, and near walls
+    tables: list[tuple[Array, sparse.csr_array]]  # slopes of forces with the derivatives of distances, which are first
     largest: float
     rounding: float
-    turning: list[tuple[Array, sparse.csr_array]] = dataclasses.field(default_factory=list)
-    pairs: tuple[Ints, Ints] | None = None  # rows of grains near each other
 
-    def hessian(self, *, turning: bool = False) -> sparse.csr_array:
-        """Second derivatives of the energy, with or without the turning of the forces of grains, which is small."""
-        tables = self.tables + self.turning if turning else self.tables
-        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in tables))
+    @property
+    def hessian(self) -> sparse.csr_array:
+        """Second derivatives of the energy."""
+        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
 
 
 class _Problem:
@@ -65,7 +64,8 @@ class _Problem:
         self.bodies = bodies
         self.with_turning = with_turning
         self.free = bodies.moves[:, :3].copy()
-        self.number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
+        number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
+        self.number = np.append(number, np.full((1, 3), -1), axis=0)  # the last row is that of walls
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
         self.n = self.n_motions + len(self.strains)
@@ -102,72 +102,52 @@ class _Problem:
         """Evaluate the energy."""
         bodies = self.bodies
         position, periods = self.state(x)
-        pairs = bodies.near(position, periods, _MARGIN * bodies.spacing)
-        values = np.zeros((3, len(pairs.first)))
-        for law, rows, scale in bodies.laws.pairs(bodies.kind[pairs.first], bodies.kind[pairs.second], pairs.radii):
-            values[:, rows] = law.evaluate(pairs.overlap[rows], scale)
-        tables = [(values, self._stretch(pairs, pairs.normal))]
-        turning = []
-        if self.with_turning:
-            turns = across(pairs.normal) if pairs.turns is None else pairs.turns
-            weight = -values[0] / pairs.distance
-            turning = [(weight, self._stretch(pairs, turns[:, axis])) for axis in range(3)]
-        for wall, grain, overlap, normal in bodies.at_walls(position, _MARGIN * bodies.spacing):
-            values = np.zeros((3, len(grain)))
-            for law, rows, scale in bodies.laws.wall(wall, bodies.kind[grain], bodies.radius[grain]):
-                values[:, rows] = law.evaluate(overlap[rows], scale)
-            tables.append((values, self._approach(grain, normal)))
-        energy, gradient = 0.0, np.zeros(self.n)
-        largest, stiffest = 0.0, 0.0
-        for (force, slope, work), rows in tables:
-            energy += float(work.sum())
-            gradient -= rows.T @ force
-            largest, stiffest = max(largest, force.max(initial=0.0)), max(stiffest, slope.max(initial=0.0))
-        energy -= float((bodies.dead_load * (position - bodies.position)).sum())
+        contacts = bodies.near(position, periods, _MARGIN * bodies.spacing)
+        values = np.zeros((3, len(contacts)))
+        for law, rows, scale in bodies.laws_of(contacts):
+            values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
+        force, slope, work = values
+        stretch = self._stretch(contacts, contacts.normal)
+        energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
+        gradient = -(stretch.T @ force)
         gradient[: self.n_motions] -= bodies.dead_load[self.free]
         for place, load in enumerate(bodies.stress.values(), start=self.n_motions):
             energy += load * x[place]
             gradient[place] += load
+        tables = [(slope, stretch)]
+        if self.with_turning:
+            weight = -force / contacts.distance
+            tables += [(weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)]
         span = float(np.abs(position).max()) if len(position) else 0.0
-        return _At(
-            energy,
-            gradient,
-            [(slope, rows) for (_, slope, _), rows in tables],
-            largest,
-            _ROUNDING * stiffest * np.finfo(float).eps * span,
-            turning,
-            (pairs.first, pairs.second),
-        )
+        rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
+        return _At(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
 
     def largest_approach(self, now: _At, move: Array) -> float:
         """Return the largest motion of grains against their neighbours and the walls, m."""
         motion = np.zeros_like(self.bodies.position)
         motion[self.free] = move[: self.n_motions]
-        first, second = now.pairs or (np.empty(0, dtype=np.int64),) * 2
-        between = np.linalg.norm(motion[second] - motion[first], axis=1).max(initial=0.0)
-        return max(between, *(float(np.abs(rows @ move).max(initial=0.0)) for _, rows in now.tables))
+        pairs = now.contacts.second >= 0
+        between = motion[now.contacts.second[pairs]] - motion[now.contacts.first[pairs]]
+        along = float(np.abs(now.tables[0][1] @ move).max(initial=0.0))
+        return max(along, float(np.linalg.norm(between, axis=1).max(initial=0.0)))
 
     def by_linear_springs(self) -> Array:
         """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""
         bodies = self.bodies
-        stiffness = static_stiffness(assemble(bodies.case))
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
-        pairs = bodies.near(bodies.position, bodies.periods, gap)
-        tables = [self._stretch(pairs, pairs.normal)]
-        walls = bodies.at_walls(bodies.position, _MARGIN * bodies.spacing)
-        tables += [self._approach(grain, normal) for _, grain, _, normal in walls]
+        contacts = bodies.near(bodies.position, bodies.periods, gap, _MARGIN * bodies.spacing)
+        stretch = self._stretch(contacts, contacts.normal)
         gradient = np.zeros(self.n)
         gradient[: self.n_motions] = -bodies.dead_load[self.free]
-        even = [(np.full(rows.shape[0], stiffness), rows) for rows in tables]
-        return _move(_At(0.0, gradient, even, 0.0, 0.0))
+        return _move(static_stiffness(assemble(bodies.case)) * (stretch.T @ stretch), gradient)
 
-    def _stretch(self, pairs: Pairs, direction: Array) -> sparse.csr_array:
-        """Derivatives by the unknowns of how far pairs are apart along directions (n, 3): (n, n_unknowns)."""
-        moved = self._approach(pairs.first, direction) - self._approach(pairs.second, direction)
+    def _stretch(self, contacts: Contacts, direction: Array) -> sparse.csr_array:
+        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n, n_unknowns)."""
+        moved = self._approach(contacts.first, direction) - self._approach(contacts.second, direction)
         strained = np.zeros((len(direction), len(self.strains)))
         for place, (a, b) in enumerate(self.strains):
-            strained[:, place] = direction[:, a] * pairs.shift[:, b]
-            strained[:, place] += direction[:, b] * pairs.shift[:, a] if a != b else 0.0
+            strained[:, place] = direction[:, a] * contacts.shift[:, b]
+            strained[:, place] += direction[:, b] * contacts.shift[:, a] if a != b else 0.0
         return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained]))
 
     def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
@@ -232,7 +212,7 @@ def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
             break
         if since > _STALLED and net <= _OF_STALLED * balanced * now.largest:
             break  # rounding, of more contacts than one
-        move = _move(now, turning=problem.with_turning)
+        move = _move(now.hessian, now.gradient, pivots=problem.with_turning)
         size = 1.0
         largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)
         if largest_move > _FARTHEST * bodies.spacing:
@@ -260,30 +240,24 @@ def _net(problem: _Problem, now: _At) -> float:
     return max(motions, cell / float(lengths.mean()) if len(lengths) else 0.0)
 
 
-def _move(now: _At, *, turning: bool = False) -> Array:
-    """Newton's step; with the turning of forces also towards balances that are no minimum of the energy."""
-    hessian = now.hessian(turning=turning)
+def _move(hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False) -> Array:
+    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are no minimum."""
     diagonal = hessian.diagonal()
     soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
-    soft = soft or 1.0
-    matrix = (hessian + soft * sparse.eye_array(len(diagonal))).tocsc()
-    if turning:
-        return np.asarray(splu(matrix).solve(-now.gradient))  # indefinite: with pivots
-    if len(diagonal) <= _DIRECT_UP_TO or _is_slender(matrix):
-        return np.asarray(factorised(matrix).solve(-now.gradient))
-    scale = sparse.diags_array(1 / matrix.diagonal())
-    found, _ = cg(matrix, -now.gradient, rtol=1e-5, maxiter=4000, M=scale)
+    matrix = (hessian + (soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
+    if pivots:
+        return np.asarray(splu(matrix).solve(-gradient))
+    # in a long row or a slender packing factors are small, and conjugate gradients need its length
+    direct = len(diagonal) <= _DIRECT_UP_TO or matrix.nnz <= _OF_A_ROW * matrix.shape[0]
+    if not direct:
+        place = np.empty(matrix.shape[0], dtype=np.int64)
+        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(len(place))
+        rows, columns = matrix.nonzero()
+        direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
+    if direct:
+        return np.asarray(factorised(matrix).solve(-gradient))
+    found, _ = cg(matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal()))
     return np.asarray(found)
-
-
-def _is_slender(matrix: sparse.csc_array) -> bool:
-    """Return True for a long row or a slender packing: factors are small, and conjugate gradients need its length."""
-    if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
-        return True
-    place = np.empty(matrix.shape[0], dtype=np.int64)
-    place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(len(place))
-    rows, columns = matrix.nonzero()
-    return bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
 
 
 def _start(problem: _Problem) -> Array:

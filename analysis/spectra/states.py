@@ -5,14 +5,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.bodies import Bodies
+from granwave.analysis.spectra.bodies import Bodies, Contacts
 from granwave.analysis.spectra.cells import (
     UnitCell,
     cell_bodies,
@@ -22,7 +20,7 @@ from granwave.analysis.spectra.cells import (
     unit_cell,
     vectors_of_layer,
 )
-from granwave.analysis.spectra.network import Array, Ints, Network, Supports
+from granwave.analysis.spectra.network import Array, Ints, Network, Springs
 from granwave.analysis.spectra.relax import relax
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.static_load import dead_loads
@@ -84,9 +82,7 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     if isinstance(source, Case):
         bodies = cell_bodies(source)
         position, periods, residual = relax(bodies)
-        network = bodies.network(position, periods)
-        _refuse_unloaded(source, network)
-        return State(source.name, source, network, "case", residual, periods)
+        return _state(source, bodies.network(position, periods), "case", residual, periods)
     with Result(source) as result:
         return _mean_cell(result)
 
@@ -107,60 +103,52 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     if isinstance(source, Case):
         assembly = assemble(source)
         _refuse_parts(assembly, damped=damped)
-        return _relaxed(source, _whole(assembly))
+        return _in_own_cell(source, _whole(assembly))
     with Result(source) as result:
         _refuse_parts(result.assembly, damped=damped)
-        bodies = _whole(result.assembly)
-        network = bodies.network(_positions(result, bodies), bodies.periods, **_peaks(result, bodies.ids))
-        _refuse_unloaded(result.case, network)
-        return State(result.case.name, result.case, network, "run", np.nan, bodies.periods)
+        bodies, network, _ = _as_left(result)
+        return _state(result.case, network, "run", np.nan, bodies.periods)
 
 
-def _relaxed(case: Case, bodies: Bodies) -> State:
+def _state(case: Case, network: Network, source: str, residual: float, periods: Array, spread: float = 0.0) -> State:
+    """Return a state; raise InputError if no contact bears a force."""
+    if not len(network.contacts):
+        raise InputError(
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
+            "stiffness; give a static load that closes the contacts"
+        )
+    return State(case.name, case, network, source, residual, periods, spread)
+
+
+def _in_own_cell(case: Case, bodies: Bodies) -> State:
     """Return the state of grains in the cell that they have."""
     if case.precompression is None:
         raise InputError(
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
     position, _, residual = relax(bodies)
-    network = bodies.network(position, bodies.periods)
-    _refuse_unloaded(case, network)
-    return State(case.name, case, network, "case", residual, bodies.periods)
+    return _state(case, bodies.network(position, bodies.periods), "case", residual, bodies.periods)
 
 
 def _slab_state(source: Case | Path) -> State:
     """Return the state of a column of a packing that repeats sideways, or of all of it where its grains differ."""
-    if not isinstance(source, Case):
-        found = packing_state(source)
-        _refuse_no_slab(found.case, found.periods)
-        return found
-    assembly = assemble(source)
+    found = source if isinstance(source, Case) else packing_state(source)
+    case = found if isinstance(found, Case) else found.case
+    assembly = assemble(case)
     _refuse_parts(assembly)
     bodies = _whole(assembly)
-    _refuse_no_slab(source, bodies.periods)
-    lattice = assembly.lattice
-    if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(source):
-        nx, ny, nz = lattice.shape
-        periods = vectors_of_layer(lattice.rule) * lattice.diameter
-        bodies = _part(bodies, np.arange(nz) * nx * ny, periods)
-    return _relaxed(source, bodies)
-
-
-def _refuse_no_slab(case: Case, periods: Array) -> None:
-    if not len(periods):
+    if not len(bodies.periods):
         raise InputError(
             f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
             "(of a lattice with layers, or of grains with packing.cell)"
         )
-
-
-def _part(bodies: Bodies, rows: Ints, periods: Array) -> Bodies:
-    """Return some of the grains, in a cell of these periods."""
-    names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
-    touched = {name: one[rows] for name, one in bodies.touched.items()}
-    return dataclasses.replace(
-        bodies, **{name: getattr(bodies, name)[rows] for name in names}, periods=periods, touched=touched
-    )
+    if isinstance(found, State):
+        return found
+    lattice = assembly.lattice
+    if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):
+        nx, ny, nz = lattice.shape
+        bodies = bodies.part(np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter)
+    return _in_own_cell(case, bodies)
 
 
 def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
@@ -177,14 +165,6 @@ def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
         raise InputError(
             f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
             "granwave bands without --slab takes endless packings"
-        )
-
-
-def _refuse_unloaded(case: Case, network: Network) -> None:
-    if not len(network.springs) and not len(network.supports):
-        raise InputError(
-            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
-            "stiffness; give a static load that closes the contacts"
         )
 
 
@@ -207,30 +187,35 @@ def _whole(assembly: Assembly) -> Bodies:
     return dataclasses.replace(bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods)
 
 
-def _positions(result: Result, bodies: Bodies) -> Array:
-    """Centres after the static stage: (n, 3), m."""
-    return np.asarray(bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)])
+def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Springs], Array]]:
+    """Return the grains of a run, their springs after the static stage, and the function of `_peaks`."""
+    bodies = _whole(result.assembly)
+    peaks = _peaks(result, bodies.ids)
+    position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
+    return bodies, bodies.network(position, bodies.periods, peaks), peaks
 
 
-def _peaks(result: Result, ids: Ints) -> dict[str, Callable[..., Array]]:
-    """Return functions that give the largest overlaps before the impact, of pairs of rows and of rows at a wall."""
-    pairs, walls = pd.Series(dtype=float), pd.Series(dtype=float)
-    if "contacts/initial_overlap" in result:
-        keys = np.sort(np.stack([result["contacts/i"], result["contacts/j"]]), axis=0)
-        pairs = pd.Series(result["contacts/initial_overlap"], pd.MultiIndex.from_arrays(keys))
-    if "wall_contacts/initial_overlap" in result:
-        names = pd.MultiIndex.from_arrays([result["wall_contacts/wall"], result["wall_contacts/id"]])
-        walls = pd.Series(result["wall_contacts/initial_overlap"], names)
+def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
+    """Return a function that gives the largest overlaps of contacts before the impact, given rows of these ids."""
+    known = pd.Series(dtype=float)
+    for group, names in (("contacts", ("i", "j")), ("wall_contacts", ("id", "wall"))):
+        if f"{group}/initial_overlap" in result:
+            keys = [result[f"{group}/{name}"] for name in names]
+            keys = keys if group == "wall_contacts" else list(np.sort(np.stack(keys), axis=0))
+            index = pd.MultiIndex.from_arrays([keys[0], keys[1].astype(str)])
+            table = pd.Series(result[f"{group}/initial_overlap"], index)
+            known = table if known.empty else pd.concat([known, table])
 
-    def of(table: pd.Series, first: Any, second: Any) -> Array:
-        if table.empty:
-            return np.zeros(len(second))
-        return table.reindex(pd.MultiIndex.from_arrays([first, second]), fill_value=0.0).to_numpy()
+    def peaks(contacts: Contacts | Springs) -> Array:
+        if known.empty:
+            return np.zeros(len(contacts))
+        low, high = np.sort([ids[contacts.first], ids[contacts.second]], axis=0)
+        wall = contacts.second < 0
+        partner = np.where(wall, contacts.wall, high.astype(str))
+        index = pd.MultiIndex.from_arrays([np.where(wall, ids[contacts.first], low), partner])
+        return known.reindex(index, fill_value=0.0).to_numpy()
 
-    return {
-        "peak": lambda one, other: of(pairs, np.minimum(ids[one], ids[other]), np.maximum(ids[one], ids[other])),
-        "wall_peak": lambda name, rows: of(walls, [name] * len(rows), ids[rows]),
-    }
+    return peaks
 
 
 def _mean_cell(result: Result) -> State:
@@ -239,14 +224,17 @@ def _mean_cell(result: Result) -> State:
     cell = unit_cell(assembly)
     if not isinstance(assembly.lattice, Lattice):
         raise InputError(f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell")
-    bodies = _whole(assembly)
-    peaks = _peaks(result, bodies.ids)["peak"]
-    whole = bodies.network(_positions(result, bodies), bodies.periods, peaks)
-    _refuse_unloaded(case, whole)
+    bodies, whole, peaks = _as_left(result)
+    _state(case, whole, "run", np.nan, bodies.periods)  # bears forces
     basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
-    springs, row = whole.springs, np.searchsorted(bodies.ids, whole.ids)
-    first, second = row[springs.first], row[springs.second]
-    inside = _inside(bodies, assembly)
+    # grains far from the faces at which the packing ends
+    low, high = bodies.position.min(axis=0), bodies.position.max(axis=0)
+    ends = ~np.abs(bodies.periods).any(axis=0) if len(bodies.periods) else np.ones(3, dtype=bool)
+    near_middle = np.abs(bodies.position - (high + low) / 2) <= _INSIDE * (high - low) / 2 + 0.5 * bodies.spacing
+    inside = (near_middle | ~ends).all(axis=1)
+    row = np.searchsorted(bodies.ids, whole.ids)
+    first, second = row[whole.springs.first], row[whole.springs.second]
+    springs = dataclasses.replace(whole.springs, first=first, second=second)
     kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
     jump = np.rint(springs.image @ bodies.periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
     image = place[second] + jump - place[first]
@@ -259,7 +247,7 @@ def _mean_cell(result: Result) -> State:
     keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
     table = pd.DataFrame(np.column_stack([one, other, sign * image]), columns=keys)
     table[["x", "y", "z"]] = sign * springs.normal * springs.distance[:, None]
-    table["overlap"], table["peak"] = overlap, np.maximum(peaks(first, second), overlap)
+    table["overlap"], table["peak"] = overlap, np.maximum(peaks(springs), overlap)
     cells = table[kept].groupby(keys)
     if not cells.ngroups:
         raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
@@ -272,13 +260,13 @@ def _mean_cell(result: Result) -> State:
             "a packing"
         )
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
-    unit = dataclasses.replace(_part(bodies, cell.rows, cell.periods), moves=moves, walls=(), touched={})
+    unit = dataclasses.replace(bodies.part(cell.rows, cell.periods), moves=moves, walls=(), touched={})
     i, j = (mean[name].to_numpy() for name in keys[:2])
     # the mean overlap, which the length of the mean vector differs from by rounding
     length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
     pairs, _ = unit.pairs(i, j, mean[keys[2:]].to_numpy(), mean[["x", "y", "z"]].to_numpy(), length)
-    network = unit.with_springs(unit.springs(pairs, mean["peak"].to_numpy()), Supports.none())
-    return State(case.name, case, network, "run", np.nan, cell.periods, spread)
+    network = unit.with_springs(unit.springs(pairs, mean["peak"].to_numpy()))
+    return _state(case, network, "run", np.nan, cell.periods, spread)
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
@@ -293,13 +281,3 @@ def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
         here = away < _INTEGER * size
         which[here], place[here] = number, numbers[here]
     return which, place
-
-
-def _inside(bodies: Bodies, assembly: Assembly) -> NDArray[np.bool_]:
-    """True for grains far from the faces at which the packing ends: (n,)."""
-    low, high = bodies.position.min(axis=0), bodies.position.max(axis=0)
-    half, middle = (high - low) / 2, (high + low) / 2
-    ends = ~np.abs(bodies.periods).any(axis=0) if len(bodies.periods) else np.ones(3, dtype=bool)
-    reach = _INSIDE * half + 0.5 * bodies.spacing
-    away = np.abs(bodies.position - middle) <= reach
-    return np.asarray((away | ~ends).all(axis=1))

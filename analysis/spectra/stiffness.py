@@ -44,7 +44,7 @@ def _cross(vectors: Array) -> Array:
 
 def _strains(network: Network) -> tuple[list[Array], list[Array]]:
     """Stretch, turning and slip of each contact by the motion of its first and of its second grain: (n, 1 or 3, 6)."""
-    springs = network.springs
+    springs = network.contacts
     normal, turn = springs.normal, _cross(springs.normal)
     none, aside = np.zeros_like(turn), across(normal)
     found = []
@@ -170,10 +170,10 @@ def stiffness_of(network: Network) -> Stiffness:
     """
     if not network.n_freedoms:
         raise InputError("found no grain that can move; take out [[hold]], or give other --directions")
-    springs = network.springs
+    springs = network.contacts
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
-    number, n = network.numbers, network.n_freedoms
+    n, number = network.n_freedoms, np.append(network.numbers, np.full((1, 6), -1), axis=0)  # the last row is walls'
 
     def gathered(rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array) -> sparse.csr_array:
         row = np.repeat(number[rows], 6, axis=1).reshape(-1)
@@ -183,7 +183,6 @@ def stiffness_of(network: Network) -> Stiffness:
 
     own = gathered(springs.first, springs.first, _block(first, first, weights))
     own = own + gathered(springs.second, springs.second, _block(second, second, weights))
-    own = own + gathered(network.supports.grain, network.supports.grain, _of_supports(network))
     between = _block(first, second, weights)
     inside = ~springs.image.any(axis=1)
     coupled = gathered(springs.first[inside], springs.second[inside], between[inside])
@@ -194,17 +193,6 @@ def stiffness_of(network: Network) -> Stiffness:
         there = np.flatnonzero((springs.image == image).all(axis=1))
         others.append(gathered(springs.first[there], springs.second[there], between[there]))
     return Stiffness(network, own.tocsr(), images, tuple(others))
-
-
-def _of_supports(network: Network) -> Array:
-    """Stiffness of each contact with a wall: (n, 6, 6)."""
-    walls = network.supports
-    none = np.zeros_like(walls.normal)
-    stretch = np.concatenate([walls.normal, none], axis=1)[:, None, :]
-    turning = np.concatenate([walls.turning_direction, none], axis=1)[:, None, :]
-    slip = np.concatenate([across(walls.normal), -walls.lever[:, None, None] * _cross(walls.normal)], axis=2)
-    parts = [stretch, turning, slip]
-    return _block(parts, parts, [walls.stiffness, walls.turning, walls.tangential])
 
 
 def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]

@@ -27,6 +27,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,20 +126,24 @@ def transmission(
         A grain is not there, or cannot move along the axis.
     """
     end = end or REFLECTING
-    kind, n_layer = _parse_end(end)
-    network = stiffness.network
-    direction = "xyz".index(axis)
+    layer = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
+    if end not in (REFLECTING, MATCHED) and not layer:
+        raise InputError(f"--end: found {end!r}, expected {_FORM}")
+    network, direction = stiffness.network, "xyz".index(axis)
     resisting = np.zeros((network.n_grains, 6)) if dampers is None else dampers
     matched: Callable[[float], sparse.csc_array] | None = None
-    if kind != REFLECTING:
-        last, share = _far(network, drive, direction, n_layer if kind == LAYER else 0.0)
+    if end != REFLECTING:
+        last, share = _far(network, drive, direction, float(layer[1]) if layer else 0.0)
         network = _without_walls(network, last)
         losses = None if losses is None else _without_walls(losses, last)
         stiffness = stiffness_of(network)
-        if kind == MATCHED:
-            matched = _matched(network, last)
+        if layer:
+            rate = np.zeros(network.n_grains)
+            rate[last] = 2 * _SHARE_OF_HIGHEST * math.sqrt(stiffness.largest) * share**2
+            masses = np.stack([network.mass, network.inertia], axis=1)
+            resisting = resisting + np.repeat(rate[:, None] * masses, 3, axis=1)
         else:
-            resisting = resisting + _layer(network, stiffness, last, share)
+            matched = _matched(network, last)
 
     def place_of(grain: int, option: str) -> int:
         place = int(network.numbers[_row(network, grain, option), direction])
@@ -152,8 +157,14 @@ def transmission(
     damping = sparse.diags_array(resisting[network.freedoms]).tocsc()
     if losses is not None:
         damping = damping + stiffness_of(losses).total
-    plate = None if bottom is None else _on_plate(network, losses)
-    n_unknowns = network.n_freedoms + (plate is not None)
+    # stiffnesses and damping constants between each freedom and the bottom
+    below, lost = np.zeros((2, network.n_freedoms))
+    place = network.numbers[network.supports.first, _Z]
+    rows = np.flatnonzero((network.supports.wall == BOTTOM) & (place >= 0))
+    below[place[rows]] = network.supports.stiffness[rows]
+    lost[place[rows]] = 0.0 if losses is None else losses.supports.stiffness[rows]
+    on_plate = bottom is not None and bool(below.any())
+    n_unknowns = network.n_freedoms + on_plate
     others = np.delete(np.arange(n_unknowns), driven)
     ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
     for row, one in enumerate(frequency.tolist()):
@@ -161,8 +172,10 @@ def transmission(
         whole = stiffness.total - omega**2 * mass - 1j * omega * damping
         if matched is not None:
             whole = whole + matched(omega)
-        if plate is not None:
-            whole = _with_plate(whole, plate, omega, bottom or 0.0)
+        if on_plate:  # the last unknown is the motion of the plate along z
+            coupling = sparse.csc_array((below - 1j * omega * lost)[:, None])
+            own = sparse.csc_array([[coupling.sum() - 1j * omega * (bottom or 0.0)]])
+            whole = sparse.block_array([[whole, -coupling], [-coupling.T, own]])
         whole = whole.astype(np.complex128).tocsc()
         column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
         motion = np.zeros(n_unknowns, dtype=np.complex128)
@@ -173,27 +186,10 @@ def transmission(
     return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
 
 
-def _on_plate(network: Network, losses: Network | None) -> tuple[Array, Array] | None:
-    """Stiffnesses and damping constants between each freedom and the bottom, N/m and N s/m; None without contacts."""
-    supports, found = network.supports, np.zeros((2, network.n_freedoms))
-    place = network.numbers[supports.grain, _Z]
-    rows = np.flatnonzero((supports.wall == BOTTOM) & (place >= 0))
-    found[0, place[rows]] = supports.stiffness[rows]
-    found[1, place[rows]] = 0.0 if losses is None else losses.supports.stiffness[rows]
-    return (found[0], found[1]) if found[0].any() else None
-
-
-def _with_plate(whole: sparse.sparray, plate: tuple[Array, Array], omega: float, damping: float) -> sparse.csc_array:
-    """Return the matrix with a last unknown, the motion of a plate without mass on a damper along z."""
-    coupling = sparse.csc_array((plate[0] - 1j * omega * plate[1])[:, None])
-    own = sparse.csc_array([[coupling.sum() - 1j * omega * damping]])
-    return sparse.block_array([[whole, -coupling], [-coupling.T, own]], format="csc")
-
-
 def _without_walls(network: Network, rows: NDArray[np.int64]) -> Network:
     """Take the walls from grains."""
-    supports = network.supports
-    return dataclasses.replace(network, supports=joined([supports], ~np.isin(supports.grain, rows)))
+    kept = (network.contacts.second >= 0) | ~np.isin(network.contacts.first, rows)
+    return dataclasses.replace(network, contacts=joined([network.contacts], kept))
 
 
 def _row(network: Network, grain: int, option: str) -> int:
@@ -203,15 +199,6 @@ def _row(network: Network, grain: int, option: str) -> int:
     if grain in network.left_out:
         raise InputError(f"{option}: grain {grain} bears no static load, so that no small wave reaches it")
     raise InputError(f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}")
-
-
-def _parse_end(end: str) -> tuple[str, float]:
-    if end in (REFLECTING, MATCHED):
-        return end, 0.0
-    found = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
-    if not found:
-        raise InputError(f"--end: found {end!r}, expected {_FORM}")
-    return LAYER, float(found[1])
 
 
 def _far(network: Network, drive: int, direction: int, n_layer: float) -> tuple[NDArray[np.int64], Array]:
@@ -241,31 +228,20 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
         block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
         block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[across]
         np.add.at(stiffness, one[across], block)
-    free = [np.flatnonzero(network.moves[row, :3]) for row in last.tolist()]
-    principal = [np.linalg.eigh(stiffness[row][np.ix_(own, own)]) for row, own in zip(last, free, strict=True)]
-    places = [network.numbers[row, own] for row, own in zip(last.tolist(), free, strict=True)]
-    rows = np.concatenate([np.repeat(at, len(at)) for at in places])
-    columns = np.concatenate([np.tile(at, len(at)) for at in places])
+    number, n = network.numbers[last, :3], network.n_freedoms
+    rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
+    kept = (rows >= 0) & (columns >= 0)
+    strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
 
     def at(omega: float) -> sparse.csc_array:
-        values = []
-        for row, (strength, axes) in zip(last.tolist(), principal, strict=True):
-            stiff = np.maximum(strength, 1e-300)
-            cosine = (1 - network.mass[row] * omega**2 / (2 * stiff)).astype(np.complex128)
-            inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
-            impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
-            values.append(((axes * impedance) @ axes.T).ravel())
-        n = network.n_freedoms
-        return sparse.coo_array((np.concatenate(values), (rows, columns)), shape=(n, n)).tocsc()
+        stiff = np.where(strength > 0, strength, 1.0)
+        cosine = (1 - network.mass[last, None] * omega**2 / (2 * stiff)).astype(np.complex128)
+        inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
+        impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
+        blocks = (axes * impedance[:, None, :]) @ axes.transpose(0, 2, 1)
+        return sparse.coo_array((blocks[kept], (rows[kept], columns[kept])), shape=(n, n)).tocsc()
 
     return at
-
-
-def _layer(network: Network, stiffness: Stiffness, last: NDArray[np.int64], share: Array) -> Array:
-    """Return the dampers of a layer: (n_grains, 6), N s/m, N m s."""
-    rate = np.zeros(network.n_grains)
-    rate[last] = 2 * _SHARE_OF_HIGHEST * math.sqrt(stiffness.largest) * share**2
-    return np.repeat(rate[:, None] * np.stack([network.mass, network.inertia], axis=1), 3, axis=1)
 
 
 def dampers_of(assembly: Assembly, network: Network) -> Array:
@@ -289,39 +265,29 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
     """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if they lose nothing."""
     if not assembly.case.has_loss:
         return None
-    case, springs, supports = assembly.case, network.springs, network.supports
-    partner = {wall.name: wall.material for wall in walls(assembly)}
+    case, contacts, partners = assembly.case, network.contacts, {wall.name: wall.material for wall in walls(assembly)}
 
     @cache
-    def between(materials: tuple[Material, Material], shapes: tuple[Shape, Shape]) -> Viscous | None:
-        return viscous_loss(assembly, case.contact_between(*materials), *materials, shapes=shapes)
+    def loss_of(materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None) -> Viscous | None:
+        """Loss of a pair, or without shapes of a contact with a wall."""
+        more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
+        return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 
-    @cache
-    def at_wall(material: Material, wall: str) -> Viscous | None:
-        other = partner[wall]
-        return viscous_loss(assembly, case.contact_between(material, other), material, other, flat=True)
-
-    def constants(stiffness: Array, mass: Array, losses: list[Viscous | None]) -> Array:
-        found = np.zeros(len(stiffness))
-        for row, loss in enumerate(losses):
-            if loss is not None:
-                kind, size = loss
-                k = float(stiffness[row])
-                found[row] = size * (k if kind == "time" else math.sqrt(2 / 3 * float(mass[row]) * k))
-        return found
-
-    one, other = network.mass[springs.first], network.mass[springs.second]
-    of_pairs = [
-        between((assembly.material_of(i), assembly.material_of(j)), (assembly.shape_of(i), assembly.shape_of(j)))
-        for i, j in zip(network.ids[springs.first].tolist(), network.ids[springs.second].tolist(), strict=True)
-    ]
-    touching = zip(network.ids[supports.grain].tolist(), supports.wall.tolist(), strict=True)
-    of_walls = [at_wall(assembly.material_of(i), wall) for i, wall in touching]
-    of_springs = constants(springs.stiffness, one * other / (one + other), of_pairs)
-    of_supports = constants(supports.stiffness, network.mass[supports.grain], of_walls)
-    none, unmoved = np.zeros(len(springs)), np.zeros(len(supports))
-    return dataclasses.replace(
-        network,
-        springs=dataclasses.replace(springs, stiffness=of_springs, tangential=none, force=none),
-        supports=dataclasses.replace(supports, stiffness=of_supports, tangential=unmoved, turning=unmoved),
-    )
+    damping = np.zeros(len(contacts))
+    one, other = network.mass[contacts.first], np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
+    effective = one / (1 + one / other)
+    ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
+    names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
+    for row, ((i, j), wall) in enumerate(zip(ids, names, strict=True)):
+        if wall:
+            loss = loss_of((assembly.material_of(i), partners[wall]), None)
+        else:
+            materials = assembly.material_of(i), assembly.material_of(j)
+            loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
+        if loss is not None:
+            kind, size = loss
+            k = float(contacts.stiffness[row])
+            damping[row] = size * (k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k))
+    none = np.zeros(len(contacts))
+    damped = dataclasses.replace(contacts, stiffness=damping, tangential=none, force=none)
+    return dataclasses.replace(network, contacts=damped)

@@ -36,7 +36,7 @@ from scipy import sparse
 from scipy.linalg import eig
 from scipy.sparse.linalg import splu
 
-from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.stiffness import Stiffness
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
@@ -121,13 +121,11 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     InputError
         The text names no path, an unknown point, or leaves the directions in which the packing repeats.
     """
-    stretches = _corners(text, periods)
     inside = periods.T @ np.linalg.pinv(periods.T)  # the span of the periods
     k: list[Array] = []
     corners: list[tuple[int, str]] = []
     breaks: list[int] = []
-    distance: list[float] = []
-    for stretch in stretches:
+    for stretch in _corners(text, periods):
         for _, place in stretch:
             if np.linalg.norm(place - inside @ place) > 1e-9 * max(float(np.linalg.norm(place)), 1e-300):
                 axes = "".join(a for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True) if one > 1e-9)
@@ -136,55 +134,47 @@ def make_path(text: str, periods: Array, points: int) -> Path:
                     f"--path: found ({where}) rad/m, but the packing repeats along {axes} alone; expected wave vectors "
                     "in the span of its periods"
                 )
-        if k:
-            breaks.append(len(k))
+        breaks += [len(k)] if k else []
         corners.append((len(k), stretch[0][0]))
         k.append(stretch[0][1])
-        distance.append(distance[-1] if distance else 0.0)
         for (_, start), (name, end) in pairwise(stretch):
-            length = float(np.linalg.norm(end - start))
-            if length == 0:
+            if np.array_equal(start, end):
                 where = show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
                 raise InputError(f"--path: found {where} twice in a row, expected points that differ")
-            for share in np.linspace(0, 1, points)[1:]:
-                k.append(start + share * (end - start))
-                distance.append(distance[-1] + length / (points - 1))
+            k += [start + share * (end - start) for share in np.linspace(0, 1, points)[1:]]
             corners.append((len(k) - 1, name))
-    return Path(np.array(k), np.array(distance), tuple(corners), tuple(breaks))
+    steps = np.linalg.norm(np.diff(k, axis=0), axis=1)
+    steps[[row - 1 for row in breaks]] = 0.0
+    return Path(np.array(k), np.concatenate([[0.0], np.cumsum(steps)]), tuple(corners), tuple(breaks))
 
 
 def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
     if text and (re.search(r"[;,]\s*[-+.\d]", text) or re.fullmatch(r"[-+.\d eE,;]*", text)):
-        return [_numbers(text)]
+        corners = []
+        for part in filter(str.strip, text.split(";")):
+            try:
+                place = np.array([float(one) for one in part.split(",")])
+            except ValueError:
+                place = np.empty(0)
+            if len(place) != 3 or not np.isfinite(place).all():
+                raise InputError(f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m")
+            corners.append(("" if place.any() else "G", place))
+        if len(corners) < 2:
+            raise InputError(f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}")
+        return [corners]
     known, standard = zone(periods)
     text, found = text or standard, []
-    for stretch in re.split(r"[|]", text.replace("Γ", "G").replace("Gamma", "G")):
+    for stretch in text.replace("Γ", "G").replace("Gamma", "G").split("|"):
         names = _NAMES.findall(stretch)
         if "".join(names) != re.sub(r"[-\s]", "", stretch) or len(names) < 2:
             raise InputError(f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(known)}")
-        for name in names:
-            if name not in known:
-                raise InputError(
-                    f"--path: found the point {name}, expected one of {', '.join(known)}, those of this cell; "
-                    f"or {_FORM}"
-                )
+        if unknown := [name for name in names if name not in known]:
+            raise InputError(
+                f"--path: found the point {unknown[0]}, expected one of {', '.join(known)}, those of this cell; "
+                f"or {_FORM}"
+            )
         found.append([(name, known[name]) for name in names])
     return found
-
-
-def _numbers(text: str) -> list[tuple[str, Array]]:
-    corners = []
-    for part in [part for part in text.split(";") if part.strip()]:
-        try:
-            numbers = [float(one) for one in part.split(",")]
-        except ValueError:
-            numbers = []
-        if len(numbers) != 3 or not np.isfinite(numbers).all():
-            raise InputError(f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m")
-        corners.append(("G" if not any(numbers) else "", np.array(numbers)))
-    if len(corners) < 2:
-        raise InputError(f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}")
-    return corners
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -247,52 +237,43 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
         return None
     numbers = np.rint(stiffness.shifts @ direction / spacing).astype(int)
     most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
-    if 2 * most * n > MOST_UNKNOWNS:
-        return _of_faces(stiffness, start, direction, spacing, numbers, frequency)
-    parts = {m: part.toarray() for m, part in _by_plane(stiffness, start, numbers).items()}
-    found = [_solve(parts, most, n, (2 * np.pi * one) ** 2) for one in frequency]
-    attenuation, values = _table(found)
-    return ComplexBands(direction, spacing, frequency, attenuation, np.angle(values))
-
-
-def _by_plane(stiffness: Stiffness, start: Array, numbers: Ints) -> dict[int, sparse.csc_array]:
-    """Return the matrices K_m of the powers of lambda, given the numbers of planes that cells are apart."""
-    own, others = stiffness._scaled
-    most = int(np.abs(numbers).max())
+    condensed = 2 * most * n > MOST_UNKNOWNS
+    if condensed and most * n > _MOST_CONDENSED:
+        return None
+    own, others = stiffness._scaled  # K_m of the powers of lambda, by the numbers of planes that cells are apart
     parts = {m: sparse.csc_array(own.shape, dtype=np.complex128) for m in range(-most, most + 1)}
     parts[0] = parts[0] + own
     for number, shift, one in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
         phased = one * np.exp(1j * float(start @ shift))
         parts[number] = parts[number] + phased
         parts[-number] = parts[-number] + phased.conj().T
-    return parts
-
-
-def _table(found: list[np.ndarray]) -> tuple[Array, np.ndarray]:
-    """Return -ln |lambda| and lambda of lists of different lengths, the rest NaN: (n_frequencies, n)."""
-    width = max(len(one) for one in found)
-    values = np.full((len(found), width), np.nan, dtype=np.complex128)
-    for row, one in enumerate(found):
-        values[row, : len(one)] = one
+    if condensed:
+        solved = _of_faces(parts, most, frequency)
+        if solved is None:
+            return None
+        frequency, found = solved
+    else:
+        dense = {m: part.toarray() for m, part in parts.items()}
+        found = [_of_cell(dense, most, n, (2 * np.pi * one) ** 2) for one in frequency]
+    values = np.full((len(found), max(map(len, found))), np.nan, dtype=np.complex128)
+    for row, powers in enumerate(found):
+        values[row, : len(powers)] = powers
     with np.errstate(invalid="ignore"):
         attenuation = np.maximum(-np.log(np.abs(values)), 0.0)
         attenuation[attenuation < _WAVE] = 0.0
-    return attenuation, values
+    if not condensed:
+        return ComplexBands(direction, spacing, frequency, attenuation, np.angle(values))
+    phase = np.angle(values) if most == 1 else np.full(values.shape, np.nan)
+    return ComplexBands(direction, spacing, frequency, attenuation / most, phase)
 
 
-def _of_faces(
-    stiffness: Stiffness, start: Array, direction: Array, spacing: float, numbers: Ints, frequency: Array
-) -> ComplexBands | None:
-    """Find the complex wave vectors of a large cell from its faces."""
-    most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
-    if most * n > _MOST_CONDENSED:
-        return None
-    parts = _by_plane(stiffness, start, numbers)
+def _of_faces(parts: dict[int, sparse.csc_array], most: int, frequency: Array) -> tuple[Array, list[np.ndarray]] | None:
+    """Return some of the frequencies, and the lambda of a large cell from its faces; None if these are too large."""
     ahead = [[[parts.get(away + column - row) for column in range(most)] for row in range(most)] for away in (0, most)]
     middle, coupling = (sparse.block_array(blocks, format="csc") for blocks in ahead)
     coupling.eliminate_zeros()
     on_next, on_last = np.unique(coupling.nonzero()[0]), np.unique(coupling.nonzero()[1])
-    size = len(on_next) + len(on_last)
+    n, size = len(on_next), len(on_next) + len(on_last)
     if not size or size > MOST_ON_FACES:
         return None
     kept = max(_FEWEST, int(_FLOPS / (size + 40) ** 3))
@@ -305,22 +286,16 @@ def _of_faces(
     for one in frequency:
         square = (2 * np.pi * one) ** 2
         inverse = splu((middle - square * sparse.eye_array(middle.shape[0])).tocsc())  # indefinite: with pivots
-        found.append(_condensed(inverse.solve(loads)[faces], between, len(on_next)))
-    attenuation, values = _table(found)
-    phase = np.angle(values) if most == 1 else np.full(values.shape, np.nan)
-    return ComplexBands(direction, spacing, frequency, attenuation / most, phase)
+        response = inverse.solve(loads)[faces]
+        left, right = -np.eye(size, dtype=np.complex128), np.eye(size, dtype=np.complex128)
+        left[:, :n] = -response[:, n:] @ between.conj().T
+        right[:, n:] = response[:, :n] @ between
+        found.append(_decaying(left, right))
+    return frequency, found
 
 
-def _condensed(response: np.ndarray, between: np.ndarray, n: int) -> np.ndarray:
-    """Return the lambda that do not grow, from the inverse on the faces; the first n unknowns touch the next cell."""
-    left, right = -np.eye(len(response), dtype=np.complex128), np.eye(len(response), dtype=np.complex128)
-    left[:, :n] = -response[:, n:] @ between.conj().T
-    right[:, n:] = response[:, :n] @ between
-    return _decaying(left, right)
-
-
-def _solve(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:
-    """Return the lambda that do not grow, by rising attenuation."""
+def _of_cell(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:
+    """Return the lambda that do not grow, from the matrices of a cell of n unknowns."""
     size = 2 * most * n
     scale = max(float(np.abs(parts[0]).max()), square)
     left, right = np.zeros((size, size), dtype=np.complex128), np.eye(size, dtype=np.complex128)
@@ -334,9 +309,9 @@ def _solve(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np
 
 def _decaying(left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Return the lambda of a pencil that do not grow, by rising attenuation."""
-    pair = eig(left, right, right=False, homogeneous_eigvals=True)
+    above, below = eig(left, right, right=False, homogeneous_eigvals=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        values = pair[0] / pair[1]
-    size_of = np.abs(values)
-    kept = values[np.isfinite(size_of) & (size_of > _SMALLEST) & (size_of < _LARGEST) & (size_of <= 1 + _WAVE)]
+        values = above / below
+    size = np.abs(values)
+    kept = values[np.isfinite(size) & (size > _SMALLEST) & (size < _LARGEST) & (size <= 1 + _WAVE)]
     return kept[np.argsort(-np.abs(kept), kind="stable")]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.spectra.network import Network, Springs, Supports, across
+from granwave.analysis.spectra.network import Network, Springs, across, joined
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 
@@ -35,14 +35,12 @@ def network(
     )  # fmt: skip
     rows = np.array([one[0] for one in ground], dtype=np.int64)
     vectors = np.array([one[1] for one in ground], dtype=float).reshape(-1, 3)
-    none = np.zeros(len(rows))
-    supports = Supports(
-        rows, np.full(len(rows), "wall", dtype=object), vectors, none, np.array([one[2] for one in ground]), none, none,
-        none, np.zeros_like(vectors),
+    m, none = len(rows), np.zeros(len(rows))
+    supports = Springs(
+        rows, np.full(m, -1), np.zeros((m, 1), dtype=int), vectors, np.full(m, np.inf), none,
+        np.array([one[2] for one in ground]), none, np.zeros((m, 2)), np.zeros((m, 3, 3)),
     )  # fmt: skip
     free = np.array([[axis in one for axis in "xyz"] + [False] * 3 for one in moves])
     masses = np.array(mass)
-    places = np.zeros((len(mass), 3))
-    return Network(
-        np.arange(1, len(mass) + 1), places, masses, masses, free, np.array([[0.0, 0.0, period]]), springs, supports
-    )
+    places, periods = np.zeros((len(mass), 3)), np.array([[0.0, 0.0, period]])
+    return Network(np.arange(1, len(mass) + 1), places, masses, masses, free, periods, joined([springs, supports]))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -86,13 +84,3 @@ def test_better_than_random_search(tmp_path):
         medians[sampler] = float(np.median(best))
     print(f"smallest force after 40 evaluations: {medians}")
     assert medians["model"] < 0.85 * medians["random"]
-
-
-def test_the_order_of_a_chain_does_not_matter_to_its_mass(tmp_path):
-    """Two objectives that each bead adds to: the front is what sorting gives."""
-    tables = problem(tmp_path, "mass", CHAIN, {f"replace.{n}.material": ["stainless-steel", "ptfe"] for n in (1, 2, 3)})
-    tables["objective"] = {"minimise": ["mass_kg"], "maximise": ["n_loaded_contacts"]}
-    found = gw.design(tables, directory=tmp_path / "front", progress=False)
-    light = [one["objective"]["mass_kg"] for one in found.outcome["front"]]
-    assert all(a <= b for a, b in itertools.pairwise(light))
-    assert min(light) == pytest.approx(found.table["mass_kg"].min())

@@ -22,7 +22,7 @@ from granwave.workflows.design.driver import run_design
 from granwave.workflows.design.points import default_jobs
 from granwave.workflows.design.problem import Problem
 from granwave.workflows.design.search import random_designs
-from granwave.workflows.design.study import REFUSED, Study, first_design, new_design
+from granwave.workflows.design.study import FAILED, REFUSED, Study, first_design, new_design
 
 _DRAWN = 64  # designs that a plan is made of
 
@@ -35,25 +35,21 @@ def design(options: argparse.Namespace) -> int:
     values = plan_values(problem, jobs, options.ranks)
     if not options.json:
         print(plan_text(problem, values), flush=True)
-    outcome = run_design(
-        problem,
-        directory,
-        jobs=options.jobs,
-        ranks=options.ranks,
-        resume=options.resume,
-        force=options.force,
+    study, stopped = run_design(
+        problem, directory, jobs=options.jobs, ranks=options.ranks, resume=options.resume, force=options.force,
         progress=True,
-    )
+    )  # fmt: skip
     found = read_json(directory / DESIGN_OUTCOME)
-    if outcome.interrupted or found is None:
+    if stopped or found is None:
         print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
         return 130
     print_json(found) if options.json else print(outcome_text(found, str(directory / SCAN_REPORT)))
-    if outcome.best is None:
+    none, failed = not study.best(), sum(one.state == FAILED for one in study.designs)
+    if none:
         print("granwave: no design that was run meets the limits; designs.csv tells why", file=sys.stderr)
-    elif outcome.n_failed:
-        print(f"granwave: {outcome.n_failed} designs failed; designs.csv tells why", file=sys.stderr)
-    return 0 if outcome.best is not None and not outcome.n_failed else 1
+    elif failed:
+        print(f"granwave: {failed} designs failed; designs.csv tells why", file=sys.stderr)
+    return int(none or bool(failed))
 
 
 def plan_of_design(path: Path, options: argparse.Namespace) -> int:

@@ -26,7 +26,7 @@ from granwave.lammps_inputs.case.schema import REQUIRED, ValidationError, accept
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.arguments import FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, coloured
-from granwave.workflows.design.keys import DESIGN_TABLES
+from granwave.workflows.design.problem import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize

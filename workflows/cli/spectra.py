@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from granwave.analysis.spectra.band_structure import BandStructure
-from granwave.analysis.spectra.states import State
 from granwave.lammps_inputs.case.case import Case
-from granwave.workflows import spectra
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+from granwave.workflows import library, spectra
 from granwave.workflows.cli.parser import chosen
 from granwave.workflows.cli.terminal import print_json, warn
 
@@ -19,61 +19,12 @@ _KILO = 1e-3
 
 def bands(options: argparse.Namespace) -> int:
     """Execute ``granwave bands``."""
-    found, written = spectra.bands(_source(options, "bands"), **chosen(options, spectra.bands))
-    _note_left_out(found.state)
+    waves, written = spectra.bands(_source(options, "bands"), **chosen(options, spectra.bands))
+    found, network = waves.found, waves.state.network
     if found.note:
-        warn(f"{found.state.name}: {found.note}; they are left blank")
-    print_json(found.summary()) if options.json else print(f"{_of_bands(found)}\n\nresults in {written[0].parent}")
-    return 0
-
-
-def modes(options: argparse.Namespace) -> int:
-    """Execute ``granwave modes``."""
-    found, written = spectra.modes(_source(options, "modes"), **chosen(options, spectra.modes))
-    _note_left_out(found.state)
-    print_json(found.summary()) if options.json else print(f"{_of_modes(found)}\n\nresults in {written[0].parent}")
-    return 0
-
-
-def transmission(options: argparse.Namespace) -> int:
-    """Execute ``granwave transmission``."""
-    found, state, written = spectra.steady(_source(options, "transmission"), **chosen(options, spectra.steady))
-    _note_left_out(state)
-    if options.json:
-        print_json(spectra.transmission_summary(state, found))
-        return 0
-    for n, sensor in enumerate(found.sensors):
-        row = int(np.argmax(found.amplitude[:, n]))
-        print(
-            f"grain {found.drive} to {sensor}: largest amplitude ratio {found.amplitude[row, n]:.4g} at "
-            f"{_KILO * found.frequency[row]:.5g} kHz, end {found.end}"
-        )
-    print(f"\nresults in {written[0].parent}")
-    return 0
-
-
-def _source(options: argparse.Namespace, name: str) -> Case | Path:
-    """Return the case or the directory of a run; give the results a directory where none is chosen."""
-    source = spectra.source_of(options.case, options.overrides)
-    own = source.name if isinstance(source, Case) else source.resolve().name
-    options.directory = options.directory or Path(f"{own}-{name}")
-    return source
-
-
-def _note_left_out(state: State) -> None:
-    if len(ids := state.network.left_out):
-        some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
-        warn(f"{state.name}: {len(ids)} grains bear no static load ({some}); they are left out")
-
-
-def _counted(number: int, word: str) -> str:
-    return f"{number} {word}{'s' * (number != 1)}"
-
-
-def _of_bands(found: BandStructure) -> str:
-    network = found.state.network
+        warn(f"{waves.state.name}: {found.note}; they are left blank")
     lines = [
-        f"{found.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} "
+        f"{waves.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} "
         f"in a cell, {_counted(found.bands.square.shape[1], 'band')} up to "
         f"{_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
     ]
@@ -85,13 +36,64 @@ def _of_bands(found: BandStructure) -> str:
                 f"gap above band {gap.below:<8} {_KILO * gap.low:.5g} to {_KILO * gap.high:.5g} kHz "
                 f"({100 * gap.relative_width:.3g} % of its middle)"
             )
-    return "\n".join(lines)
+    return _print(options, waves, written, lines)
 
 
-def _of_modes(found: spectra.Finite) -> str:
-    values = found.summary()
-    return (
+def modes(options: argparse.Namespace) -> int:
+    """Execute ``granwave modes``."""
+    waves, written = spectra.modes(_source(options, "modes"), **chosen(options, spectra.modes))
+    values = waves.summary
+    line = (
         f"{values['name']}: {values['n_modes']} of {values['n_freedoms']} modes of {values['n_grains']} grains, "
         f"from {_KILO * (values['lowest_frequency_Hz'] or 0):.5g} kHz"
-        + (f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz" if values["highest_frequency_Hz"] else "")
     )
+    line += f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz" if values["highest_frequency_Hz"] else ""
+    return _print(options, waves, written, [line])
+
+
+def transmission(options: argparse.Namespace) -> int:
+    """Execute ``granwave transmission``."""
+    waves, written = spectra.steady(_source(options, "transmission"), **chosen(options, spectra.steady))
+    found, lines = waves.found, []
+    for n, sensor in enumerate(found.sensors):
+        row = int(np.argmax(found.amplitude[:, n]))
+        lines.append(
+            f"grain {found.drive} to {sensor}: largest amplitude ratio {found.amplitude[row, n]:.4g} at "
+            f"{_KILO * found.frequency[row]:.5g} kHz, end {found.end}"
+        )
+    return _print(options, waves, written, lines)
+
+
+def _print(options: argparse.Namespace, waves: spectra.SmallWaves, written: list[Path], lines: list[str]) -> int:
+    if len(ids := waves.state.network.left_out):
+        some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
+        warn(f"{waves.state.name}: {len(ids)} grains bear no static load ({some}); they are left out")
+    if options.json:
+        print_json(waves.summary)
+    else:
+        print("\n".join([*lines, "", f"results in {written[0].parent}"]))
+    return 0
+
+
+def _source(options: argparse.Namespace, name: str) -> Case | Path:
+    """Return the case or the directory of a run; give the results a directory where none is chosen.
+
+    Raises
+    ------
+    InputError
+        There is none, or keys are set for a run, whose case is what it was.
+    """
+    path, source = Path(options.case), None
+    if not (path.is_dir() and (path / RESULT_FILE).is_file()):
+        source = library.load_case(options.case, options.overrides)
+    elif options.overrides:
+        raise InputError(
+            f"--set: found {options.overrides[0]} for the run {path}, which is done; give a case to change keys"
+        )
+    own = path.resolve().name if source is None else source.name
+    options.directory = options.directory or Path(f"{own}-{name}")
+    return source or path
+
+
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'s' * (number != 1)}"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import copy
 import dataclasses
 import logging
-from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -30,16 +30,20 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import library
-from granwave.workflows.design.keys import (
+from granwave.workflows.design.problem import (
     KNOWN_BEFORE,
     Header,
+    Limit,
+    Objective,
     ObjectiveTable,
+    Problem,
     SearchTable,
     UncertaintyTable,
+    ids_of,
     is_value,
     value_names,
+    with_values,
 )
-from granwave.workflows.design.problem import Limit, Objective, Problem, ids_of, with_values
 from granwave.workflows.design.variables import Space, Variable, read_variables
 from granwave.workflows.solvers import GRANULAR, solver_of
 
@@ -113,11 +117,11 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
 
 def _base(header: Header | None, path: Path, table: Any, errors: ErrorList) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the keys of ``[set]``, dotted, and the tables of the case that they are set in."""
-    fixed: dict[str, Any] = {}
     if not isinstance(table, Mapping):
         errors.add("set", f"found {show(table)}, expected a table of keys and values")
     if header is None or not isinstance(table, Mapping):
         return {}, {}
+    fixed: dict[str, Any] = {}
     try:
         file = library.find_for(header.base, GRANULAR.verb, directory=path.parent)
         base = {"name": file.stem, **read_toml(file)}
@@ -125,14 +129,18 @@ def _base(header: Header | None, path: Path, table: Any, errors: ErrorList) -> t
             raise InputError(f"{header.base}: is a continuum case, expected one that granwave run takes")
         written = list(_of_set(table, base))
         fixed = dict(written)
-        twice = {key for key, _ in written if [one for one, _ in written].count(key) > 1}
-        errors.check(*((True, f"set.{key}", "is given twice") for key in sorted(twice)))
+        _refuse_twice("set", written, errors)
         base = apply_overrides(base, {key: fixed[key] for key in sorted(fixed, key=lambda key: key.count("."))})
         GRANULAR.read(base, file)
     except InputError as error:
         errors.lines += [f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors]
         return fixed, {}
     return fixed, base
+
+
+def _refuse_twice(name: str, written: Iterable[tuple[str, Any]], errors: ErrorList) -> None:
+    for key, count in Counter(key for key, _ in written).items():
+        errors.check((count > 1, f"{name}.{key}", "is given twice"))
 
 
 def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -160,39 +168,29 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
     layers = keys.pop(LAYERS, None)
     written = list(_dotted(keys))
     found = read_variables(dict(written), "variables", errors)
-    for key in dict.fromkeys(key for key, _ in written if [one for one, _ in written].count(key) > 1):
-        errors.add(f"variables.{key}", "is given twice")
+    _refuse_twice("variables", written, errors)
     if layers is not None and base:
         found += _layers(layers, base, [one.key for one in found], errors)
-    names = {_generic(key) for key in case_keys()} | _WHOLE
     for one in found:
-        generic = _generic(one.key)
-        if not _is_key(generic, names):
-            errors.add(
-                f"variables.{one.key}", f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
-            )
-        elif base:
+        if _is_key("variables", one.key, errors) and base:
             try:
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
-    if base and not errors.lines:
-        _warn_of_refused(found, base, errors)
-    return found
-
-
-def _warn_of_refused(variables: list[Variable], base: Mapping[str, Any], errors: ErrorList) -> None:
-    """Log a warning of words, and ends of ranges, that alone make the base wrong; one for variables of equal fault."""
+    if not base or errors.lines:
+        return found
+    # words, and ends of ranges, that alone make the base wrong; one warning for variables of equal fault
     refused: dict[tuple[str, str], list[str]] = defaultdict(list)
-    for one in variables:
+    for one in found:
         for value in one.choices if not one.ordered else dict.fromkeys(one.value(end) for end in (0.0, 1.0)):
             try:
                 GRANULAR.read(with_values(base, {one.key: value}), errors.source)
             except InputError as error:
                 refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(one.key)
-    for (value, fault), keys in refused.items():
-        more = f" and {len(keys) - 1} more" * (len(keys) > 1)
-        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, keys[0], more, value, fault)
+    for (value, fault), same in refused.items():
+        more = f" and {len(same) - 1} more" * (len(same) > 1)
+        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, same[0], more, value, fault)
+    return found
 
 
 def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -204,9 +202,12 @@ def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
             yield f"{prefix}{key}", value
 
 
-def _is_key(generic: str, names: Collection[str]) -> bool:
-    """Return True for a key of a case, or one inside the table that a key holds."""
-    return generic in names or any("." in name and generic.startswith(f"{name}.") for name in names)
+def _is_key(table: str, key: str, errors: ErrorList) -> bool:
+    """Return True for a key of a case, or one inside the table that a key holds; else add the error."""
+    names, generic = {_generic(one) for one in case_keys()} | _WHOLE, _generic(key)
+    known = generic in names or any("." in name and generic.startswith(f"{name}.") for name in names)
+    fault = f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
+    return errors.check_first((not known, f"{table}.{key}", fault))
 
 
 def _generic(key: str) -> str:
@@ -291,14 +292,14 @@ def _objectives(table: ObjectiveTable | None, base: Mapping[str, Any], errors: E
             "objective", f"found {len(found)} values, expected one, or two different ones, under minimise or maximise"
         )
     bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
-    if bottom in ("free", "periodic") and "bar" not in base:
-        for one in found:
-            if any(fnmatchcase(one.name, pattern) for pattern in _OF_TARGET):
-                errors.add(
-                    "objective",
-                    f"{one.name}: is null without a target: found boundary.bottom = {show(bottom)} in the base, "
-                    'expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}',
-                )
+    without_target = bottom in ("free", "periodic") and "bar" not in base
+    for one in found:
+        of_target = any(fnmatchcase(one.name, pattern) for pattern in _OF_TARGET)
+        errors.check((
+            without_target and of_target, "objective",
+            f"{one.name}: is null without a target: found boundary.bottom = {show(bottom)} in the base, "
+            'expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}',
+        ))  # fmt: skip
     return tuple(found)
 
 
@@ -324,13 +325,8 @@ def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, 
         except ValidationError as error:
             errors.add(f"uncertainty.{key}", f"found {show(value)}, expected {error}")
             continue
-        known = {_generic(one) for one in case_keys()}
-        if not _is_key(_generic(name), known):
-            errors.add(
-                f"uncertainty.{key}", f"is no key of a case{did_you_mean(name, known)}; granwave keys lists them"
-            )
-        elif name in ranges:
-            errors.add(f"uncertainty.{key}", "is given twice")
+        if _is_key("uncertainty", name, errors):
+            errors.check((name in ranges, f"uncertainty.{key}", "is given twice"))
         ranges[name] = (low, high)
     return (own.statistic, ranges, own.replicates) if own else ("mean", ranges, 1)
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import itertools
 import logging
-from collections import deque
+from collections import Counter, deque
 from fnmatch import fnmatchcase
+from importlib.util import find_spec
 from pathlib import Path
 
 from granwave.analysis.document.model import is_number
@@ -26,9 +26,9 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_REPORT,
 )
 from granwave.workflows.design import guards
-from granwave.workflows.design.outcome import check_best, publish, with_derived
+from granwave.workflows.design.guards import check_best
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.problem import Problem
+from granwave.workflows.design.problem import Problem, with_derived
 from granwave.workflows.design.search import n_first, ordered, promising
 from granwave.workflows.design.study import (
     COMPLETE,
@@ -41,6 +41,7 @@ from granwave.workflows.design.study import (
     Study,
     first_design,
     new_design,
+    publish,
     read_study,
 )
 from granwave.workflows.run.directory import held
@@ -57,27 +58,6 @@ _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
 
-@dataclasses.dataclass(frozen=True)
-class DesignOutcome:
-    """Outcome of a search.
-
-    Attributes
-    ----------
-    best
-        The best design; None if none meets the limits.
-    n_failed
-        Number of designs whose runs failed.
-    interrupted
-        True if it was stopped before its end.
-    """
-
-    directory: Path
-    best: Design | None
-    n_evaluated: int
-    n_failed: int
-    interrupted: bool
-
-
 def run_design(
     problem: Problem,
     directory: str | Path,
@@ -87,7 +67,7 @@ def run_design(
     resume: bool = False,
     force: bool = False,
     progress: bool = False,
-) -> DesignOutcome:
+) -> tuple[Study, bool]:
     """Search for the best design, check it by further runs, and write report and cases.
 
     Parameters
@@ -105,107 +85,95 @@ def run_design(
     progress
         Show a bar (on a terminal) or lines (in a log).
 
+    Returns
+    -------
+    Study, bool
+        The designs; True if the search was stopped before its end.
+
     Raises
     ------
     InputError
-        The directory holds results, another search, or files of others; or no design meets the limits.
+        The directory holds results, another search, or files of others; no design meets the limits; or scikit-learn is
+        missing.
     """
     directory = results_directory(directory)
-    check_installed()
-    with held(directory), Interrupts() as stop:
-        study = prepare(problem, directory, resume=resume, force=force)
-        return _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
-
-
-def check_installed() -> None:
-    """Raise InputError if scikit-learn is missing."""
-    from importlib.util import find_spec
-
     if find_spec("sklearn") is None:
         raise InputError("granwave design: scikit-learn is not installed; pip install 'granwave[design]'")
-
-
-def prepare(problem: Problem, directory: Path, *, resume: bool, force: bool) -> Study:
-    """Check that the search can be made in a directory, and read what is there; raise as `run_design`."""
-    check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, DESIGN)
-    if not resume and not force:
-        refuse_results(directory)
-    refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
-    study = Study(problem, directory) if force else read_study(problem, directory)
-    first_design(study)
-    if force:
-        clear(directory)
-    claim(directory, _FILES, kind=DESIGN)
-    study.write()
-    return study
+    with held(directory), Interrupts() as stop:
+        check_directory(directory, resume=resume, force=force)
+        refuse_other_kind(directory, DESIGN)
+        if not resume and not force:
+            refuse_results(directory)
+        refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
+        study = Study(problem, directory) if force else read_study(problem, directory)
+        first_design(study)
+        if force:
+            clear(directory)
+        claim(directory, _FILES, kind=DESIGN)
+        study.write()
+        _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
+        return study, bool(stop.count)
 
 
 class _Search:
     def __init__(self, study: Study, jobs: int, ranks: int, stop: Interrupts, *, show: bool) -> None:
         self.study, self.problem, self.jobs, self.stop, self.show = study, study.problem, jobs, stop, show
-        self.directory = study.directory
-        self.points = Points(self.directory / POINTS, ranks)
+        self.points = Points(study.directory / POINTS, ranks)
         self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
         self.at_work: dict[str, tuple[Design, int]] = {}
 
-    def run(self) -> DesignOutcome:
+    def run(self) -> None:
         """Search, check the best design, and write the results."""
         load()
-        for design in self.study.designs:
-            if design.state in (COMPLETE, PRUNED):
-                self._run_again_if_lost(design)
+        study, problem, total = self.study, self.problem, self.problem.search.evaluations
+        for design in study.designs:
+            lost = [name for name in design.runs if not read_summary(study.directory / POINTS / name)]
+            if lost and design.state in (COMPLETE, PRUNED):
+                logger.warning("%s: runs of design %d are gone; it is run again", problem.name, design.number)
+                design.state, design.reason, design.runs, design.objectives = RUNNING, "", {}, {}
             if design.state == RUNNING:
                 self._queue(design)
-        with contextlib.closing(self._bar()) as self.bar:
+        self.bar = Progress(total, problem.name, enabled=self.show, done=self._n_done(), at_most=True)
+        with contextlib.closing(self.bar):
             while self._fill() and not self.stop.count:
                 self._take()
-            self._stop_runs()
-        self.study.write()
-        best = next(iter(self.study.best()), None)
+            if self.stop.count and self.points:
+                logger.warning("%s: stopping; the runs in work write checkpoints ...", problem.name)
+                self.points.stop()
+                while self.points:
+                    self._take()
+        study.write()
+        best = next(iter(study.best()), None)
         findings: list[guards.Finding] = []
         if best is not None and not self.stop.count:
-            findings = check_best(self.study, best, self.points, self.jobs, self.stop, show=self.show)
+            findings = check_best(study, best, self.points, self.jobs, self.stop, show=self.show)
         if not self.stop.count:
-            publish(self.study, findings)
-        failed = sum(design.state == FAILED for design in self.study.designs)
-        return DesignOutcome(self.directory, best, self.study.n_evaluated, failed, bool(self.stop.count))
-
-    def _bar(self) -> Progress:
-        total = self.problem.search.evaluations
-        return Progress(total, self.problem.name, enabled=self.show, done=self._n_done(), at_most=True)
+            publish(study, findings)
 
     def _n_done(self) -> int:
         done = sum(design.ran and design.state != RUNNING and not design.next_to for design in self.study.designs)
         return min(done, self.problem.search.evaluations)
 
-    # ------------------------------------------------------------------ runs
-
     def _queue(self, design: Design) -> None:
         there = names(design.number, self.problem.samples)
         self.queue.extend((design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {}))
 
-    def _run_again_if_lost(self, design: Design) -> None:
-        places = [self.directory / POINTS / name for name in design.runs]
-        if not all(read_summary(place) for place in places):
-            logger.warning("%s: runs of design %d are gone; it is run again", self.problem.name, design.number)
-            design.state, design.reason, design.runs, design.objectives = RUNNING, "", {}, {}
+    def _end(self, design: Design, state: str, reason: str) -> None:
+        design.state, design.reason = state, reason
+        self.queue = deque(entry for entry in self.queue if entry[0] is not design)
+
+    # ------------------------------------------------------------------ runs
 
     def _fill(self) -> bool:
         """Start runs until all jobs are busy; return True while any is."""
-        while len(self.points) < self.jobs and not self.stop.count:
-            if not self.queue and not self._choose():
-                break
+        while len(self.points) < self.jobs and not self.stop.count and (self.queue or self._choose()):
             design, n = self.queue.popleft()
             name = names(design.number, self.problem.samples)[n]
             run = design.runs.setdefault(name, {"longer": 1.0})
-            tables = self.problem.tables_of(design.values, self.problem.samples[n])
-            tables = tables if design.full else self.problem.cheaply(tables)
-            if run["longer"] > 1:
-                tables = guards.longer_end(tables, run["longer"])
+            tables = self.problem.tables_of(design.values, self.problem.samples[n], longer=run["longer"])
             self.study.write()
             try:
-                self.points.start(name, tables)
+                self.points.start(name, tables if design.full else self.problem.cheaply(tables))
             except InputError as error:
                 run["reason"] = "; ".join(error.errors)
                 self._end(design, FAILED, run["reason"])
@@ -213,36 +181,110 @@ class _Search:
             self.at_work[name] = (design, n)
         return bool(self.points)
 
+    def _take(self) -> None:
+        """Take the values of runs that have ended."""
+        finished = self.points.wait()
+        for ended in finished:
+            design, n = self.at_work.pop(ended.name)
+            design.seconds += ended.seconds
+            if ended.interrupted:  # by a signal: it goes on with the next start, or at once if it came from elsewhere
+                design.runs[ended.name]["stopped"] = stopped = design.runs[ended.name].get("stopped", 0) + 1
+                if not self.stop.count and stopped < _MOST_STOPPED:
+                    self.queue.appendleft((design, n))
+                elif not self.stop.count:
+                    self._end(design, FAILED, "its run was stopped from elsewhere")
+                continue
+            if design.state == RUNNING:
+                self._note(design, n, ended)
+            states = Counter(one.state for one in self.study.designs)
+            parts = [f"{states[state]} {state}" for state in (REFUSED, FAILED) if states[state]]
+            for best in self.study.best()[:1]:
+                values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
+                parts.insert(0, f"best {values} (design {best.number})")
+            self.bar.update(self._n_done(), ", ".join(parts))
+        if finished:
+            self.study.write()
+
+    def _note(self, design: Design, n: int, ended: Ended) -> None:
+        """Enter the values of a run, or let it run longer; end the design with its last run."""
+        run, problem = design.runs[ended.name], self.problem
+        if ended.reason:
+            return self._end(design, FAILED, ended.reason)
+        of_peak = any(fnmatchcase(one.name, pattern) for one in problem.objectives for pattern in _OF_PEAK)
+        series = guards.target_force(self.study.directory / POINTS / ended.name) if of_peak else None
+        if series is not None and not guards.has_passed(series[1]):
+            fixed = isinstance(problem.tables_of(design.values).get("run", {}).get("end_time"), int | float)
+            if fixed and run["longer"] < 2**_MOST_LONGER:
+                run["longer"] *= 2
+                return self.queue.appendleft((design, n))
+            if not guards.has_come(series[1]):
+                end = f"{series[0][-1]:.3g} s"
+                return self._end(design, REFUSED, f"the force on the target still rises, or has not come, after {end}")
+            run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
+        values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
+        wanted = [one.name for one in problem.objectives] + [one.name for one in problem.limits]
+        if missing := [name for name in wanted if not is_number(values.get(name))]:
+            shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
+            return self._end(design, FAILED, f"{shown} in summary.json, expected a number")
+        run["value"] = {name: float(values[name]) for name in wanted}
+        if self._is_lost(design):
+            return self._end(design, PRUNED, "its first runs are far beyond the best design")
+        made = [one["value"] for one in design.runs.values() if "value" in one]
+        if len(made) < len(problem.samples):
+            return None
+        for objective in problem.objectives:
+            found = [row[objective.name] for row in made]
+            design.objectives[objective.name] = problem.statistic_of(objective, found)
+            if len(found) > 1:
+                design.spread[objective.name] = [min(found), max(found)]
+        faults = []
+        for limit in problem.limits:
+            worst = design.limited[limit.name] = max((row[limit.name] for row in made), key=limit.margin)
+            design.margins[limit.name] = limit.margin(worst)
+            faults.append(limit.fault(worst))
+        reason = "; ".join(filter(None, faults))
+        return self._end(design, REFUSED if reason else COMPLETE, reason)
+
+    def _is_lost(self, design: Design) -> bool:
+        """Return True if the runs so far are that much worse than the best design that more runs hardly help."""
+        problem, best = self.problem, next(iter(self.study.best()), None)
+        if best is None or len(problem.objectives) > 1 or (design.full and not design.next_to):
+            return False
+        (objective,) = problem.objectives
+        mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
+        if len(mine) == len(problem.samples):
+            return False
+        same = [run["value"][objective.name] for run in best.runs.values()][: len(mine)]  # with the same velocities ...
+        ours, theirs = (problem.statistic_of(objective, values) for values in (mine, same))
+        most = _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
+        if theirs <= 0 or objective.sign * ours <= objective.sign * most * theirs:
+            return False
+        design.objectives[objective.name] = best.objectives[objective.name] * ours / theirs  # for the model
+        return True
+
+    # --------------------------------------------------------------- designs
+
     def _choose(self) -> bool:
         """Queue the runs of the next design: of the search, the best once more in full, then those next to the best.
 
         Return False if there is none, or none until those at work have ended.
         """
-        study, problem = self.study, self.problem
-        if study.exhausted < problem.search.evaluations > study.n_evaluated and self._choose_of_space():
+        study, problem, search = self.study, self.problem, self.problem.search
+        if study.exhausted < search.evaluations > study.n_evaluated and self._choose_of_space():
             return True
         if any(not design.next_to for design, _ in self.at_work.values()):
             return False
         if again := study.unconfirmed():
             for design in again:
-                self._run_in_full(design)
+                design.full, tables = True, problem.tables_of(design.values)
+                if cheap := problem.cheaply(tables) != tables:
+                    design.runs = {name: {"longer": run["longer"]} for name, run in design.runs.items()}
+                if cheap or design.state == PRUNED:
+                    design.state, design.reason, design.objectives, design.spread = RUNNING, "", {}, {}
+                    self._queue(design)
             return bool(self.queue) or self._choose()
-        return self._choose_next_to_best()
-
-    def _run_in_full(self, design: Design) -> None:
-        cheap = self.problem.cheaply(tables := self.problem.tables_of(design.values)) != tables
-        design.full = True
-        if cheap or design.state == PRUNED:
-            runs = design.runs if not cheap else {name: {"longer": run["longer"]} for name, run in design.runs.items()}
-            design.state, design.reason, design.runs, design.objectives, design.spread = RUNNING, "", runs, {}, {}
-            self._queue(design)
-
-    def _choose_next_to_best(self) -> bool:
-        """Queue the most promising design next to the best that was not tried; return False if there is none."""
-        study, problem = self.study, self.problem
-        best, search = next(iter(study.best()), None), problem.search
-        most = min(search.neighbours, search.evaluations)
-        left = most - sum(bool(design.next_to) for design in study.designs)
+        best = next(iter(study.best()), None)
+        left = min(search.neighbours, search.evaluations) - sum(bool(design.next_to) for design in study.designs)
         if best is None or left <= 0 or not search.guards or search.sampler != "model":
             return False
         for values in promising(*study.asked, [values for _, values in problem.space.neighbours(best.values)]):
@@ -274,112 +316,3 @@ class _Search:
             logger.warning(text, problem.name, study.n_evaluated, MOST_REFUSED)
         study.exhausted = problem.search.evaluations
         return False
-
-    def _take(self) -> None:
-        """Take the values of runs that have ended."""
-        finished = self.points.wait()
-        for ended in finished:
-            design, n = self.at_work.pop(ended.name)
-            design.seconds += ended.seconds
-            if ended.interrupted:  # by a signal: it goes on with the next start, or at once if it came from elsewhere
-                design.runs[ended.name]["stopped"] = stopped = design.runs[ended.name].get("stopped", 0) + 1
-                if not self.stop.count and stopped < _MOST_STOPPED:
-                    self.queue.appendleft((design, n))
-                elif not self.stop.count:
-                    self._end(design, FAILED, "its run was stopped from elsewhere")
-                continue
-            if design.state == RUNNING:
-                self._note(design, n, ended)
-            self.bar.update(self._n_done(), self._status())
-        if finished:
-            self.study.write()
-
-    def _note(self, design: Design, n: int, ended: Ended) -> None:
-        """Enter the values of a run, or let it run longer; end the design with its last run."""
-        run = design.runs[ended.name]
-        if ended.reason:
-            return self._end(design, FAILED, ended.reason)
-        series = guards.target_force(self.directory / POINTS / ended.name)
-        if self._of_peak() and series is not None and not guards.has_passed(series[1]):
-            fixed = isinstance(self.problem.tables_of(design.values).get("run", {}).get("end_time"), int | float)
-            if fixed and run["longer"] < 2**_MOST_LONGER:
-                run["longer"] *= 2
-                self.queue.appendleft((design, n))
-                return None
-            if not guards.has_come(series[1]):
-                end = f"{series[0][-1]:.3g} s"
-                return self._end(design, REFUSED, f"the force on the target still rises, or has not come, after {end}")
-            run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
-        values = with_derived(ended.summary, design.known["smallest_diameter_m"])
-        wanted = [one.name for one in self.problem.objectives] + [one.name for one in self.problem.limits]
-        values |= design.known
-        found = {name: float(values[name]) for name in wanted if is_number(values.get(name))}
-        if missing := [name for name in wanted if name not in found]:
-            shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
-            return self._end(design, FAILED, f"{shown} in summary.json, expected a number")
-        run["value"] = found
-        if self._is_lost(design):
-            self.queue = deque(entry for entry in self.queue if entry[0] is not design)
-            return self._end(design, PRUNED, "its first runs are far beyond the best design")
-        if sum("value" in one for one in design.runs.values()) == len(self.problem.samples):
-            self._complete(design)
-        return None
-
-    def _of_peak(self) -> bool:
-        return any(fnmatchcase(one.name, pattern) for one in self.problem.objectives for pattern in _OF_PEAK)
-
-    def _is_lost(self, design: Design) -> bool:
-        """Return True if the runs so far are that much worse than the best design that more runs hardly help."""
-        problem = self.problem
-        if len(problem.samples) == 1 or len(problem.objectives) > 1 or (design.full and not design.next_to):
-            return False
-        best, (objective,) = next(iter(self.study.best()), None), problem.objectives
-        mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
-        if best is None or len(mine) == len(problem.samples):
-            return False
-        same = [run["value"][objective.name] for run in best.runs.values()][: len(mine)]  # with the same velocities ...
-        ours, theirs = (problem.statistic_of(objective, values) for values in (mine, same))
-        most = _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
-        if theirs <= 0 or objective.loss(ours) <= objective.loss(most * theirs):
-            return False
-        design.objectives[objective.name] = best.objectives[objective.name] * ours / theirs  # for the model
-        return True
-
-    def _complete(self, design: Design) -> None:
-        """Make objectives and margins of the values of all runs."""
-        values = [run["value"] for run in design.runs.values()]
-        for one in self.problem.objectives:
-            found = [row[one.name] for row in values]
-            design.objectives[one.name] = self.problem.statistic_of(one, found)
-            if len(found) > 1:
-                design.spread[one.name] = [min(found), max(found)]
-        faults = []
-        for limit in self.problem.limits:
-            beyond = [row[limit.name] for row in values if limit.name in row]
-            if beyond:
-                worst = design.limited[limit.name] = max(beyond, key=limit.margin)
-                design.margins[limit.name] = limit.margin(worst)
-                faults.append(limit.fault(worst))
-        reason = "; ".join(filter(None, faults))
-        self._end(design, REFUSED if reason else COMPLETE, reason)
-
-    def _end(self, design: Design, state: str, reason: str) -> None:
-        design.state, design.reason = state, reason
-        self.queue = deque(entry for entry in self.queue if entry[0] is not design)
-
-    def _stop_runs(self) -> None:
-        """After a signal, let the runs at work write checkpoints."""
-        if self.stop.count and self.points:
-            logger.warning("%s: stopping; the runs in work write checkpoints ...", self.problem.name)
-            self.points.stop()
-            while self.points:
-                self._take()
-
-    def _status(self) -> str:
-        best = next(iter(self.study.best()), None)
-        counts = {state: sum(design.state == state for design in self.study.designs) for state in (REFUSED, FAILED)}
-        parts = [f"{count} {state}" for state, count in counts.items() if count]
-        if best is not None:
-            values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
-            parts.insert(0, f"best {values} (design {best.number})")
-        return ", ".join(parts)

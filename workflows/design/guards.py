@@ -6,23 +6,29 @@ Some are read from its run; the others are further runs with one thing changed. 
 
 from __future__ import annotations
 
-import copy
+import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from granwave.lammps_inputs.case.parse import apply_overrides
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.lammps_inputs.run_directory import RESULT_FILE
-from granwave.workflows.design.keys import KNOWN_BEFORE
-from granwave.workflows.design.problem import Problem, examined
-from granwave.workflows.design.study import Design
+from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
+from granwave.workflows.design.points import Points, names
+from granwave.workflows.design.problem import KNOWN_BEFORE, Problem, examined, with_derived, with_values
+from granwave.workflows.design.study import COMPLETE, Design, Study
+from granwave.workflows.run.progress import Progress
 
 Tables = dict[str, Any]
 NOTABLE = 0.05  # change of an objective that is said first
@@ -30,26 +36,6 @@ FALLEN = 0.1  # of its peak: the force on a target has passed where it has falle
 _STILL = 0.05  # share of the impulse that may come in the last tenth of a run
 _MOVING = 0.3  # share of the energy that may be kinetic at the end
 _TOLERANCE = 5e-4  # of the diameter
-_DEFAULT_TOLERANCE = 3e-6  # run.energy_tolerance
-
-
-@dataclasses.dataclass(frozen=True)
-class Guard:
-    """A check of the best design by a further run.
-
-    Attributes
-    ----------
-    name
-        Name of the directory of its run, after ``best-``.
-    what
-        What is changed.
-    change
-        Function that returns the changed tables of a case; None where it does not apply.
-    """
-
-    name: str
-    what: str
-    change: Callable[[Tables], Tables | None]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,8 +44,10 @@ class Finding:
 
     Attributes
     ----------
-    name, what
-        As of `Guard`.
+    name
+        Name of the check; of a further run that of its directory, after ``best-``.
+    what
+        What is changed, or looked at.
     text
         What was found, in a sentence.
     changes
@@ -75,114 +63,104 @@ class Finding:
     warning: bool = False
 
 
-def _wider(tables: Tables) -> Tables | None:
-    packing, sides = tables["packing"], tables.get("boundary", {}).get("sides")
-    size = packing.get("size")
+def check_best(study: Study, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool) -> list[Finding]:
+    """Check the best design by its own run and by further ones; return the findings, warnings first."""
+    problem = study.problem
+    before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
+    if before.get("variables") != best.values:  # further runs of another design
+        clear(study.directory, [f"{POINTS}/{path.name}/" for path in (study.directory / POINTS).glob("best-*")])
+    first = names(best.number, problem.samples)[0]
+    run, place = best.runs[first], study.directory / POINTS / first
+    findings = [*findings_without_runs(problem, best, read_summary(place), place)]
+    findings += of_neighbours(problem, best, study.designs)
+    waiting = deque(further_runs(problem, best, run["longer"]) if problem.search.guards else ())
+    total, made = len(waiting), {}
+    with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:
+        while (waiting or points) and not stop.count:
+            while waiting and len(points) < jobs:
+                name, what, tables = waiting.popleft()
+                made[f"best-{name}"] = name, what
+                points.start(f"best-{name}", tables)
+            for ended in points.wait():
+                name, what = made[ended.name]
+                after = with_derived(ended.summary, best.known["smallest_diameter_m"])
+                findings.append(finding_of(name, what, problem, run["value"], after))
+                bar.update(total - len(waiting) - len(points), what)
+        if stop.count:
+            points.stop()
+            while points:
+                points.wait()
+    return sorted(findings, key=lambda one: not one.warning)
+
+
+def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Give the further runs that apply to a case: name, what is changed, and the changed keys."""
+    packing, run, boundary = tables["packing"], tables["run"], tables.get("boundary", {})
+    size, end, step, bottom = packing.get("size"), run.get("end_time"), run.get("timestep"), boundary.get("bottom")
     by_id = any("index" in entry for entry in tables.get("replace", []))
-    if not isinstance(size, list) or sides == "periodic" or by_id:
-        return None
-    across = 1 if len(size) == 2 and packing["kind"] != "square" else 2  # crystals in the plane are one wide
-    packing["size"] = [n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)]
-    return tables
-
-
-def _longer(tables: Tables) -> Tables | None:
-    end = tables["run"].get("end_time")
-    if not isinstance(end, int | float):
-        return None
-    tables["run"]["end_time"] = 1.5 * end
-    return tables
-
-
-def _finer(tables: Tables) -> Tables | None:
-    step = tables["run"].get("timestep", "auto")
+    if isinstance(size, list) and boundary.get("sides") != "periodic" and not by_id:
+        across = 1 if len(size) == 2 and packing["kind"] != "square" else 2  # crystals in the plane are one wide
+        wider = [n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)]
+        yield "wider", "a packing 1.5 times as wide", {"packing.size": wider}
+    if isinstance(end, int | float):
+        yield "longer", "a run 1.5 times as long", {"run.end_time": 1.5 * end}
+    finer = {"run.energy_tolerance": run.get("energy_tolerance", ENERGY_TOLERANCE) / 2}
     if isinstance(step, int | float):
-        tables["run"]["timestep"] = step / 2
-    else:
-        tables["run"]["energy_tolerance"] = tables["run"].get("energy_tolerance", _DEFAULT_TOLERANCE) / 2
-    return tables
+        finer = {"run.timestep": step / 2}
+    yield "finer", "half the error of the energy balance, or half the timestep", finer
+    if "diameter" in packing and not packing.get("diameter_scatter"):
+        scatter = {"packing.diameter_scatter": _TOLERANCE * packing["diameter"]}
+        yield "tolerance", "diameters that scatter by 0.05 %", scatter
+    if random:
+        yield "seed", "another seed", {"packing.seed": packing.get("seed", 1) + 1000}
+    if isinstance(bottom, dict) and "plate" in bottom:
+        stiffer = {"boundary.bottom.plate.stiffness": 4 * bottom["plate"]["stiffness"]}
+        yield "stiffer", "a plate on a spring four times as stiff", stiffer
 
 
-def _with_tolerance(tables: Tables) -> Tables | None:
-    packing = tables["packing"]
-    if packing.get("diameter_scatter") or "diameter" not in packing:
-        return None
-    packing["diameter_scatter"] = _TOLERANCE * packing["diameter"]
-    return tables
-
-
-def _reseeded(tables: Tables) -> Tables | None:
-    tables["packing"]["seed"] = tables["packing"].get("seed", 1) + 1000
-    return tables
-
-
-def _stiffer(tables: Tables) -> Tables | None:
-    bottom = tables.get("boundary", {}).get("bottom")
-    if not isinstance(bottom, dict) or "plate" not in bottom:
-        return None
-    bottom["plate"]["stiffness"] = 4 * bottom["plate"]["stiffness"]
-    return tables
-
-
-GUARDS = (
-    Guard("wider", "a packing 1.5 times as wide", _wider),
-    Guard("longer", "a run 1.5 times as long", _longer),
-    Guard("finer", "half the error of the energy balance, or half the timestep", _finer),
-    Guard("tolerance", "diameters that scatter by 0.05 %", _with_tolerance),
-    Guard("seed", "another seed", _reseeded),
-    Guard("stiffer", "a plate on a spring four times as stiff", _stiffer),
-)
-
-
-def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tuple[Guard, Tables]]:
-    """Give the guards that apply to a design with the tables of their runs.
+def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tuple[str, str, Tables]]:
+    """Give the further runs of a design that make a case: name, what is changed, and the tables.
 
     ``longer``: how many times as late as in the design file its run has ended.
     """
-
-    made = problem.tables_of(best.values, problem.samples[0])
-    case = problem.case(made if longer == 1 else longer_end(made, longer))
-    tables, random = case.to_dict(), is_random(case)
-    for guard in GUARDS:
-        if (guard.name == "seed") > random:
-            continue
-        changed = guard.change(copy.deepcopy(tables))
-        if changed is not None and _reads(problem, changed):
-            yield guard, changed
+    case = problem.case(problem.tables_of(best.values, problem.samples[0], longer=longer))
+    tables = case.to_dict()
+    for name, what, changes in changes_of(tables, random=is_random(case)):
+        changed = with_values(tables, changes)
+        with contextlib.suppress(InputError):
+            problem.case(changed)
+            yield name, what, changed
 
 
-def _reads(problem: Problem, tables: Tables) -> bool:
-    try:
-        problem.case(tables)
-    except InputError:
-        return False
-    return True
-
-
-def finding_of(guard: Guard, problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]) -> Finding:
-    """Compare the objectives of a further run with those of the run of the best design."""
+def _compared(problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[dict[str, float], str]:
+    """Return the relative changes of the objectives that have two values, and a text of them."""
     changes = {}
     for one in problem.objectives:
         old, new = before.get(one.name), after.get(one.name)
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
             changes[one.name] = new / old - 1
+    return changes, ", ".join(f"{name} {after[name]:.4g} ({100 * one:+.1f} %)" for name, one in changes.items())
+
+
+def finding_of(name: str, what: str, problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]) -> Finding:
+    """Compare the objectives of a further run with those of the run of the best design."""
+    changes, text = _compared(problem, before, after)
     if not changes:
-        return Finding(guard.name, guard.what, f"{guard.what}: gives no value", {}, warning=True)
-    notable = any(abs(change) > NOTABLE for change in changes.values())
+        return Finding(name, what, f"{what}: gives no value", warning=True)
     of_runs = [one for one in problem.limits if one.name not in KNOWN_BEFORE and one.name in after]
     beyond = [fault for one in of_runs if (fault := one.fault(after[one.name] or 0.0))]
-    said = ", ".join(f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items())
-    said += "".join(f"; beyond a limit: {fault}" for fault in beyond)
-    return Finding(guard.name, guard.what, f"{guard.what}: {said}", changes, notable or bool(beyond))
+    text += "".join(f"; beyond a limit: {fault}" for fault in beyond)
+    notable = bool(beyond) or any(abs(change) > NOTABLE for change in changes.values())
+    return Finding(name, what, f"{what}: {text}", changes, notable)
 
 
 def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> Iterator[Finding]:
     """Give what was found next to the best design, and how it was moved there."""
     first = problem.objectives[0]
     by_values = {repr(one.values): one for one in designs}
-    feasible = [one for one in designs if one.feasible and not one.next_to]
-    if best.next_to and feasible:
-        start = min(feasible, key=lambda one: first.loss(one.objectives[first.name]))
+    searched = [one for one in designs if one.state == COMPLETE and not one.next_to]
+    if best.next_to and searched:
+        start = min(searched, key=lambda one: first.sign * one.objectives[first.name])
         before, after = (one.objectives[first.name] for one in (start, best))
         said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
         text = f"the best design was found next to that of the search: {said}"
@@ -193,30 +171,29 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
         what, tried = f"{key} = {show(values[key])}", by_values.get(repr(values))
         if tried is None:
             left += [] if examined(problem, values)[2] else [what]
-        elif tried.feasible:
-            pairs = {one.name: (tried.objectives[one.name], best.objectives[one.name]) for one in problem.objectives}
-            changes = {name: new / old - 1 for name, (new, old) in pairs.items() if old}
-            said = ", ".join(f"{name} {pairs[name][0]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items())
-            yield Finding(f"neighbour-{n}", what, f"{what}: {said} (design {tried.number})", changes)
-        else:
-            text = f"{what}: {tried.state} (design {tried.number}): {tried.reason}"
-            yield Finding(f"neighbour-{n}", what, text)
+            continue
+        changes, said = _compared(problem, best.objectives, tried.objectives if tried.state == COMPLETE else {})
+        text = f"{said} (design {tried.number})"
+        if tried.state != COMPLETE:
+            text = f"{tried.state} (design {tried.number}): {tried.reason}"
+        yield Finding(f"neighbour-{n}", what, f"{what}: {text}", changes)
     if left and problem.search.guards:
         text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
         yield Finding("neighbours", "neighbours", text, warning=True)
 
 
-def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, Any], place: Path) -> list[Finding]:
-    """Return what is to be said of the best design from its own run."""
-    found = [Finding("end", "the end of the run", note, {}, warning=True) for note in best.notes]
+def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, Any], place: Path) -> Iterator[Finding]:
+    """Give what is to be said of the best design from its own run."""
+    for note in best.notes:
+        yield Finding("end", "the end of the run", note, warning=True)
     for one in problem.space.variables:
         if end := one.edge(best.values[one.key]):
             chosen = f"{one.key} = {show(best.values[one.key])}"
             text = f"{chosen} is at the {end} end of its range: a wider range may hold better"
-            found.append(Finding("edge", one.key, text, {}, warning=True))
+            yield Finding("edge", one.key, text, warning=True)
     if beyond := summary.get("contacts_beyond_law"):
         text = f"{beyond} contacts are pressed beyond the range of the contact law"
-        found.append(Finding("law", "overlaps", text, {}, warning=True))
+        yield Finding("law", "overlaps", text, warning=True)
     case = problem.case(problem.tables_of(best.values))
     yields = case.contact.yields and case.packing.kind != "chain"  # elastic packings, and rows, rattle for ever
     given, kinetic = summary.get("energy_input_J"), summary.get("energy_kinetic_J")
@@ -224,12 +201,11 @@ def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, 
         share = kinetic / given
         moving = "beads that rattle or fly off, or a target that moves"
         text = f"{100 * share:.0f} % of the energy is kinetic at the end: {moving}"
-        found.append(Finding("flight", "energy in free flight", text, {}, share > _MOVING and yields))
+        yield Finding("flight", "energy in free flight", text, warning=share > _MOVING and yields)
     if (series := target_force(place)) is not None:
         share = late_impulse(*series)
         text = f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
-        found.append(Finding("impulse", "impulse", text, {}, share > _STILL))
-    return found
+        yield Finding("impulse", "impulse", text, warning=share > _STILL)
 
 
 def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
@@ -259,8 +235,3 @@ def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
     pieces = np.diff(time) * (force[1:] + force[:-1]) / 2
     total = float(pieces.sum())
     return float(pieces[time[1:] > 0.9 * time[-1]].sum() / total) if total > 0 else 0.0
-
-
-def longer_end(tables: Mapping[str, Any], times: float) -> Tables:
-    """Return the tables of a case with an end time that is so many times as late."""
-    return apply_overrides(tables, {"run.end_time": times * tables["run"]["end_time"]})

@@ -106,28 +106,33 @@ class Points:
     def wait(self) -> list[Ended]:
         """Wait until a run ends, or for a moment; return those that ended."""
         time.sleep(_POLL)
-        return [ended for name in list(self._running) if (ended := self._ended(name))]
+        found = []
+        for name, (process, begin) in list(self._running.items()):
+            if name in self._processes:
+                status = self._processes[name].poll()
+            else:
+                there, waited = os.waitpid(process, os.WNOHANG)
+                status = os.waitstatus_to_exitcode(waited) if there else None
+            if status is not None:
+                self._processes.pop(name, None)
+                del self._running[name]
+                found.append(self._ended(name, status, time.monotonic() - begin))
+        return found
 
-    def _ended(self, name: str) -> Ended | None:
-        process, begin = self._running[name]
-        if name in self._processes:
-            status = self._processes[name].poll()
-            if status is None:
-                return None
-            del self._processes[name]
-        else:
-            found, waited = os.waitpid(process, os.WNOHANG)
-            if not found:
-                return None
-            status = os.waitstatus_to_exitcode(waited)
-        del self._running[name]
+    def _ended(self, name: str, status: int, seconds: float) -> Ended:
         place = self.folder / name
-        state = record.read(place)
-        interrupted = status in (130, -signal.SIGTERM, -signal.SIGINT)
-        interrupted = interrupted or (state is not None and state.state == record.INTERRUPTED)
-        reason = "" if status == 0 or interrupted else _reason(place, state, status)
-        summary = read_summary(place) if status == 0 and not interrupted else {}
-        return Ended(name, summary, reason, interrupted, time.monotonic() - begin)
+        state, log = record.read(place), place / POINT_LOG
+        stopped = state is not None and state.state == record.INTERRUPTED
+        if stopped or status in (130, -signal.SIGTERM, -signal.SIGINT):
+            return Ended(name, {}, "", True, seconds)
+        if status == 0:
+            return Ended(name, read_summary(place), "", False, seconds)
+        reason = "the energy balance did not close"
+        if state is None or state.state != record.REFUSED:
+            lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+            last = lines[-1].removeprefix("granwave: ") if lines else f"ended with status {status}"
+            reason = (state.reason if state is not None else "") or last
+        return Ended(name, {}, reason, False, seconds)
 
     def stop(self) -> None:
         """Ask all runs to write a checkpoint and to end."""
@@ -136,15 +141,6 @@ class Points:
                 (self.folder / name / POINT_STOP).touch()
             else:
                 os.kill(process, signal.SIGTERM)
-
-
-def _reason(place: Path, state: record.Record | None, status: int) -> str:
-    if state is not None and state.state == record.REFUSED:
-        return "the energy balance did not close"
-    if state is not None and state.reason:
-        return state.reason
-    lines = (place / POINT_LOG).read_text(encoding="utf-8", errors="replace").strip().splitlines()
-    return lines[-1].removeprefix("granwave: ") if lines else f"ended with status {status}"
 
 
 def _mpi_started() -> bool:

@@ -1,4 +1,4 @@
-"""Problem of a search: a base case with variables, limits and objectives, and the cases of its designs."""
+"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its designs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ import dataclasses
 import itertools
 import re
 from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from granwave.analysis.quantities import ENTRIES
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
@@ -20,12 +23,102 @@ from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.places import layout_of
-from granwave.workflows.design.keys import SearchTable
 from granwave.workflows.design.variables import Space, Values
 from granwave.workflows.solvers import GRANULAR
 
 _REPLACE = "replace"
 _MOST_IDS = 1_000_000  # of grains that one key changes
+#: Values of a packing that limits may concern and that are known before a run.
+KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
+_DERIVED = ("yielded_share", "kinetic_share", "overlap_over_radius")  # values that are made of those of the summary
+_NO_NUMBERS = ("name", "end_reason", "zone_cut", "versions")  # values that are words, lists or tables
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Header:
+    """Top-level keys of a design file."""
+
+    name: str = schema.custom("name of the search", schema.plain_name, default="")
+    base: str = schema.text("the case that is varied: a built-in study or a case file")
+
+
+def _parse_names(value: Any) -> tuple[str, ...]:
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not 1 <= len(names) <= 2 or not all(isinstance(name, str) for name in names):
+        raise ValidationError('the name of a value of summary.json, such as "target_peak_force_N", or a list of two')
+    for name in names:
+        if not is_value(name):
+            raise ValidationError(f"the name of a number of summary.json{schema.did_you_mean(name, value_names())}")
+    return tuple(names)
+
+
+def value_names() -> list[str]:
+    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS)]
+
+
+def is_value(name: str) -> bool:
+    return any(fnmatchcase(name, known) for known in value_names())
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ObjectiveTable:
+    """``[objective]``: what the best design has; two values in all make a Pareto front."""
+
+    minimise: tuple[str, ...] = schema.custom("values that are to be small", _parse_names, default=())
+    maximise: tuple[str, ...] = schema.custom("values that are to be large", _parse_names, default=())
+
+
+def _parse_statistic(value: Any) -> str | float:
+    expected = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
+    if value in ("mean", "worst"):
+        return str(value)
+    if isinstance(value, str) or not 0 < schema.finite(value, expected) < 1:
+        raise ValidationError(expected)
+    return float(value)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class UncertaintyTable:
+    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case drawn from ranges."""
+
+    replicates: int = schema.count("runs of each design", default=3, at_most=1000)
+    statistic: str | float = schema.custom("objective made of the runs", _parse_statistic, default="mean")
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SearchTable:
+    """``[search]``: how long and how."""
+
+    evaluations: int = schema.count("designs that are run; refused ones do not count", default=60, at_most=100_000)
+    seed: int = schema.custom(
+        "seed of the search", lambda value: schema.whole(value, "a whole number from 0 up", at_least=0), default=1
+    )
+    sampler: str = schema.choice(
+        "model: a Gaussian process of the objective; random: for comparison", ("model", "random"), default="model"
+    )
+    guards: bool = schema.choice(
+        "checks of the best design by further runs, and moves to better designs next to it", (True, False), default=True
+    )
+    neighbours: int = schema.count(
+        "designs next to the best that are run after the evaluations, at most", default=40, at_least=0, at_most=100_000
+    )
+    tolerance: float | str = schema.number(
+        "run.energy_tolerance until the best tenth is run again with that of the case; "
+        "auto: 3e-5 where a run takes seconds, else that of the case",
+        above=0,
+        at_most=1e-3,
+        word="auto",
+        default="auto",
+    )
+
+
+#: Tables of a design file: class and description.
+DESIGN_TABLES: dict[str, tuple[type, str]] = {
+    "": (Header, "top-level keys, what may vary, and limits"),
+    "[objective]": (ObjectiveTable, "what the best design has; two values in all make a Pareto front"),
+    "[uncertainty]": (UncertaintyTable, "several runs of each design, with other seeds and keys drawn from ranges"),
+    "[search]": (SearchTable, "how long and how the search goes"),
+}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,10 +152,6 @@ class Objective:
 
     name: str
     sign: int
-
-    def loss(self, value: float) -> float:
-        """Return the number that is to be small."""
-        return self.sign * value
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,9 +189,12 @@ class Problem:
         """Tables of the file and of its case, by which a search is known again."""
         return {**self.tables, "base": self.base}
 
-    def tables_of(self, values: Values, sample: Mapping[str, Any] | None = None) -> dict[str, Any]:
-        """Return the tables of the case of a design."""
-        return with_values(with_values(self.base, values), sample or {})
+    def tables_of(
+        self, values: Values, sample: Mapping[str, Any] | None = None, *, longer: float = 1.0
+    ) -> dict[str, Any]:
+        """Return the tables of the case of a design, that ends so many times later than in the design file."""
+        tables = with_values(with_values(self.base, values), sample or {})
+        return tables if longer == 1 else with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
 
     def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of a case with the tolerance of the search; the same where it is not larger."""
@@ -128,21 +220,18 @@ class Problem:
 
 def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[str, float], str]:
     """Return what is known of a design before a run: values, margins of limits, and why it is refused; empty if not."""
+    limits = {limit.name: limit for limit in problem.limits}
     try:
         case = problem.case(problem.tables_of(values, problem.samples[0]))
-        most = next((limit for limit in problem.limits if limit.name == "n_spheres"), None)
-        if (
-            most is not None
-            and (count := layout_of(case.packing, case.boundary).n_spheres)
-            and (fault := most.fault(count))
-        ):
-            return {"n_spheres": count}, {most.name: most.margin(count)}, fault  # before it takes memory
-        known = known_before(case)
+        count = layout_of(case.packing, case.boundary).n_spheres if "n_spheres" in limits else None
+        too_many = count and limits["n_spheres"].fault(count)
+        known: dict[str, float] = (
+            {"n_spheres": count} if count and too_many else known_before(case)
+        )  # which takes memory
     except InputError as error:
         return {}, {}, "; ".join(error.errors)
-    limits = [limit for limit in problem.limits if limit.name in known]
-    margins = {limit.name: limit.margin(known[limit.name]) for limit in limits}
-    return known, margins, "; ".join(filter(None, (limit.fault(known[limit.name]) for limit in limits)))
+    margins = {name: limit.margin(known[name]) for name, limit in limits.items() if name in known}
+    return known, margins, "; ".join(filter(None, (limits[name].fault(known[name]) for name in margins)))
 
 
 def known_before(case: Case) -> dict[str, float]:
@@ -157,6 +246,24 @@ def known_before(case: Case) -> dict[str, float]:
         "width_m": float(spans[:2].max()),
         "n_spheres": n,
         "smallest_diameter_m": float(diameters.min()),
+    }
+
+
+def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
+    """Return a summary with the values that are made of others, and those that are known before a run.
+
+    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest spheres, a quarter of
+    their diameter. ``kinetic_share``: of the energy put in, at the end.
+    """
+    count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
+    overlap, given, kinetic = (summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J"))
+    return {
+        **summary,
+        "mass_kg": summary.get("packing_mass_kg"),
+        "height_m": summary.get("packing_height_m"),
+        "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
+        "kinetic_share": None if kinetic is None or not given else kinetic / given,
+        "yielded_share": yielded / count if count and yielded is not None else None,
     }
 
 
@@ -230,17 +337,11 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
         before = {} if one is None else entries[one]
         if before and sorted(parse_index(before["index"])) == sorted(ids):
             found.append(before)
-        else:
-            found.append({**copy.deepcopy(before), "index": _index_of(ids)})
-            entries.append(found[-1])
+            continue
+        steps = {second - first for first, second in itertools.pairwise(ids)}
+        index: Any = ids if steps else ids[0]
+        if len(steps) == 1 and min(steps) > 0:
+            index = {"first": ids[0], "last": ids[-1], **({"step": steps.pop()} if steps != {1} else {})}
+        found.append({**copy.deepcopy(before), "index": index})
+        entries.append(found[-1])
     return found
-
-
-def _index_of(ids: Sequence[int]) -> Any:
-    """Return ids as an ``index`` of a case is written."""
-    if len(ids) == 1:
-        return ids[0]
-    steps = {second - first for first, second in itertools.pairwise(ids)}
-    if len(steps) > 1 or min(steps) < 1:
-        return list(ids)
-    return {"first": ids[0], "last": ids[-1], **({"step": steps.pop()} if steps != {1} else {})}

@@ -10,7 +10,6 @@ number and the earlier designs alone.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import itertools
 import math
@@ -30,6 +29,7 @@ Array = NDArray[np.float64]
 _ENUMERATED = 3000  # designs of a space up to which all are candidates
 _RANDOM, _OF_BEST, _CHANGES = 1024, 8, 64  # candidates: random ones, and changes of each of the best
 _MOST_RANDOM = 20_000  # draws in search of a design that was not tried
+_LEAST_DEVIATION = 1e-9  # of a model
 _LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
 _MOST_MODELLED = 300  # designs that the model of the objective is made of
 _MOST_ROWS, _LATEST = 120, 40  # designs that the model of a limit is made of, and the latest of them
@@ -72,18 +72,6 @@ def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
         yield space.at(rng.random(len(space.variables)).tolist())
 
 
-def candidates(space: Space, known: Sequence[Known], rng: Generator) -> list[Values]:
-    """Return the designs to choose from, those that were tried left out."""
-    tried = {repr(one.values) for one in known}
-    if space.size <= _ENUMERATED:
-        return [values for values in space.all() if repr(values) not in tried]
-    drawn = random_designs(space, int(rng.integers(2**31)))
-    found = [next(drawn) for _ in range(_RANDOM)]
-    best = sorted((one for one in known if one.losses), key=lambda one: (not one.feasible, one.losses))[:_OF_BEST]
-    found += [space.changed(one.values, rng) for one in best for _ in range(_CHANGES)]
-    return list({repr(values): values for values in found if repr(values) not in tried}.values())
-
-
 def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) -> Iterator[Values]:
     """Give designs that were not tried, the most promising first.
 
@@ -99,7 +87,14 @@ def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) ->
     if not guided or len(complete) < 2:
         yield from _drawn(space, known, seed, rng)
         return
-    found = candidates(space, known, rng)
+    tried = {repr(one.values) for one in known}
+    if space.size <= _ENUMERATED:
+        found = [values for values in space.all() if repr(values) not in tried]
+    else:
+        drawn = itertools.islice(random_designs(space, int(rng.integers(2**31))), _RANDOM)
+        best = sorted(complete, key=lambda one: (not one.feasible, one.losses))[:_OF_BEST]
+        changed = [space.changed(one.values, rng) for one in best for _ in range(_CHANGES)]
+        found = list({repr(values): values for values in (*drawn, *changed) if repr(values) not in tried}.values())
     if not found:
         return
     worth = worth_of(space, known, found, rng)
@@ -119,20 +114,17 @@ def promising(space: Space, known: Sequence[Known], seed: int, found: Sequence[V
 
 def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
     tried = {repr(one.values) for one in known}
-    if space.size <= _ENUMERATED:
-        left = {repr(values): values for values in space.all() if repr(values) not in tried}
-    else:
-        left = None
-    for _, values in zip(range(_MOST_RANDOM), random_designs(space, seed, len(known)), strict=False):
+    small = space.size <= _ENUMERATED
+    left = {repr(values): values for values in space.all() if repr(values) not in tried} if small else {}
+    for values in itertools.islice(random_designs(space, seed, len(known)), _MOST_RANDOM):
         name = repr(values)
         if name not in tried:
             tried.add(name)
+            left.pop(name, None)
             yield values
-            if left is not None:
-                left.pop(name, None)
-        if left is not None and not left:
+        if small and not left:
             return
-    rest = list((left or {}).values())
+    rest = list(left.values())
     yield from (rest[n] for n in rng.permutation(len(rest)))
 
 
@@ -142,42 +134,34 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
     It is the logarithm of the expected improvement where the limits may be met, and below that of all those the
     logarithm of the probability that they are.
     """
-    complete = _chosen([one for one in known if one.losses])
-    scores = joined(np.array([one.losses for one in complete]), rng)
+    complete = [one for one in known if one.losses]
+    if len(complete) > _MOST_MODELLED:  # the best and the latest, in their order
+        half = _MOST_MODELLED // 2
+        ranked = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))
+        complete = [complete[n] for n in sorted({*ranked[:half], *range(len(complete) - half, len(complete))})]
+    designs, scores = [one.values for one in complete], joined(np.array([one.losses for one in complete]), rng)
     feasible = np.array([one.feasible for one in complete])
     x = space.features(found)
-    model = Model(space, [one.values for one in complete], scores)
+    model = fitted(space, designs, scores)
     pending = [one.values for one in known if one.losses is None and one.in_work]
     if pending:  # as if they had been found to be what is expected
-        mean, _ = model.predict(space.features(pending))
-        model = Model(space, [*(one.values for one in complete), *pending], np.concatenate([scores, mean]))
-    mean, deviation = model.predict(x)
+        scores_too = np.concatenate([scores, model.predict(space.features(pending))])
+        model = fitted(space, [*designs, *pending], scores_too)
+    mean, deviation = model.predict(x, return_std=True)
+    deviation = np.maximum(deviation, _LEAST_DEVIATION)
     worth = np.zeros(len(x))  # first of all a design that meets the limits
     if feasible.any():
-        worth = np.log(deviation) + _log_improvement((scores[feasible].min() - mean) / deviation)
+        z = (scores[feasible].min() - mean) / deviation
+        far = z < -6  # where the difference of the two terms is lost to rounding
+        near, away = np.where(far, 0.0, z), np.where(far, z, 1.0)
+        improvement = np.log(norm.pdf(near) + near * norm.cdf(near))
+        worth = np.log(deviation) + np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(away)), improvement)
     within = np.zeros(len(x))
     for limit in _limits(space, known, rng):
-        middle, width = limit.predict(x)
-        within += norm.logcdf(-middle / width)
+        middle, width = limit.predict(x, return_std=True)
+        within += norm.logcdf(-middle / np.maximum(width, _LEAST_DEVIATION))
     hopeless = within < math.log(_LEAST_PROBABLE)
     return np.where(hopeless, within + worth.min() - 1, worth + within)
-
-
-def _chosen(complete: Sequence[Known]) -> list[Known]:
-    """Return the designs that a model is made of: all, or of many the best and the latest, in their order."""
-    if len(complete) <= _MOST_MODELLED:
-        return list(complete)
-    half = _MOST_MODELLED // 2
-    best = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))[:half]
-    return [complete[n] for n in sorted({*best, *range(len(complete) - half, len(complete))})]
-
-
-def _log_improvement(z: Array) -> Array:
-    """Return the logarithm of the expected improvement of a normal variable at so many deviations: (n,)."""
-    far = z < -6  # where the difference of the two terms is lost to rounding
-    near = np.where(far, 0.0, z)
-    return np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(np.where(far, z, 1.0))),
-                    np.log(norm.pdf(near) + near * norm.cdf(near)))  # fmt: skip
 
 
 def joined(losses: Array, rng: Generator | None = None) -> Array:
@@ -202,11 +186,6 @@ def _threads() -> Any:
     return ThreadpoolController()
 
 
-def _one_thread() -> contextlib.AbstractContextManager[object]:
-    limited: contextlib.AbstractContextManager[object] = _threads().limit(limits=1)
-    return limited
-
-
 def _scaled(losses: Array) -> Array:
     """Return the logarithms of losses that all have one sign, in their order; others as they are."""
     if (losses > 0).all():
@@ -214,28 +193,17 @@ def _scaled(losses: Array) -> Array:
     return -np.log(-losses) if (losses < 0).all() else losses
 
 
-class Model:
-    """Gaussian process of a quantity over the designs of a space."""
+def fitted(space: Space, designs: Sequence[Values], values: Array) -> Any:
+    """Return the Gaussian process (of scikit-learn) of a quantity over the designs of a space."""
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-    def __init__(self, space: Space, designs: Sequence[Values], values: Array) -> None:
-        from sklearn.gaussian_process import GaussianProcessRegressor
-        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-
-        self.space = space
-        x = space.features(designs)
-        lengths = np.ones(x.shape[1])
-        kernel = ConstantKernel(1.0, (1e-2, 1e2)) * Matern(lengths, (0.1, 10.0), nu=2.5) + WhiteKernel(
-            1e-4, (1e-8, 0.1)
-        )
-        self._regressor = GaussianProcessRegressor(kernel, normalize_y=True)
-        with warnings.catch_warnings(), _one_thread():  # on small matrices threads wait for each other
-            warnings.simplefilter("ignore")  # a length at its bound
-            self._regressor.fit(x, values)
-
-    def predict(self, features: Array) -> tuple[Array, Array]:
-        """Return mean and standard deviation at coordinates, each (n,)."""
-        mean, deviation = self._regressor.predict(features, return_std=True)
-        return mean, np.maximum(deviation, 1e-9)
+    x = space.features(designs)
+    matern = Matern(np.ones(x.shape[1]), (0.1, 10.0), nu=2.5)
+    kernel = ConstantKernel(1.0, (1e-2, 1e2)) * matern + WhiteKernel(1e-4, (1e-8, 0.1))
+    with warnings.catch_warnings(), _threads().limit(limits=1):  # on small matrices threads wait for each other
+        warnings.simplefilter("ignore")  # a length at its bound
+        return GaussianProcessRegressor(kernel, normalize_y=True).fit(x, values)
 
 
 def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, float]:
@@ -246,30 +214,28 @@ def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, 
     complete = [one for one in known if one.losses]
     if len(complete) < 4:
         return {}
-    model = Model(space, [one.values for one in complete], joined(np.array([one.losses[:1] for one in complete])))  # type: ignore[index]
+    losses = np.array([one.losses for one in complete])
+    model = fitted(space, [one.values for one in complete], joined(losses[:, :1]))
     drawn = random_designs(space, 1)
     first, second = ([next(drawn) for _ in range(n)] for _ in range(2))
-    a, b = (model.predict(space.features(designs))[0] for designs in (first, second))
+    a, b = (model.predict(space.features(designs)) for designs in (first, second))
     variance = float(np.var(np.concatenate([a, b])))
     if not variance:
         return {}
     found = {}
     for one in space.variables:
         mixed = [{**left, one.key: right[one.key]} for left, right in zip(first, second, strict=True)]
-        found[one.key] = float(np.mean(b * (model.predict(space.features(mixed))[0] - a)) / variance)
+        found[one.key] = float(np.mean(b * (model.predict(space.features(mixed)) - a)) / variance)
     return {key: min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0 for key, share in found.items()}
 
 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:
     """Return the places of the designs that none of the others beats in all objectives, by the first objective."""
     table = [tuple(row) for row in losses]
-    found = [
-        n
-        for n, row in enumerate(table)
-        if not any(all(a <= b for a, b in zip(other, row, strict=True)) and other != row for other in table)
-        and row not in table[:n]
-    ]
-    return sorted(found, key=lambda n: table[n])
+    places = {row: n for n, row in reversed(list(enumerate(table)))}  # the first of equal ones
+    values = np.array(list(places))
+    beaten = [bool(((values <= row).all(axis=1) & (values != row).any(axis=1)).any()) for row in values]
+    return [places[row] for row, worse in sorted(zip(places, beaten, strict=True)) if not worse]
 
 
 def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int]) -> list[float]:
@@ -285,17 +251,17 @@ def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int])
     x = space.features(drawn)
     within = np.ones(len(x), dtype=bool)
     for model in _limits(space, known, np.random.default_rng(3)):
-        within &= model.predict(x)[0] <= 0
+        within &= model.predict(x) <= 0
     sign = math.copysign(1.0, losses[0])
-    scaled = Model(space, [one.values for one in complete], _scaled(losses)).predict(x[within])[0]
-    found = sign * np.exp(sign * np.sort(scaled))
-    if not len(found):
+    if not within.any():
         return []
+    scaled = fitted(space, [one.values for one in complete], _scaled(losses)).predict(x[within])
+    found = sign * np.exp(sign * np.sort(scaled))
     places = np.arange(len(found) + 1) / len(found)
     return [float(found @ ((1 - places[:-1]) ** n - (1 - places[1:]) ** n)) for n in counts]
 
 
-def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Model]:
+def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Any]:
     """Give a model of how far each limit is exceeded, of those that some designs exceed."""
     for name in dict.fromkeys(name for one in known for name in one.margins):
         rows = [one for one in known if name in one.margins]
@@ -305,4 +271,4 @@ def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Mo
                 rest = rng.permutation([n for n in range(len(rows)) if n not in kept])
                 rows = [rows[n] for n in sorted({*kept, *rest[: max(0, _MOST_ROWS - len(kept))]})]
             margins = np.array([one.margins[name] for one in rows])
-            yield Model(space, [one.values for one in rows], np.arcsinh(3 * margins))
+            yield fitted(space, [one.values for one in rows], np.arcsinh(3 * margins))

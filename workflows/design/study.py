@@ -1,4 +1,8 @@
-"""Evaluated designs, kept in study.json, from which an interrupted search goes on; and designs.csv, made of them."""
+"""Evaluated designs and their files.
+
+study.json, from which an interrupted search goes on, and designs.csv, made of it; and of a finished search the cases
+of the best designs, design.json and the report.
+"""
 
 from __future__ import annotations
 
@@ -6,19 +10,31 @@ import csv
 import dataclasses
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
+from granwave.analysis.reports.report import write_report
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.run_directory import DESIGN_STUDY, DESIGN_TABLE, POINTS
+from granwave.lammps_inputs.run_directory import (
+    BEST_DESIGNS,
+    DESIGN_OUTCOME,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+    POINTS,
+    SCAN_REPORT,
+)
 from granwave.workflows.design.points import names
 from granwave.workflows.design.problem import Objective, Problem, examined
-from granwave.workflows.design.search import Known, front, ordered
+from granwave.workflows.design.search import Known, expected_random, front, importance, ordered
 from granwave.workflows.design.variables import Space, Values
+from granwave.workflows.run.record import versions
 
 RUNNING, COMPLETE, PRUNED, REFUSED, FAILED = "running", "complete", "pruned", "refused", "failed"
 MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
@@ -71,11 +87,6 @@ class Design:
         return self.state != REFUSED or bool(self.runs)
 
     @property
-    def feasible(self) -> bool:
-        """True if it was run to its end and meets all limits."""
-        return self.state == COMPLETE
-
-    @property
     def notes(self) -> list[str]:
         """Marks of its runs."""
         return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
@@ -84,13 +95,7 @@ class Design:
         """Return the numbers that are to be small; None without a value."""
         if self.state in (RUNNING, FAILED) or len(self.objectives) < len(objectives):
             return None
-        return tuple(one.loss(self.objectives[one.name]) for one in objectives)
-
-    def as_known(self, objectives: tuple[Objective, ...]) -> Known:
-        """Return what the search is told."""
-        failed = {"failed": 1.0 if self.state == FAILED else -1.0} if self.runs and self.state != RUNNING else {}
-        margins = {**self.margins, "wrong": -1.0 if self.known else 1.0, **failed}  # a wrong case has no known values
-        return Known(self.values, self.losses(objectives), margins, self.state == RUNNING)
+        return tuple(one.sign * self.objectives[one.name] for one in objectives)
 
 
 @dataclasses.dataclass
@@ -120,7 +125,7 @@ class Study:
     def best(self) -> list[Design]:
         """Return the designs that meet the limits, the best first; with two objectives those of the Pareto front."""
         objectives = self.problem.objectives
-        found = [design for design in self.designs if design.feasible]
+        found = [design for design in self.designs if design.state == COMPLETE]
         losses = [design.losses(objectives) or () for design in found]
         if len(objectives) > 1:
             return [found[n] for n in front(losses)]
@@ -128,7 +133,12 @@ class Study:
 
     def known(self) -> list[Known]:
         """Return what the search is told of all designs."""
-        return [design.as_known(self.problem.objectives) for design in self.designs]
+        found = []
+        for one in self.designs:
+            failed = {"failed": 1.0 if one.state == FAILED else -1.0} if one.runs and one.state != RUNNING else {}
+            margins = {**one.margins, "wrong": -1.0 if one.known else 1.0, **failed}  # a wrong case has no known values
+            found.append(Known(one.values, one.losses(self.problem.objectives), margins, one.state == RUNNING))
+        return found
 
     @property
     def asked(self) -> tuple[Space, list[Known], int]:
@@ -144,62 +154,49 @@ class Study:
 
     def _table(self) -> str:
         problem = self.problem
-        spread = len(problem.samples) > 1
-        several = [part for one in problem.objectives for part in (f"{one.name}_low", f"{one.name}_high")]
-        keys = [one.key for one in problem.space.variables]
-        stream = io.StringIO()
-        table = csv.writer(stream, lineterminator="\n")
         more = list(dict.fromkeys(name for one in self.designs for name in one.known))
         named = [one.name for one in problem.objectives if one.name not in more]
         limited = [one.name for one in problem.limits if one.name not in (*more, *named)]
-        heads = [*keys, *more, *named, *(several if spread else []), *limited]
-        table.writerow(["number", "state", "reason", "directory", *heads])
+        heads = ["number", "state", "reason", "directory", *(one.key for one in problem.space.variables), *more, *named]
+        if len(problem.samples) > 1:
+            heads += [f"{one.name}_{end}" for one in problem.objectives for end in ("low", "high")]
+        stream = io.StringIO()
+        table = csv.DictWriter(stream, [*heads, *limited], restval="", lineterminator="\n")
+        table.writeheader()
         for design in self.designs:
             place = f"{POINTS}/{names(design.number, problem.samples)[0]}" if design.runs else ""
-            cells = [_written(design.values[key]) for key in keys]
-            known = [design.known.get(name, "") for name in more]
-            known_all = design.state != PRUNED  # of a pruned design the objective is that of its first runs
-            objectives = [design.objectives.get(name, "") if known_all else "" for name in named]
-            ends = (
-                [end for name in [one.name for one in problem.objectives] for end in design.spread.get(name, ["", ""])]
-                if spread
-                else []
-            )
-            limits = [design.limited.get(name, "") for name in limited]
-            place_of = f"next to design {design.next_to}, tried after the search" if design.next_to else ""
-            reason = "; ".join(filter(None, (design.reason, place_of, *design.notes)))
-            table.writerow([design.number, design.state, reason, place, *cells, *known, *objectives, *ends, *limits])
+            tried = f"next to design {design.next_to}, tried after the search" if design.next_to else ""
+            reason = "; ".join(filter(None, (design.reason, tried, *design.notes)))
+            row: dict[str, Any] = {name: value for name, value in design.limited.items() if name in limited}
+            if design.state != PRUNED:  # of which the objective is that of its first runs
+                row |= {name: value for name, value in design.objectives.items() if name in named}
+            for name, ends in design.spread.items():
+                row |= {f"{name}_low": ends[0], f"{name}_high": ends[1]}
+            row |= {"number": design.number, "state": design.state, "reason": reason, "directory": place}
+            values = {key: one if isinstance(one, bool | int | float | str) else show(one)
+                      for key, one in design.values.items()}  # fmt: skip
+            table.writerow({**row, **values, **design.known})
         return stream.getvalue()
-
-
-def _written(value: Any) -> Any:
-    return value if isinstance(value, bool | int | float | str) else show(value)
 
 
 def first_design(study: Study) -> None:
     """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
     if any(design.ran for design in study.designs):
         return
-    nearest: tuple[float, Design] | None = None
-    faults: dict[str, int] = {}
-    trial = Study(study.problem, study.directory, list(study.designs))
-    for n, values in zip(range(MOST_REFUSED), ordered(*trial.asked, guided=False), strict=False):
-        design = new_design(study.problem, len(trial.designs) + n + 1, values)
-        if design.state != REFUSED:
+    refused: list[Design] = []
+    for n, values in zip(range(MOST_REFUSED), ordered(*study.asked, guided=False), strict=False):
+        refused.append(new_design(study.problem, n + 1, values))
+        if refused[-1].state != REFUSED:
             return
-        if design.margins:
-            worst = max(design.margins.values())
-            nearest = min(nearest or (worst, design), (worst, design), key=lambda pair: pair[0])
-        else:
-            faults[design.reason] = faults.get(design.reason, 0) + 1
-    place = study.problem.path
-    if nearest is None:
-        raise InputError([f"{place}: variables: {fault.removeprefix(f'{place}: ')}" for fault in list(faults)[:5]])
-    design = nearest[1]
-    made = ", ".join(f"{key} = {value}" for key, value in design.values.items())
+    place, near = study.problem.path, [design for design in refused if design.margins]
+    if not near:
+        faults = list(dict.fromkeys(design.reason.removeprefix(f"{place}: ") for design in refused))
+        raise InputError([f"{place}: variables: {fault}" for fault in faults[:5]])
+    nearest = min(near, key=lambda design: max(design.margins.values()))
+    made = ", ".join(f"{key} = {value}" for key, value in nearest.values.items())
     raise InputError(
         f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
-        f"the nearest is {made}: {design.reason}; widen the limits or the ranges"
+        f"the nearest is {made}: {nearest.reason}; widen the limits or the ranges"
     )
 
 
@@ -217,6 +214,13 @@ def read_study(problem: Problem, directory: Path) -> Study:
     InputError
         The directory holds another search; the message says what differs.
     """
+
+    def comparable(tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the tables without what may change: the number of evaluations, and what follows them."""
+        may_change = ("evaluations", "guards", "neighbours")
+        search = {key: value for key, value in tables.get("search", {}).items() if key not in may_change}
+        return json.loads(json.dumps({**tables, "search": search}))  # type: ignore[no-any-return]
+
     path = directory / DESIGN_STUDY
     if not path.exists():
         return Study(problem, directory)
@@ -224,26 +228,18 @@ def read_study(problem: Problem, directory: Path) -> Study:
     try:
         if content is None:
             raise ValueError
-        there, designs = _comparable(content["problem"]), [Design(**one) for one in content["designs"]]
+        there, designs = comparable(content["problem"]), [Design(**one) for one in content["designs"]]
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
             f"{path}: is damaged, so that the search cannot go on; --force begins it again, or put the file back"
         ) from None
-    here = _comparable(problem.record)
-    if differences := list(_differences(there, here)):
+    if differences := list(_differences(there, comparable(problem.record))):
         raise InputError(
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
             "--force replaces it, or choose another directory with -o"
         )
     return Study(problem, directory, designs, exhausted)
-
-
-def _comparable(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables without what may change: the number of evaluations, and what follows them."""
-    may_change = ("evaluations", "guards", "neighbours")
-    search = {key: value for key, value in tables.get("search", {}).items() if key not in may_change}
-    return json.loads(json.dumps({**tables, "search": search}))  # type: ignore[no-any-return]
 
 
 def _differences(there: Mapping[str, Any], here: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
@@ -254,3 +250,45 @@ def _differences(there: Mapping[str, Any], here: Mapping[str, Any], prefix: str 
         elif before != now:
             was, now_is = ("left out" if value is None else show(value) for value in (before, now))
             yield f"{name} was {was}, is {now_is}"
+
+
+def publish(study: Study, findings: Iterable[Any]) -> None:
+    """Write the cases of the best designs, design.json with the findings of `check_best`, and the report."""
+    problem, best = study.problem, study.best()
+    for name in BEST_DESIGNS:
+        (study.directory / name).unlink(missing_ok=True)
+    for name, design in zip(BEST_DESIGNS, best, strict=False):
+        tables = problem.tables_of(design.values, longer=next(iter(design.runs.values()))["longer"])
+        tables = problem.case({**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}).to_dict()
+        replace_text(study.directory / name, tomli_w.dumps(tables))
+
+    def values_of(design: Design) -> dict[str, Any]:
+        return {
+            "number": design.number,
+            "directory": f"{POINTS}/{names(design.number, problem.samples)[0]}",
+            "variables": design.values,
+            **design.known,
+            "objective": design.objectives,
+            **({"spread": design.spread, "runs": len(problem.samples)} if design.spread else {}),
+        }
+
+    (first, *others), known, space = problem.objectives, study.known(), problem.space
+    counts = range(1, sum(design.ran for design in study.designs) + 1)
+    at_random = [] if others else expected_random(space, known, counts)  # the best of so many, by the model
+    outcome = {
+        "name": problem.name,
+        "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
+        "best": {**values_of(best[0]), "guards": list(map(dataclasses.asdict, findings))} if best else None,
+        "front": list(map(values_of, best)) if others else None,
+        "limits": {one.name: {"low": one.low, "high": one.high} for one in problem.limits},
+        "evaluations": study.n_evaluated,
+        "next_to_best": sum(bool(design.next_to) for design in study.designs),
+        "states": dict(Counter(design.state for design in study.designs)),
+        "designs": space.size if space.size < float("inf") else None,
+        "importance": importance(space, known),
+        "random": [first.sign * loss for loss in at_random],
+        "seconds": sum(design.seconds for design in study.designs),
+        "versions": versions(),
+    }
+    replace_text(study.directory / DESIGN_OUTCOME, json.dumps(outcome, indent=1) + "\n")
+    write_report([study.directory], study.directory / SCAN_REPORT)

@@ -68,7 +68,7 @@ def design(
                 raise InputError(f"{name}: found {show(value)}, expected a whole number from 1 up")
         problem = load_problem(plain(source) if isinstance(source, Mapping) else home(source), budget)
         place = results_directory(problem.name if directory is None else home(directory))
-        outcome = run_design(problem, place, jobs=jobs, ranks=ranks, force=force, resume=resume, progress=progress)
-        if outcome.interrupted:
+        _, stopped = run_design(problem, place, jobs=jobs, ranks=ranks, force=force, resume=resume, progress=progress)
+        if stopped:
             raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
     return Designs(place)

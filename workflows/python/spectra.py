@@ -70,15 +70,12 @@ def bands(
     InputError
         The case is wrong, does not repeat, bears no load or is not rigid.
     """
-    from granwave.analysis.spectra.files import tables_of_bands
-
     if not isinstance(path, str):
         path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
-    (found,) = _solved(
+    return _solved(
         "bands", source, changes, keys, directory, path=path, points=points, n_bands=n_bands, directions=directions,
         plane=plane, allow_floppy=allow_floppy, slab=slab, force=force,
     )  # fmt: skip
-    return _dataset("bands", tables_of_bands(found), found.summary())
 
 
 def modes(
@@ -112,11 +109,8 @@ def modes(
     InputError
         As of `bands`.
     """
-    from granwave.analysis.spectra.files import tables_of_modes
-
     how = {"n_modes": n_modes, "directions": directions, "allow_floppy": allow_floppy, "force": force}
-    (found,) = _solved("modes", source, changes, keys, directory, **how)
-    return _dataset("modes", tables_of_modes(found.state, found.modes), found.summary())
+    return _solved("modes", source, changes, keys, directory, **how)
 
 
 def transmission(
@@ -159,16 +153,12 @@ def transmission(
     InputError
         As of `bands`; or a grain is not there or cannot move.
     """
-    from granwave.analysis.spectra.files import tables_of_transmission
-    from granwave.workflows.spectra import transmission_summary
-
-    found, state = _solved(
+    return _solved(
         "steady", source, changes, keys, directory, axis=axis, end=end, directions=directions, force=force,
         drive=drive if isinstance(drive, int) else list(drive),
         sensors=[sensors] if isinstance(sensors, int) else list(sensors),
         frequencies=np.atleast_1d(np.asarray(frequencies, dtype=float)),
     )  # fmt: skip
-    return _dataset("transmission", tables_of_transmission(state, found), transmission_summary(state, found))
 
 
 def _solved(
@@ -178,8 +168,9 @@ def _solved(
     keys: Mapping[str, Any],
     directory: str | Path | None,
     **how: Any,
-) -> list[Any]:
-    """Return what a function of `granwave.workflows.spectra` finds of a case or a run, but for the files."""
+) -> Dataset:
+    """Return what a function of `granwave.workflows.spectra` finds of a case or a run."""
+    from granwave.analysis.notebook.datasets import dataset  # loads xarray
     from granwave.workflows import spectra
 
     with words_of_python():
@@ -188,11 +179,5 @@ def _solved(
             case, kind = read_case(source, changes, keys)
             if kind is not GRANULAR:
                 raise InputError(f"{case.name}: found a continuum case, expected a packing")
-        *found, _ = getattr(spectra, name)(case, None if directory is None else Path(home(directory)), **how)
-    return found
-
-
-def _dataset(kind: str, tables: Any, summary: dict[str, Any]) -> Dataset:
-    from granwave.analysis.notebook.datasets import dataset  # loads xarray
-
-    return dataset(kind, tables, summary)
+        waves, _ = getattr(spectra, name)(case, None if directory is None else Path(home(directory)), **how)
+    return dataset(waves.name, waves.tables, waves.summary)

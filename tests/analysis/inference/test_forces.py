@@ -342,20 +342,3 @@ def test_the_modulus_has_no_bias(name):
     factors, spreads = np.array(found).T
     assert abs(np.log(factors).mean()) < 3 * spreads.mean() / np.sqrt(20)
     assert np.log(factors).std(ddof=1) == pytest.approx(spreads.mean(), rel=0.4)
-
-
-def test_leaving_out_rotation_costs_some_per_cent():
-    """Errata E5 and E6 of the source: 3 to 5 % of the forces."""
-    grains, walls, true = state_of("hexagonal", 0.5e-3)
-    still = dataclasses.replace(grains, spin=0 * grains.spin, angular_acceleration=0 * grains.angular_acceleration)
-    assert 0.01 < error(infer(still, walls, EQUAL), true) < 0.08
-
-
-def test_solvers_agree_on_a_crystal():
-    """Non-negative least squares and cones, on noisy data."""
-    exact, walls, true = state_of("centred-square", 0.5e-3)
-    grains, _ = measured(exact, 0.1, np.random.default_rng(1))
-    found = infer(grains, walls, EQUAL)
-    friction = np.full(len(found.contacts), EQUAL.friction)
-    twin = solve_conic(found.equations.matrix, found.equations.data(), friction, 2)
-    assert np.linalg.norm(found.force - twin) < 1e-6 * np.linalg.norm(true)

@@ -145,19 +145,15 @@ def test_square_with_friction_turns():
     np.testing.assert_allclose(at_edge, np.sort(expected), rtol=1e-9)
 
 
-def scattered():
-    return endless(
-        "fcc", [4, 4, 3], {"kind": "uniform", "pressure": 1e6}, packing={"diameter_scatter": 5e-7, "seed": 3},
-        boundary={"sides": "periodic", "bottom": "periodic"},
-    )  # fmt: skip
-
-
 def test_scattered_packing_is_its_own_cell():
-    found = band_structure(scattered(), "0,0,0; 0,0,20", points=2, n_bands=6)
+    load = {"kind": "uniform", "pressure": 1e6}
+    scatter, endless_too = {"diameter_scatter": 5e-7, "seed": 3}, {"sides": "periodic", "bottom": "periodic"}
+    case = endless("fcc", [4, 4, 3], load, packing=scatter, boundary=endless_too)
+    found = band_structure(case, "0,0,0; 0,0,20", points=2, n_bands=6)
     state = found.state
     assert state.network.n_grains == 48 and state.residual < 1e-8 and len(state.network.springs) == 288
-    like = endless("fcc", [4, 4, 6], {"kind": "uniform", "pressure": 1e6})
-    speeds = long_wave_speeds(stiffness_of(cell_state(like).network), np.array([[0.0, 0.0, 1.0]]))[0]
+    like = cell_state(endless("fcc", [4, 4, 6], load))
+    speeds = long_wave_speeds(stiffness_of(like.network), np.array([[0.0, 0.0, 1.0]]))[0]
     np.testing.assert_allclose(found.speeds, speeds, rtol=0.02)  # softer by the scatter, hardly
     assert np.abs(found.speeds / speeds - 1).max() > 1e-5
 
@@ -174,22 +170,14 @@ def test_velocities_are_slopes():
         np.testing.assert_allclose(bands.velocity[1, :, axis], slope, rtol=1e-5, atol=1e-3)
 
 
-def test_sparse_and_dense_agree(monkeypatch):
+@pytest.mark.parametrize("limits", [("DENSE_UP_TO",), ("DENSE_UP_TO", "_FACTORISED_UP_TO")])
+def test_dense_factorised_and_lanczos_agree(monkeypatch, limits):
     stiffness = stiffness_of(cell_state(endless("hcp", [4, 4, 4], ALL_ROUND)).network)
-    path = make_path("G-M", stiffness.network.periods, 3)
-    dense = solve_bands(stiffness, path, 3)
-    monkeypatch.setattr("granwave.analysis.spectra.stiffness.DENSE_UP_TO", 0)
-    sparse = solve_bands(stiffness, path, 3)
-    np.testing.assert_allclose(sparse.frequency[1:], dense.frequency[1:], rtol=1e-7)
-
-
-def test_lanczos_finds_the_lowest_bands(monkeypatch):
-    stiffness = stiffness_of(cell_state(scattered()).network)
     path = make_path("0,0,20; 10,0,30", stiffness.network.periods, 2)
-    dense = solve_bands(stiffness, path, 6)
-    for name in ("stiffness.DENSE_UP_TO", "stiffness._FACTORISED_UP_TO"):
-        monkeypatch.setattr(f"granwave.analysis.spectra.{name}", 0)
-    np.testing.assert_allclose(solve_bands(stiffness, path, 6).frequency, dense.frequency, rtol=1e-7)
+    dense = solve_bands(stiffness, path, 3)
+    for name in limits:
+        monkeypatch.setattr(f"granwave.analysis.spectra.stiffness.{name}", 0)
+    np.testing.assert_allclose(solve_bands(stiffness, path, 3).frequency, dense.frequency, rtol=1e-7)
 
 
 def test_attenuation_leads_back_to_the_frequencies():
@@ -236,13 +224,12 @@ def test_bcc_under_pressure_buckles():
 
     k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
     """
-    case = endless("bcc", [4, 4, 6], ALL_ROUND)
+    state = cell_state(endless("bcc", [4, 4, 6], ALL_ROUND))
     with pytest.raises(InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"):
-        band_structure(case, "0,0,0; 100,100,0")
-    state = cell_state(case)
+        band_structure(state, "0,0,0; 100,100,0")
     springs = state.network.springs
     np.testing.assert_allclose(springs.force, 1e5 * 0.01**2 / np.sqrt(3), rtol=1e-3)
-    bands = band_structure(case, "0,0,0; 100,100,0", points=3, allow_floppy=True).bands
+    bands = band_structure(state, "0,0,0; 100,100,0", points=3, allow_floppy=True).bands
     side = 0.01 * 2 / np.sqrt(3)
     expected = -4 * springs.force[0] / springs.distance[0] / state.network.mass[0] * (1 - np.cos(100 * side))
     np.testing.assert_allclose(bands.square[-1, 0], expected, rtol=1e-6)

@@ -85,24 +85,22 @@ def test_filter_row_is_in_static_balance():
     assert 0 < through.amplitude[0, 0] < 1
 
 
+def pile(*grains: str, length: float = 0.01, force: float = 20.0, law: str = "hertz", friction: float = 0.0, **more):
+    """Endless pile of grains (z, diameter, shape, length, axis) that repeats along z, under a force."""
+    text = "x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n" + "".join(f"0,0,{one}\n" for one in grains)
+    tables = {
+        "name": "pile", "material": "brass", "contact": {"law": law, "friction": friction},
+        "packing": {"kind": "file", "grains": text, "cell": [[0.0, 0.0, length]]}, "boundary": {"bottom": "free"},
+        "precompression": {"kind": "uniaxial", "force": force},
+    }  # fmt: skip
+    return case_from_dict(tables | more)
+
+
 def row_of_cylinders(friction: float, law: str = "line", diameters=(0.006,)):
     """Endless row of parallel cylinders along z under 50 N, which move along x and z and turn about y."""
-    place, grains = 0.0, []
-    for diameter in diameters:
-        grains.append(f"0,0,{place + diameter / 2!r},{diameter!r},cylinder,0.02,0,1,0")
-        place += diameter
-    text = "x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n" + "\n".join(grains) + "\n"
-    return case_from_dict(
-        {
-            "name": "row",
-            "material": "brass",
-            "contact": {"law": law, "friction": friction},
-            "packing": {"kind": "file", "grains": text, "cell": [[0.0, 0.0, place]]},
-            "guide": [{"free": "xz"}],
-            "boundary": {"bottom": "free"},
-            "precompression": {"kind": "uniaxial", "force": 50.0},
-        }
-    )
+    places = np.cumsum(diameters) - np.array(diameters) / 2
+    grains = [f"{place!r},{size!r},cylinder,0.02,0,1,0" for place, size in zip(places.tolist(), diameters, strict=True)]
+    return pile(*grains, length=sum(diameters), force=50.0, law=law, friction=friction, guide=[{"free": "xz"}])
 
 
 @pytest.mark.parametrize("law", ["line", "hertz"])
@@ -137,20 +135,9 @@ def test_sizes_of_lines_have_laws_of_their_own():
     np.testing.assert_allclose(springs.stiffness, contact.tangent_stiffness(overlap, overlap), rtol=1e-9)
 
 
-def pile(grains):
-    """Endless pile of the grains of a table, 10 mm high, under 20 N."""
-    return case_from_dict(
-        {"name": "pile", "material": "brass", "contact": {"law": "hertz"}, "boundary": {"bottom": "free"},
-         "packing": {"kind": "file", "grains": grains, "cell": [[0.0, 0.0, 0.01]]},
-         "precompression": {"kind": "uniaxial", "force": 20.0}}
-    )  # fmt: skip
-
-
 def test_crossed_cylinders_move_along_their_axes_without_force():
     """A pile of crossed cylinders: the static force neither turns nor resists a shift along an axis."""
-    text = ("x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n0,0,0.002,0.004,cylinder,0.02,1,0,0\n"
-            "0,0,0.007,0.006,cylinder,0.02,0,1,0\n")  # fmt: skip
-    case = pile(text)
+    case = pile("0.002,0.004,cylinder,0.02,1,0,0", "0.007,0.006,cylinder,0.02,0,1,0")
     network = cell_state(case).network
     contact = pair_contact(case, 1, 2)
     overlap = 0.005 - network.springs.distance
@@ -162,10 +149,7 @@ def test_crossed_cylinders_move_along_their_axes_without_force():
 
 def test_the_force_at_the_side_of_a_cylinder_turns_across_its_axis_alone():
     """A sphere rolls off a cylinder across its axis (-F/d), and not along it."""
-    text = ("x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n0,0,0.002,0.004,sphere,0,0,0,0\n"
-            "0,0,0.007,0.006,cylinder,0.02,0,1,0\n")  # fmt: skip
-    case = pile(text)
-    network = cell_state(case).network
+    network = cell_state(pile("0.002,0.004,sphere,0,0,0,0", "0.007,0.006,cylinder,0.02,0,1,0")).network
     own = stiffness_of(network).own.toarray()[:3, :3]
     expected = -(network.springs.force / network.springs.distance).sum()
     np.testing.assert_allclose(own, np.diag([expected, 0, network.springs.stiffness.sum()]), rtol=1e-9, atol=1e-6)
@@ -183,14 +167,8 @@ def test_power_law_has_its_own_stiffness(exponent):
 
 
 def test_oblique_cylinders_that_turn_are_refused():
-    text = "x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n0,0,0.002,0.004,cylinder,0.02,0.6,0.8,0\n"
-    case = case_from_dict(
-        {"name": "pile", "material": "brass", "contact": {"law": "hertz", "friction": 0.3},
-         "packing": {"kind": "file", "grains": text, "cell": [[0.0, 0.0, 0.004]]}, "boundary": {"bottom": "free"},
-         "precompression": {"kind": "uniaxial", "force": 20.0}}
-    )  # fmt: skip
     with pytest.raises(InputError, match=r"cylinders along \[0.6, 0.8, 0.0\] that turn by friction"):
-        cell_state(case)
+        cell_state(pile("0.002,0.004,cylinder,0.02,0.6,0.8,0", length=0.004, friction=0.3))
 
 
 def test_a_cell_of_a_lattice_alone_is_refused():

@@ -90,14 +90,13 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
 
 def test_each_value_has_its_entry(row):
     case, tables = load_case("row.toml"), (OF_BANDS, OF_MODES, OF_TRANSMISSION)
-    found, state, _ = commands.steady(case, None, drive=[1, 2], sensors=[5], frequencies=np.array([1e3]))
-    values = (
-        commands.bands(case, None, points=3)[0].summary(),
-        commands.modes(case, None)[0].summary(),
-        commands.transmission_summary(state, found),
+    found = (
+        commands.bands(case, None, points=3),
+        commands.modes(case, None),
+        commands.steady(case, None, drive=[1, 2], sensors=[5], frequencies=np.array([1e3])),
     )
-    for table, summary in zip(tables, values, strict=True):
-        assert {one.name for one in table} == set(summary)
+    for table, (waves, _) in zip(tables, found, strict=True):
+        assert {one.name for one in table} == set(waves.summary)
 
 
 def test_another_case_in_the_same_directory(row, capsys):

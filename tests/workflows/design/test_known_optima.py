@@ -10,7 +10,7 @@ import random
 import numpy as np
 import pytest
 
-from granwave.workflows.design import driver, outcome
+from granwave.workflows.design import driver, study
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.points import Ended
 from granwave.workflows.design.search import front
@@ -71,7 +71,7 @@ def search(monkeypatch, tmp_path):
     monkeypatch.setattr(driver, "Points", Formulas)
     monkeypatch.setattr(driver, "load", lambda: None)
     monkeypatch.setattr(driver, "check_best", lambda *_, **__: [])
-    monkeypatch.setattr(outcome, "write_report", lambda *_: None)
+    monkeypatch.setattr(study, "write_report", lambda *_: None)
     (tmp_path / "chain.toml").write_text(CHAIN)
     (tmp_path / "packing.toml").write_text(PACKING)
 

@@ -80,18 +80,6 @@ def test_limits_are_learnt():
     assert best == pytest.approx(of_ranges({"x": 0.15, "y": 0.66}), rel=0.02)
 
 
-def test_the_same_seed_gives_the_same_designs():
-    first, second = (search(BEADS, of_beads, 12, 3) for _ in range(2))
-    assert [one.values for one in first] == [one.values for one in second]
-    assert [one.values for one in search(BEADS, of_beads, 12, 4)] != [one.values for one in first]
-
-
-def test_every_design_of_a_small_space_is_tried_once():
-    found = search(PACKINGS, of_packings, 1000, 1)
-    assert len(found) == 60
-    assert len({repr(one.values) for one in found}) == 60
-
-
 def test_designs_in_work_are_not_chosen_again():
     known = search(BEADS, of_beads, 10, 1)
     pending = next(ordered(BEADS, known, 1, guided=True))
