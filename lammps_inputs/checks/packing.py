@@ -92,7 +92,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         return  # the named spheres are unknown while other keys are wrong
     lattice, present = packing.lattice(periodic=case.boundary.sides == "periodic"), np.ones(n, dtype=bool)
     if packing.vacancies:
-        named = named_spheres(lattice, case.load, case.replace, case.striker, case.sensor, case.output)
+        named = named_spheres(case, lattice)
         clash = [sphere for sphere in listed if sphere in named]
         fits = errors.check_first(
             *((True, key, f"found {one}, which {named[one]} needs; expected a sphere that nothing names")

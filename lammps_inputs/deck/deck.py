@@ -76,7 +76,7 @@ def _batch(case: Case | Assembly, first: int) -> str:
     assembly = assemble(case)
     last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
     here = np.flatnonzero(assembly.sites.present[first - 1 : last])
-    return _rows(assembly, here + first, assembly.lattice_positions(first, last)[here])
+    return _rows(assembly, here + first, assembly.sites.positions(first, last)[here])
 
 
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:

@@ -12,15 +12,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.places import Layout
+from granwave.lammps_inputs.packing.disorder import striker_shift
+from granwave.lammps_inputs.packing.sites import Sites
 
 _TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
 _FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
@@ -28,56 +30,35 @@ _TELLING = 1e-6  # relative size below which a direction or a singular value cou
 _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
 
-def place_strikers(
-    lattice: Layout,
-    ids: NDArray[np.int64],
-    centres: NDArray[np.float64],
-    diameters: NDArray[np.float64],
-    middle: NDArray[np.float64],
-    strikers: Sequence[Striker],
-    shifts: Sequence[NDArray[np.float64]],
-    *,
-    scattered: bool,
-) -> list[NDArray[np.float64]]:
-    """Return the centres of the strikers: (3,) each, m.
+def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
+    """Return the centres of the strikers of a case: (3,) each, m.
 
     If there are several positions in contact, a moving striker is placed on the side that it comes from, a resting one
     away from the centre of the packing, or above it if both sides are equal.
-
-    Parameters
-    ----------
-    ids
-        Ids of the spheres of the packing: (n_spheres,).
-    centres
-        Centres of these spheres: (n_spheres, 3), m.
-    diameters
-        Diameters of these spheres: (n_spheres,), m.
-    middle
-        Mean of all sites of the lattice: (3,), m.
-    shifts
-        Shift of each striker: (3,), m; only what is across its way counts.
-    scattered
-        True if the diameters scatter, so that a striker may rest on some of its spheres.
 
     Raises
     ------
     ValueError
         No position of a striker touches its spheres, a shifted one misses them, or a striker overlaps another sphere.
     """
-    radii = diameters / 2
+    if not case.striker:
+        return []
+    every, lattice, scattered = sites.positions(1, len(sites.present)), sites.lattice, case.packing.diameter_scatter > 0
+    middle, ids = every.mean(axis=0), 1 + np.flatnonzero(sites.present)
+    centres, radii = every[ids - 1], sites.diameter[ids - 1] / 2
     placed = []
-    for number, (striker, shift) in enumerate(zip(strikers, shifts, strict=True), start=1):
+    for number, striker in enumerate(case.striker, start=1):
         radius = (striker.diameter or lattice.diameter) / 2
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
         side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
-        centre = _touching(at, reach, side)
+        centre: NDArray[np.float64] | None = _touching(at, reach, side)
         if not _touches(centre, at, reach):
-            rested = _resting(at, reach, side) if scattered else None
-            if rested is None:
-                what = list(striker.touches)
-                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
-            centre = rested
+            centre = _resting(at, reach, side) if scattered else None
+        if centre is None:
+            what = list(striker.touches)
+            raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+        shift = striker_shift(case.packing.seed, striker, number)  # only what is across its way counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             way = way / np.linalg.norm(way)

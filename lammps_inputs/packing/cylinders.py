@@ -165,11 +165,8 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
     tree = KDTree(grains.position)
     near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
-    pairs = {(min(row, other), max(row, other)) for row, others in zip(cylinders, near, strict=True)
-             for other in others if other != row}  # fmt: skip
-    if not pairs:
-        return []
-    ids = np.array(sorted(pairs)) + 1
+    pairs = {tuple(sorted((row, other))) for row, others in zip(cylinders, near, strict=True) for other in others}
+    ids = 1 + np.array(sorted(pair for pair in pairs if pair[0] != pair[1]), dtype=np.int64).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
     found = []

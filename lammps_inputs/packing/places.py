@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement
 from typing import TypeAlias
 
 import numpy as np
@@ -12,7 +14,9 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Kind, Lattice, kind_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
@@ -70,26 +74,25 @@ class Places:
     @property
     def lengths(self) -> tuple[float, float]:
         """Periods along x and y, or without them the extent, grains included, m."""
-        if self.period is not None:
-            return self.period
-        low, high = self.faces()
-        return float(high[0] - low[0]), float(high[1] - low[1])
+        width, depth, _ = np.ptp(self.faces(), axis=0).tolist()
+        return self.period or (width, depth)
 
     @property
     def top_layer(self) -> NDArray[np.int64]:
         """Ids of the grains with the uppermost centres (the lowest z), in rising order."""
-        return self._at(self.grains.position[:, 2] - self.grains.position[:, 2].min())
+        depth = self.grains.position[:, 2]
+        return 1 + np.flatnonzero(depth - depth.min() <= TOUCHING * self.diameter)
 
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the grains that a plane below would touch, in rising order."""
         below = self.grains.position[:, 2] + extents(self.grains.diameter / 2, self.grains.shape)[:, 2]
-        return self._at(below.max() - below)
+        return 1 + np.flatnonzero(below.max() - below <= TOUCHING * self.diameter)
 
     @property
     def n_contacts(self) -> int:
         """Number of touching pairs."""
-        return len(self._touching)
+        return len(self._near[0])
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the grains with ids ``first`` to ``last``, both included: (n, 3), m."""
@@ -106,7 +109,7 @@ class Places:
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
-        yield self._touching
+        yield self._near[0]
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see `distances`."""
@@ -122,9 +125,8 @@ class Places:
 
     def neighbours(self, sphere: int) -> list[int]:
         """Return the ids of the neighbours of a grain, in rising order."""
-        pairs = self._touching
-        found = np.concatenate([pairs[pairs[:, 0] == sphere, 1], pairs[pairs[:, 1] == sphere, 0]])
-        return sorted(found.tolist())
+        pairs = self._near[0]
+        return np.sort(pairs[:, ::-1][pairs == sphere]).tolist()
 
     def layer_of(self, sphere: int) -> int:
         """Return 0: there are no layers."""
@@ -140,13 +142,6 @@ class Places:
         pairs, gaps = pairs[close], gaps[close]
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
         return pairs[order], gaps[order]
-
-    @cached_property
-    def _touching(self) -> NDArray[np.int64]:
-        return self._near[0]
-
-    def _at(self, distance: NDArray[np.float64]) -> NDArray[np.int64]:
-        return 1 + np.flatnonzero(distance <= TOUCHING * self.diameter)
 
 
 def near_pairs(
@@ -172,10 +167,10 @@ def near_pairs(
         position[:, :2] = np.mod(position[:, :2], period)
         position[:, :2][position[:, :2] >= period] = 0.0  # as rounding of the remainder may leave it
     found = [np.empty((0, 2), dtype=np.int64)]
-    classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
-    members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
-    trees = {one: KDTree(position[rows], boxsize=box) for one, rows in members.items()}
-    for one, other in ((a, b) for a in members for b in members if a <= b):
+    classes = np.floor(np.log2(radius / radius.min()) + 1e-9)
+    members = [np.flatnonzero(classes == one) for one in np.unique(classes)]
+    trees = [KDTree(position[rows], boxsize=box) for rows in members]
+    for one, other in combinations_with_replacement(range(len(members)), 2):
         reach = radius[members[one]].max() + radius[members[other]].max() + slack
         if one == other:
             near = trees[one].query_pairs(reach, output_type="ndarray")
@@ -201,6 +196,21 @@ def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
     return places_of(packing.grains, packing.diameter, packing.period if periodic else None)
+
+
+def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
+    """Return the overlap without force of spheres of the packing with each other, or a flat, m; 0 without cohesion.
+
+    Parameters
+    ----------
+    partner
+        Material of the other body; None if it is rigid.
+    """
+    contact, radius = case.contact_between(case.material, partner), case.packing.diameter / 2
+    if not contact.coheres:
+        return 0.0
+    law = contact.between((case.material, partner), (radius, math.inf if flat else radius))
+    return float(law.balanced_overlap)
 
 
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:

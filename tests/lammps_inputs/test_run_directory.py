@@ -42,7 +42,7 @@ def test_what_is_claimed_is_ours_and_nothing_else(tmp_path):
     assert tree(tmp_path) == [MARKER, "dumps/mine.txt", "figures/a.png", "figures/mine.png", "run.json", "summary.json"]
     clear(tmp_path)
     assert tree(tmp_path) == ["dumps/mine.txt", "figures/mine.png", "summary.json"]
-    assert read_marker(tmp_path) is None
+    assert not read_marker(tmp_path).kind
 
 
 def test_folders_that_are_empty_go_and_scratch_files_with_them(tmp_path):
@@ -192,7 +192,7 @@ def test_names_alone_are_no_results(tmp_path):
     fill(tmp_path, "figures/energies.png", "dumps/energy.txt", "points/a/case.toml", "log.lammps", "report.html")
     (tmp_path / "case.toml").write_text('name = "mine"\nmaterial = "brass"\n[packing]\nkind = "fcc"\n')
     (tmp_path / "summary.json").write_text('{"name": "mine"}')
-    assert read_marker(tmp_path) is None and results_in(tmp_path) == []
+    assert not read_marker(tmp_path).kind and results_in(tmp_path) == []
 
 
 def test_a_result_that_was_copied_makes_nobodys_case_ours(earlier, tmp_path):
