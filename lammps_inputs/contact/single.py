@@ -160,25 +160,9 @@ def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_
     read = read_table(_Table, {name: value for name, value in table.items() if name != "material"}, key, errors)
     if read is None:
         return None
-    _check_keys(read, key, errors)
-    material = None
-    if table.get("material") is not None:
-        material = _read_material(table["material"], f"{key}.material", errors)
-        if material is not None and not elastic and material.yield_strength is None:
-            errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
-    elif read.shape not in _WALLS and needs_material:
-        errors.add(f"{key}.material", f"missing; a {read.shape} has one (planes and tubes without are rigid)")
-    if len(errors.lines) > before:
-        return None
-    radius = math.inf if read.shape == "plane" else read.radius or (read.diameter or 0.0) / 2
-    shape = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if read.shape == "cylinder" else None
-    return Body(read.shape, radius, shape, material)
-
-
-def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
-    """Check that a body has the sizes of its shape, and no others."""
-    takes, shape, sizes = _KEYS[read.shape], read.shape, (read.diameter is not None) + (read.radius is not None)
-    sized, given = _SIZE in takes, "radius" if read.diameter is None else "diameter"
+    shape, takes, material = read.shape, _KEYS[read.shape], table.get("material")
+    sized, sizes = _SIZE in takes, (read.diameter is not None) + (read.radius is not None)
+    given = "radius" if read.diameter is None else "diameter"
     errors.check(
         (sized and not sizes, f"{key}.diameter", f"missing; a {shape} has a diameter or a radius (m)"),
         (sized and sizes == 2, f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them"),
@@ -186,15 +170,20 @@ def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
         *((name not in takes and getattr(read, name) is not None, f"{key}.{name}",
            f"found with a {shape}, expected only with a cylinder") for name in ("length", "axis")),
         ("length" in takes and read.length is None, f"{key}.length", "missing; a cylinder has a length (m)"),
+        (material is None and shape not in _WALLS and needs_material, f"{key}.material",
+         f"missing; a {shape} has one (planes and tubes without are rigid)"),
     )  # fmt: skip
-
-
-def _read_material(table: Any, key: str, errors: ErrorList) -> Material | None:
-    if isinstance(table, Material):
-        return table
-    if isinstance(table, Mapping) and not set(SELECTORS) & set(table):
-        table = {"density": _ANY_DENSITY, **table}
-    return read_material(table, errors, key)
+    if isinstance(material, Mapping) and not set(SELECTORS) & set(material):
+        material = {"density": _ANY_DENSITY, **material}
+    if material is not None and not isinstance(material, Material):
+        material = read_material(material, errors, f"{key}.material")
+    if material is not None and not elastic and material.yield_strength is None:
+        errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
+    if len(errors.lines) > before:
+        return None
+    radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
+    cylinder = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if shape == "cylinder" else None
+    return Body(shape, radius, cylinder, material)
 
 
 def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:

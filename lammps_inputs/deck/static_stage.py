@@ -102,11 +102,8 @@ def largest_move(assembly: Assembly) -> float:
     if isinstance(lattice, Places) and not stage.moves:
         on_the_way = math.ceil(float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min()))
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    gap = (
-        max(stage.moves.values(), default=0.0)
-        + case.packing.diameter_scatter
-        + largest_dent(case, sphere_contact(case))
-    )
+    gap = max(stage.moves.values(), default=0.0) + case.packing.diameter_scatter
+    gap += largest_dent(case, sphere_contact(case))
     return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
 
 
@@ -115,7 +112,8 @@ def first_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
-    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"  # they wait until the run begins
+    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
+    waiting = [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
@@ -124,11 +122,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
-        *(
-            [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
-            if case.striker
-            else []
-        ),
+        *(waiting if case.striker else []),
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "variable        static_moved equal c_static_moved",
         f"variable        static_most equal {num(largest_move(assembly))}",
@@ -155,12 +149,13 @@ def second_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     step = support_timestep(assembly, static_stiffness(assembly))
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    record, support = _record(assembly), moving_fix(assembly)
-    stored = [
-        "c_static",
-        *(f"f_{name}[4]" for name in plane_fixes(assembly)),
-        *([f"f_{support}[12]"] if support else []),
-    ]
+    record, support = dict(RECORD), moving_fix(assembly)
+    for name, pressed in _pressed_walls(assembly).items():
+        mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
+        record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
+        record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
+    stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
+    stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
@@ -202,29 +197,17 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     ids, forces = dead_loads(assembly)
     tables = {}
     for axis in directions(assembly):
-        along = forces[:, "xyz".index(axis)].tolist()
-        pairs = [(sphere, force) for sphere, force in zip(ids.tolist(), along, strict=True) if force]
-        rows = "".join(f"{sphere} {force:.17g}\n" for sphere, force in pairs)
-        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(pairs)}\n{rows}"
+        along = zip(ids.tolist(), forces[:, "xyz".index(axis)].tolist(), strict=True)
+        rows = [f"{sphere} {force:.17g}\n" for sphere, force in along if force]
+        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
     return tables
-
-
-def _record(assembly: Assembly) -> dict[str, str]:
-    """Return what the record holds: its columns, and the formulas of their values."""
-    record = dict(RECORD)
-    for name, pressed in _pressed_walls(assembly).items():
-        mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
-        record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
-        record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
-    return record
 
 
 def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     """Return the walls that move in to a force, by x, y or tube."""
-    stage = assembly.case.precompression
-    assert stage is not None
-    return {name: [wall for wall in walls(assembly) if wall.name in (f"{name}lo", f"{name}hi", name)]
-            for name in stage.presses}  # fmt: skip
+    names = assembly.case.precompression.presses if assembly.case.precompression else ()
+    there = walls(assembly)
+    return {name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)] for name in names}
 
 
 def _pressing(assembly: Assembly) -> list[str]:
@@ -272,21 +255,16 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
-def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the net force on a sphere at convergence, N: a small fraction of contact forces, plus rounding."""
-    case = assembly.case
+def _minimize(assembly: Assembly, *, first: bool = False) -> str:
+    """Return the command that finds balance, to a net force that is a fraction of contact forces, plus rounding."""
+    disordered, mean = has_gaps(assembly.case), force_of_contact(assembly)
     span = float(np.abs(assembly.bounds()).max())
     rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
-    mean = force_of_contact(assembly)
-    if not has_gaps(case) or first:
-        part = _FIRST_HALF if has_gaps(case) else _TOLERANCE
-        return num(float(f"{part * mean + rounding:.3g}"))
-    largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
-    return f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
-
-
-def _minimize(assembly: Assembly, *, first: bool = False) -> str:
-    return f"minimize        0.0 {_least_net_force(assembly, first=first)} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
+    if disordered and not first:
+        largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
+        least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+    return f"minimize        0.0 {least} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
 
 
 _TERMS = {

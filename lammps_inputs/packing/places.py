@@ -145,10 +145,7 @@ class Places:
 
 
 def near_pairs(
-    position: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    slack: float,
-    period: tuple[float, float] | None = None,
+    position: NDArray[np.float64], radius: NDArray[np.float64], slack: float, period: tuple[float, float] | None = None
 ) -> NDArray[np.int64]:
     """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2), i < j.
 
