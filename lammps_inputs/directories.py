@@ -12,6 +12,7 @@ import contextlib
 import hashlib
 import json
 import logging
+import math
 import os
 import re
 import shutil
@@ -26,11 +27,10 @@ from granwave.lammps_inputs.files import checksum, head, read_json, read_tables,
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 logger = logging.getLogger(__name__)
-_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
-_FROM_DATA = "positions, diameters and densities are those of the file"
-_FROM_CASE = (
-    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
-    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
+_TAKEN = (
+    "Times, energies, forces and snapshots are those that LAMMPS computed; {}material, law, load, walls, timestep and "
+    "lattice are those of case.toml, and with them which contacts count as yielded, the size of the plastic zone, and "
+    "normalised values: where the change alters one of these, they are wrong"
 )
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
@@ -58,9 +58,8 @@ def check_case(directory: Path) -> None:
     there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
         return
-    for tables in (there, as_run):
-        tables.pop(run_directory.FIGURES_TABLE, None)
-    if not (changes := list(_changes(there, as_run))):
+    changes = list(_changes(*({**tables, run_directory.FIGURES_TABLE: None} for tables in (there, as_run))))
+    if not changes:
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
     raise InputError(
@@ -197,9 +196,9 @@ def check_deck(directory: Path) -> None:
     for name in changed_files(directory):
         path, is_data = directory / name, name == run_directory.DATA_FILE
         if by_hand:
-            taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
-            written = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
-            newer = bool(written) and path.stat().st_mtime > max(written)
+            taken = _TAKEN.format("positions, diameters and densities are those of the file; " if is_data else "")
+            dumps = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
+            newer = path.stat().st_mtime > max(dumps, default=math.inf)
             late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
             logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
         elif is_data:
@@ -281,8 +280,8 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
     if source is None:
         return
     there = source.resolve()
-    places = [(directory / result).resolve() for result in ownership.results_in(directory)]
-    if any(place in (there, *there.parents) for place in places):
+    replaced = {(directory / result).resolve() for result in ownership.results_in(directory)}
+    if not replaced.isdisjoint([there, *there.parents]):
         raise InputError(
             f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
             "choose another directory with -o"
@@ -374,8 +373,7 @@ def check_disk(
     remedy
         Alternative to another directory, for the message.
     """
-    free = free_space(directory)
-    if needed and needed + spare > free:
+    if needed and needed + spare > (free := free_space(directory)):
         message = disk_space_message(what, needed, spare, free)
         raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
 

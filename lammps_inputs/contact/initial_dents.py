@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import lru_cache
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -216,7 +216,7 @@ _UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # erro
 _COLUMNS: dict[str, dict[str, tuple[type, int]]] = {  # by group: type and width; widths of 0 are columns of numbers
     "spheres": {"id": (np.int64, 0), "position": (np.float64, 3), "radius": (np.float64, 0)},
     "contacts": {"i": (np.int64, 0), "j": (np.int64, 0), "peak_overlap": (np.float64, 0)},
-    "wall_contacts": {"wall": (str, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
+    "wall_contacts": {"wall": (object, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
 }
 
 
@@ -263,36 +263,32 @@ def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDA
     found: dict[str, dict[str, NDArray]] = {}
     with h5py.File(path, "r") as file:
         for group, columns in _COLUMNS.items():
-            found[group] = {name: _column(file, f"{group}/{name}", *of) for name, of in columns.items()}
-            lengths = [len(values) for values in found[group].values()]
+            table = found[group] = {}
+            for name, (kind, width) in columns.items():
+                data = file[f"{group}/{name}"]
+                values = table[name] = np.asarray(data.asstr()[()] if kind is object else data[()], dtype=kind)
+                if values.shape[1:] != (width,) * bool(width) or not values.ndim:
+                    raise ValueError(f"{group}/{name}: found the shape {values.shape}")
+                least = 0.0 if name == "peak_overlap" else -np.inf
+                if kind is not object and not (np.isfinite(values) & (values >= least)).all():
+                    raise ValueError(f"{group}/{name}: found values that are not finite, or negative")
+            lengths = [len(values) for values in table.values()]
             if len(set(lengths)) > 1:
                 raise ValueError(f"{group}: found columns of {' and '.join(map(str, lengths))} rows")
     return found
 
 
-def _column(file: Any, name: str, kind: type, width: int) -> NDArray:
-    if kind is str:
-        return np.asarray(file[name].asstr()[()], dtype=object)
-    values: NDArray = np.asarray(file[name][()], dtype=kind)
-    if values.shape[1:] != (width,) * bool(width) or not values.ndim:
-        raise ValueError(f"{name}: found the shape {values.shape}")
-    if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):
-        raise ValueError(f"{name}: found values that are not finite, or negative")
-    return values
-
-
 def _other_packing(assembly: Assembly, earlier: dict[str, NDArray]) -> str:
     """Describe the difference to the spheres of an earlier result; empty if none."""
-    limit = TOUCHING * assembly.case.packing.diameter
-    if len(earlier["id"]) != assembly.n_spheres:
-        return f"found {len(earlier['id'])} spheres, expected {assembly.n_spheres}"
-    missing = np.setdiff1d(assembly.ids, earlier["id"])
-    if missing.size:
+    limit, ids = TOUCHING * assembly.case.packing.diameter, assembly.ids
+    if len(earlier["id"]) != len(ids):
+        return f"found {len(earlier['id'])} spheres, expected {len(ids)}"
+    if (missing := np.setdiff1d(ids, earlier["id"])).size:
         return f"found no sphere {missing[0]}"
     away = np.linalg.norm(earlier["position"] - assembly.positions(), axis=1)
     if away.max() > limit:
-        return f"found sphere {assembly.ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
+        return f"found sphere {ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
     other = np.abs(2 * earlier["radius"] - assembly.sphere_diameters())
     if other.max() > limit:
-        return f"found sphere {assembly.ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
+        return f"found sphere {ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
     return ""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -19,8 +19,10 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Cohesion, Contact, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
+from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.roots import brentq
 
 
@@ -148,6 +150,43 @@ def contact_of(
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
     bodies, contact = (materials[0], materials[-1]), Contact(**values, cohesion=cohesion)
     return law_between(contact, bodies, (radii[0], radii[-1]), checked=checked)  # type: ignore[arg-type]
+
+
+def energy_at_start(assembly: Assembly) -> float:
+    """Energy of contacts that cohere at the start, below 0 that of surfaces apart, J; 0 without cohesion.
+
+    The energy is stationary there, so that rounding of positions does not count.
+    """
+    case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
+    if not case.has_cohesion or not isinstance(lattice, Lattice):
+        return 0.0
+    found = 0.0
+    if lattice.overlap:
+        law = _cohesive(assembly, case.material)
+        found += sites.n_contacts * float(law.elastic_energy(lattice.overlap, lattice.overlap))
+    for wall in walls(assembly):
+        if wall.overlap:
+            gaps = wall.gaps(sites.centres, sites.diameter[sites.present] / 2)
+            touching = np.count_nonzero(np.abs(gaps + wall.overlap) <= TOUCHING * lattice.diameter)
+            law = _cohesive(assembly, wall.material, flat=True)
+            found += touching * float(law.elastic_energy(wall.overlap, wall.overlap))
+    return found
+
+
+def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
+    """Iterate over the laws of spheres of the packing that cohere, each with twice the effective mass, kg."""
+    case = assembly.case
+    if case.contact_between(case.material, case.material).coheres:
+        yield _cohesive(assembly, case.material), case.sphere_mass
+    for wall in walls(assembly):
+        if not wall.held_layer and case.contact_between(case.material, wall.material).coheres:
+            yield _cohesive(assembly, wall.material, flat=True), 2 * case.sphere_mass
+
+
+def _cohesive(assembly: Assembly, partner: Material | None, *, flat: bool = False) -> ContactLaw:
+    case, radius = assembly.case, assembly.case.packing.diameter / 2
+    contact = case.contact_between(case.material, partner)
+    return contact.between((case.material, partner), (radius, math.inf if flat else radius))
 
 
 _STEPS = 2000  # of a collision

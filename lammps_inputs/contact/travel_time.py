@@ -158,7 +158,8 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
         group, ids = f"lines/{line.name}", line_ids(assembly, line)
     if not ids:
         return None
-    struck, loaded = set(struck_of(assembly)), {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    loaded = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    struck = struck_of(assembly)
     first = next((place for place, one in enumerate(ids) if one in struck), 0)
     still = {one for entry in case.absorb for one in absorbing_ids(assembly, entry)}
     still |= {one for hold in case.holds.values() if loaded & set(hold.axes) for one in held_ids(case, hold)}

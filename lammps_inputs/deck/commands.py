@@ -16,7 +16,7 @@ from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,
-    materials_of_last_layer,
+    materials_at,
     plane_fixes,
     touched_by,
     touched_groups,
@@ -144,22 +144,19 @@ def law_coefficients(
     resists
         True to give the resistance to rolling and twisting.
     """
-    words: list[str] = [contact.law]
-    for material in (first,) if second is None else (first, second):
+    words, both = [contact.law], [one for one in (first, second) if one is not None]
+    for material in both:
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
-        if contact.yields:
-            words.append("INF" if material.yield_strength is None else num(material.yield_strength))
+        strength = "INF" if material.yield_strength is None else num(material.yield_strength)
+        words += [strength] if contact.yields else []
     if contact.takes("variant"):
         words += ["variant", contact.variant]
-    for option in ("yield_factor", "beta", "constant", "exponent"):
-        if contact.takes(option):
-            words += [option, num(getattr(contact, option))]
-    hardening = [one.hardening or 0.0 for one in (first, second) if one is not None]
-    if contact.takes("hardening") and any(hardening):
-        words += ["hardening", *map(num, hardening)]
-    rates = [one.rate for one in (first, second) if one is not None]
-    if contact.takes("rate_sensitivity") and any(sensitivity for sensitivity, _ in rates):
-        words += ["rate", *(num(value) for rate in rates for value in rate)]
+    for option in filter(contact.takes, ("yield_factor", "beta", "constant", "exponent")):
+        words += [option, num(getattr(contact, option))]
+    if contact.takes("hardening") and any(one.hardening for one in both):
+        words += ["hardening", *(num(one.hardening or 0.0) for one in both)]
+    if contact.takes("rate_sensitivity") and any(one.rate[0] for one in both):
+        words += ["rate", *(num(value) for one in both for value in one.rate)]
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]
@@ -274,16 +271,15 @@ def wall_commands(
         place = coordinate(case, wall)
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
+        line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
         for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
-            words = [law_coefficients(_elastic(contact), material, wall.material)]
-            line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
+            words = [law_coefficients(_elastic(contact), material, wall.material), *line]
             if not elastic:
                 friction = wall_friction(case, wall, material)
                 loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
-                words = [law_coefficients(contact, material, wall.material, friction, loss, resists=True)]
-                words += _support_arguments(assembly, wall, material)
-            words += line
+                law = law_coefficients(contact, material, wall.material, friction, loss, resists=True)
+                words = [law, *_support_arguments(assembly, wall, material), *line]
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
     if only is not None:
         return lines
@@ -338,7 +334,7 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # until the run begins, see `motion`
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
-    if wall.support is None or material != materials_of_last_layer(assembly)[0]:
+    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
         return []
     behind = wall.support.backing(wall.material, footprint_radius(assembly))
     if wall.support.damper:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.cohesion import energy_at_start
+from granwave.lammps_inputs.contact.law import energy_at_start
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.columns import recorded, sources
@@ -69,43 +69,39 @@ def _integration(assembly: Assembly) -> list[str]:
     case = assembly.case
     lines, still, turning = [], _prescribed(assembly), case.has_rotation
     upright = [name for name, hold in case.holds.items() if turning and hold.rotation and hold.axes != "xyz"]
-    bars = [bar.name for bar in assembly.bars] if turning else []
+    apart = [bar.name for bar in assembly.bars] if turning else []
     if upright:
         lines.append(f"group           upright union {joined(upright)}")
-        if still:
-            lines.append(f"group           upright subtract upright {joined(still)}")
-        upright = ["upright"]
-    if bars or still or upright:
-        lines.append(f"group           mobile subtract all {joined([*still, *bars, *upright])}")
-    group, style = "mobile" if bars or still or upright else "all", "nve/sphere" if turning else "gran/nve"
+        lines += [f"group           upright subtract upright {joined(still)}"] if still else []
+        apart.append("upright")
+    group, style = "mobile" if still or apart else "all", "nve/sphere" if turning else "gran/nve"
+    lines += [f"group           mobile subtract all {joined([*still, *apart])}"] if still or apart else []
     lines.append(f"fix             motion {group} {style}")
-    return [*lines, *(f"fix             motion_{name} {name} nve" for name in [*bars, *upright])]
+    return [*lines, *(f"fix             motion_{name} {name} nve" for name in apart)]
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
     """Return the groups of spheres whose motion is prescribed: those held in place, and those that are moved."""
     case = assembly.case
-    held = any(wall.held_layer for wall in walls(assembly))
-    moved = case.load.kind == "displacement"
-    fixed = {name: hold.axes == "xyz" and (hold.rotation or not case.has_rotation)
-             for name, hold in case.holds.items()}  # fmt: skip
-    return [*(["held"] if held else []), *(["hit"] if moved else []), *(name for name, still in fixed.items() if still)]
+    held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
+    moved = ["hit"] if case.load.kind == "displacement" else []
+    fixed = [name for name, one in case.holds.items() if one.axes == "xyz" and (one.rotation or not case.has_rotation)]
+    return [*held, *moved, *fixed]
 
 
 def _absorbing(assembly: Assembly) -> list[str]:
     """Return the commands of spheres that absorb waves."""
-    lines = []
+    lines = ["# Spheres that absorb waves."] if assembly.case.absorb else []
     for number, entry in enumerate(assembly.case.absorb, start=1):
-        name = f"absorb{number}"
-        lines.append(f"group           {name} id {id_ranges(absorbing_ids(assembly, entry))}")
+        lines.append(f"group           absorb{number} id {id_ranges(absorbing_ids(assembly, entry))}")
+        rise = rise_of(assembly, entry)
+        words = [entry.towards[1], *map(num, rise)] if rise is not None else []
         if entry.rate is None:
             words = ["impedance", num(impedance_of(assembly, entry)), "z"]
         else:
-            rise = rise_of(assembly, entry)
-            words = ["rate", num(entry.rate)]
-            words += [entry.towards[1], *map(num, rise)] if rise is not None else []
-        lines.append(f"fix             {name} {name} gran/absorb {joined(words)}")
-    return ["# Spheres that absorb waves.", *lines] if lines else []
+            words = ["rate", num(entry.rate), *words]
+        lines.append(f"fix             absorb{number} absorb{number} gran/absorb {joined(words)}")
+    return lines
 
 
 def _holder(assembly: Assembly) -> list[str]:

@@ -5,6 +5,8 @@ The forces after the static stage are written once, by the start of a run; a run
 
 from __future__ import annotations
 
+import itertools
+import re
 from collections.abc import Sequence
 
 from granwave.lammps_inputs import run_directory
@@ -125,8 +127,7 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
-        prefix, suffix = run_directory.CHECKPOINT_FILE.split("{}")
-        step = restart_from.removeprefix(prefix).removesuffix(suffix).removesuffix(f".{run_directory.RANK}")
+        step = re.findall(r"\d+", restart_from)[0]  # of the name of a checkpoint
         name = run_directory.FRAMES_RESUMED[form].format(step)
     return of_each_rank(name) if parts else name
 
@@ -136,15 +137,12 @@ def _next_frame(steps: tuple[int, ...]) -> str:
 
     It depends on the present step only, so that it also holds in a resumed run.
     """
-    later = [*steps[1:], 2 * steps[-1]]
-    terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]
-    lines, line = [], str(steps[0])
-    for term in terms:
-        if len(line) + len(term) > 90:
-            lines.append(line)
-            line = ""
-        line += "+" + term
-    return " &\n                ".join([*lines, line])
+    lines = [str(steps[0])]
+    for here, there in itertools.pairwise((*steps, 2 * steps[-1])):
+        term = f"(step>={here})*{there - here}"
+        lines += [""] if len(lines[-1]) + len(term) > 90 else []
+        lines[-1] += f"+{term}"
+    return " &\n                ".join(lines)
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:

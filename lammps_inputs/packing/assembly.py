@@ -305,12 +305,11 @@ def _assemble(case: Case) -> Assembly:
     species = [Species(material, shape=shape) for material, shape in kinds]
     strikers = tuple(zip(case.striker, place_strikers(case, sites), strict=True))
     assembly = Assembly(case, lattice, case.material, sites, strikers, (), tuple(species))
-    bars: list[PlacedBar] = []
-    first = assembly.last_sphere + 1
-    for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
-        if section is not None:
-            face, touches = (assembly.bottom(), lattice.n_spheres) if name == BAR else (assembly.top(), 1)
-            bars.append(place_bar(name, section, section.material or case.material, first, face, touches))
-            first = bars[-1].last + 1
+    bars, first = list[PlacedBar](), assembly.last_sphere + 1
+    if case.incident_bar is not None:
+        bars.append(place_bar(case, INCIDENT_BAR, first, assembly.top(), 1))
+        first = bars[0].last + 1
+    if case.bar is not None:
+        bars.append(place_bar(case, BAR, first, assembly.bottom(), lattice.n_spheres))
     species += [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=tuple(species))

@@ -221,19 +221,11 @@ class PlacedBar:
         return math.sqrt(self.material.youngs_modulus / self.material.density)
 
 
-def place_bar(name: str, section: Bar, material: Material, first: int, face: float, touches: int) -> PlacedBar:
-    """Place the nodes of a bar, which ends at the chain or begins there.
-
-    Parameters
-    ----------
-    first
-        Id of the first node.
-    face
-        Where the bar touches the chain, along z, m.
-    touches
-        Id of the sphere that the face touches.
-    """
-    n, ahead = section.elements, name == INCIDENT_BAR
+def place_bar(case: Case, name: str, first: int, face: float, touches: int) -> PlacedBar:
+    """Place the nodes of a bar of a case, whose face is at z = ``face`` (m) and touches a sphere; ``first``: its id."""
+    section = case.bar if name == BAR else case.incident_bar
+    assert section is not None
+    n, ahead, material = section.elements, name == INCIDENT_BAR, section.material or case.material
     position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
     mass = np.full(n + 1, material.density * section.area * section.length / n)
     mass[[0, -1]] /= 2

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
-from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, random_vacancies
+from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, vacant_sites
 from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres
 
 
@@ -219,7 +219,7 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
         return uniform
     kept = named_spheres(case, lattice)
     present = np.ones(n, dtype=bool)
-    present[vacant_sites(packing, n, set(kept))] = False
+    present[vacant_sites(packing, n, kept)] = False
     nominal, kind = np.full(n, packing.diameter), np.zeros(n, dtype=np.int16)
     materials = [case.material]
     for place, entry in enumerate(case.replace, start=1):
@@ -267,13 +267,6 @@ def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(case.striker, start=1)]
     names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(case.replace, start=1)]
     return {sphere: key for key, spheres in reversed(names) for sphere in spheres if sphere <= lattice.n_spheres}
-
-
-def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0; raise as `random_vacancies`."""
-    if isinstance(packing.vacancies, tuple):
-        return np.array(packing.vacancies, dtype=np.int64) - 1
-    return random_vacancies(packing, n, kept) if packing.vacancies else np.empty(0, dtype=np.int64)
 
 
 def chosen_sites(

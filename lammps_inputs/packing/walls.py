@@ -186,7 +186,8 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
     elif len(materials) == 1 and not assembly.passing:
         groups = [("all", materials[0])]
     elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
-        return tuple((wall.name, *one) for one in groups if one[1] in materials_on_top(assembly))
+        there = materials_at(assembly, assembly.lattice.top_layer)
+        return tuple((wall.name, *one) for one in groups if one[1] in there)
     return tuple((f"{wall.name}_{n}" if n > 1 else wall.name, *one) for n, one in enumerate(groups, start=1))
 
 
@@ -211,17 +212,8 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
     return case.contact_between(material, wall.material).friction
 
 
-def materials_of_last_layer(assembly: Assembly) -> list[Material]:
-    """Return the materials of the spheres in the last layer, each once."""
-    return _materials(assembly, assembly.lattice.last_layer)
-
-
-def materials_on_top(assembly: Assembly) -> list[Material]:
-    """Return the materials of the spheres in the top layer, each once."""
-    return _materials(assembly, assembly.lattice.top_layer)
-
-
-def _materials(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
+def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
+    """Return the materials of the spheres with these ids, such as those of a layer, each once."""
     return list(dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist()))
 
 
@@ -232,7 +224,7 @@ def moving_fix(assembly: Assembly) -> str | None:
     """
     for wall in walls(assembly):
         if wall.support is not None:
-            resting = materials_of_last_layer(assembly)[0]
+            resting = materials_at(assembly, assembly.lattice.last_layer)[0]
             return next(name for name, _, material in wall.fixes if material == resting)
     return None
 

@@ -60,34 +60,14 @@ _ROW = 400.0  # of the ledger
 _ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
 
 
-@dataclasses.dataclass(frozen=True)
-class Space:
-    """Memory and disk space of a run, bytes.
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> tuple[float, float, float, float]:
+    """Estimate the space that a run needs, bytes, as `granwave.lammps_inputs.planning.plan.Plan` has it.
 
-    Attributes
-    ----------
-    first_rank
-        Memory of the first rank, which also writes the deck and puts the results together.
-    other_rank
-        Memory of each other rank; in the analysis it makes parts of the results.
-    disk
-        Disk space.
-    disk_reserve
-        Space that must stay free during the run, for one more snapshot and checkpoint.
+    Returns
+    -------
+    tuple
+        Memory of the first rank and of each other one, disk space, and disk space that must stay free.
     """
-
-    first_rank: float
-    other_rank: float
-    disk: float
-    disk_reserve: float
-
-    def memory(self, n_ranks: int) -> float:
-        """Return the memory of all ranks together, bytes."""
-        return self.first_rank + (n_ranks - 1) * self.other_rank
-
-
-def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
-    """Estimate the memory and the disk space of a run."""
     case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
     pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
     kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
@@ -104,11 +84,11 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
-    return Space(
-        first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
-        other_rank=_PROGRAM + max(steps / n_ranks, shared),
-        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
-        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
+    return (
+        2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
+        _PROGRAM + max(steps / n_ranks, shared),
+        n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
+        n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
     )
 
 

@@ -35,8 +35,14 @@ class Plan:
     ----------
     n_ranks
         Number of ranks that it is planned for.
-    space
-        Memory of each rank, and disk space.
+    first_rank
+        Memory of the first rank, which also writes the deck and puts the results together, bytes.
+    other_rank
+        Memory of each other rank, which makes parts of the results in the analysis, bytes.
+    disk
+        Disk space, bytes.
+    disk_reserve
+        Space that must stay free during the run, for one more snapshot and checkpoint, bytes.
     peak_overlap
         Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield
@@ -56,7 +62,10 @@ class Plan:
     n_contacts: int
     schedule: Schedule
     n_ranks: int
-    space: cost.Space
+    first_rank: float
+    other_rank: float
+    disk: float
+    disk_reserve: float
     peak_overlap: float
     peak_overlap_yield: float | None
     peak_overlap_radius: float
@@ -87,17 +96,7 @@ class Plan:
     @property
     def memory(self) -> float:
         """Memory of all ranks together, bytes."""
-        return self.space.memory(self.n_ranks)
-
-    @property
-    def disk(self) -> float:
-        """Disk space, bytes."""
-        return self.space.disk
-
-    @property
-    def disk_reserve(self) -> float:
-        """Space that must stay free during the run, for one more snapshot and checkpoint, bytes."""
-        return self.space.disk_reserve
+        return self.first_rank + (self.n_ranks - 1) * self.other_rank
 
     @property
     def wall_time(self) -> float:
@@ -133,13 +132,17 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
             "they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(case, schedule)
+    first, other, disk, reserve = cost.expected_space(assembly, schedule, n_ranks)
     return Plan(
         name=case.name,
         n_spheres=assembly.n_spheres,
         n_contacts=assembly.n_contacts,
         schedule=schedule,
         n_ranks=n_ranks,
-        space=cost.expected_space(assembly, schedule, n_ranks),
+        first_rank=first,
+        other_rank=other,
+        disk=disk,
+        disk_reserve=reserve,
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,

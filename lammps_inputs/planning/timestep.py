@@ -31,7 +31,7 @@ from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCIL
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
-from granwave.lammps_inputs.contact.cohesion import cohesive_laws
+from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep

@@ -96,7 +96,9 @@ def test_the_present_directory_is_a_place(tmp_path, monkeypatch):
     assert output_path("law.png") == Path("law.png")
 
 
-def test_results_behind_a_link_are_kept(filled):
+def test_results_behind_a_link_are_kept(filled, monkeypatch):
+    monkeypatch.chdir(filled)
+    assert results_directory(".") == filled and results_directory("new") == filled / "new"
     link = filled.with_name("link")
     link.symlink_to(filled)
     assert results_directory(link) == link
