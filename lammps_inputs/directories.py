@@ -58,7 +58,8 @@ def check_case(directory: Path) -> None:
     there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
         return
-    changes = list(_changes(*({**tables, run_directory.FIGURES_TABLE: None} for tables in (there, as_run))))
+    drawn = {run_directory.FIGURES_TABLE: None}
+    changes = list(_changes(there | drawn, as_run | drawn))
     if not changes:
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")

@@ -447,7 +447,7 @@ def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offs
     base = (6, 6 + j, 6 + k)  # a multiple of all periods, and large enough to keep stepped indices positive
     here = np.array(rule.site(*map(np.asarray, base)))
     reaches = (reach if free else (0,) for reach, free in zip(_REACH, movable, strict=True))
-    steps = [step for step in itertools.product(*reaches) if any(step)]
+    steps = [(di, dj, dk) for di, dj, dk in itertools.product(*reaches) if di or dj or dk]
     there = [rule.site(*map(np.asarray, np.add(base, step))) for step in steps]
     return [step for step, site in zip(steps, there, strict=True) if abs(math.dist(here, site) - 1.0) <= TOUCHING]
 

@@ -114,17 +114,15 @@ def error_in_dents(assembly: Assembly) -> str:
     if not given:
         return ""
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    between = [(one, other) for n, one in enumerate(kinds) for other in kinds[n:]]
-    yielding = [(case.contact_between(*pair), pair) for pair in between if case.contact_between(*pair).yields]
+    yielding = [pair for pair in combinations_with_replacement(kinds, 2) if case.contact_between(*pair).yields]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
         return ""
     smallest = float(assembly.sphere_diameters().min()) / 2
-    for contact, pair in yielding:
-        law = law_between(contact, pair, (smallest, smallest))
-        deepest = _deepest(case, law)
-        limit = LARGEST * law.effective_radius
+    for pair in yielding:
+        law = law_between(case.contact_between(*pair), pair, (smallest, smallest))
+        deepest, limit = _deepest(case, law), LARGEST * law.effective_radius
         if deepest > limit:
             found = f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
             return f"{found}, as far as the contact law holds"
@@ -132,7 +130,7 @@ def error_in_dents(assembly: Assembly) -> str:
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(near.inside(box).any() for near in there):
-            bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
+            bounds = {name: list(getattr(box, name)) for name in ("low", "high") if getattr(box, name)}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
 

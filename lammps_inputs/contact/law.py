@@ -228,9 +228,8 @@ def viscous_loss(
     if loss.time is not None:
         return ("time", loss.time) if loss.time else None
     if loss.restitution is None or loss.velocity is None:
-        factor = loss.dashpot
-        if isinstance(factor, DashpotRestitution):
-            factor = dashpot_factor(factor.restitution)
+        dashpot = loss.dashpot
+        factor = dashpot_factor(dashpot.restitution) if isinstance(dashpot, DashpotRestitution) else dashpot
         return ("dashpot", factor) if factor else None
     materials = (first,) if flat or second is None else (first, second)
     ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(materials)]

@@ -88,8 +88,6 @@ def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str
     if errors.lines or contact is None or found is None:
         raise InputError(errors.lines)
     one, other = found
-    if one.shape in _WALLS:
-        one, other = other, one
     effective_radius = None
     if other.shape == "tube":
         effective_radius = float(elliptic_radius(1 / one.radius, 1 / one.radius - 1 / other.radius))
@@ -129,24 +127,25 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
 
 
 def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool) -> tuple[Body, Body] | None:
+    """Return two bodies, a wall last; None with errors."""
     if isinstance(bodies, str | Mapping) or not isinstance(bodies, Sequence) or len(bodies) != 2:
         errors.add("bodies", f"found {show(bodies)}, expected {_EXAMPLE}")
         return None
     read = [_read_body(table, f"bodies[{n}]", errors, elastic=elastic, needs_material=needs_material)
             for n, table in enumerate(bodies)]  # fmt: skip
-    one, other = read
-    if one is None or other is None:
+    both = [body for body in read if body is not None]
+    if len(both) < 2:
         return None
-    walls = [body for body in read if body and body.shape in _WALLS]
-    if len(walls) == 2:
-        errors.add("bodies", f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them")
-    elif walls and walls[0].shape == "tube":
-        inside = other if one is walls[0] else one
-        if inside.shape == "cylinder":
-            errors.add("bodies", "found a cylinder in a tube, expected a sphere there, or a plane")
-        elif inside.radius >= walls[0].radius:
-            errors.add("bodies", f"found a sphere of radius {inside.radius:g} m in a tube of radius "
-                       f"{walls[0].radius:g} m, expected a smaller one")  # fmt: skip
+    one, other = sorted(both, key=lambda body: body.shape in _WALLS)
+    in_tube = other.shape == "tube" and one.shape not in _WALLS
+    errors.check(
+        (one.shape in _WALLS, "bodies",
+         f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them"),
+        (in_tube and one.shape == "cylinder", "bodies",
+         "found a cylinder in a tube, expected a sphere there, or a plane"),
+        (in_tube and one.shape == "sphere" and one.radius >= other.radius, "bodies",
+         f"found a sphere of radius {one.radius:g} m in a tube of radius {other.radius:g} m, expected a smaller one"),
+    )  # fmt: skip
     return one, other
 
 

@@ -59,19 +59,15 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 def directions(assembly: Assembly) -> str:
     """Return the axes along which there are dead loads, as letters of "xyz"."""
-    case = assembly.case
-    stage = case.precompression
+    stage = assembly.case.precompression
     if stage is not None and stage.moves_walls:
         return "z" if stage.force is not None else ""
-    if stage is None or stage.kind != "uniform":
-        return "z"
-    return "xyz"[: assembly.lattice.rule.dimension]
+    return "xyz"[: assembly.lattice.rule.dimension] if stage is not None and stage.kind == "uniform" else "z"
 
 
 def force_on_top(assembly: Assembly) -> float:
     """Return the force on each sphere of the top layer under a uniaxial load, N."""
-    case = assembly.case
-    stage = case.precompression
+    stage = assembly.case.precompression
     assert stage is not None
     if stage.force is not None or stage.moves_walls:
         return stage.force or 0.0
@@ -98,12 +94,9 @@ def force_of_contact(assembly: Assembly) -> float:
         stress = 2 * rule.dimension * (stage.pressure or 0.0)
         return stress * layer * depth * lattice.diameter / (rule.coordination * lattice.diameter)
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
-    if stage.kind == "gravity" and isinstance(lattice, Places):
-        return float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer)
     if stage.kind == "gravity":
-        nz, on_floor = lattice.n_layers, len(lattice.last_layer)
-        held = case.boundary.bottom == "fixed"
-        top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
+        nz, held = lattice.n_layers, case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
+        top = float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer) * (nz - held) / nz
     return top if isinstance(lattice, Places) else top / lattice.rule.carried
 
 

@@ -251,8 +251,7 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     stage, bottom = case.precompression, case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
-    commands = relief_state if again else relief_commands
-    return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
+    return (relief_state if again else relief_commands)("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
 def _minimize(assembly: Assembly, *, first: bool = False) -> str:
@@ -310,14 +309,9 @@ def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
     lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
     if on_plane:
         return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
-    values = {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
-
-    def written(formula: str) -> str:
-        return "".join(values.get(letter, letter) for letter in formula)
-
-    lines += [
-        f"variable        {name}_{axis}{about} equal $(({written(term)})/({written(_DETERMINANT)}):%.17g)"
-        for axis, row in _TERMS.items()
-        for about, term in zip("xyz", row, strict=True)
-    ]
+    values = str.maketrans({letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()})
+    for axis, row in _TERMS.items():
+        for about, term in zip("xyz", row, strict=True):
+            ratio = f"({term})/({_DETERMINANT})".translate(values)
+            lines.append(f"variable        {name}_{axis}{about} equal $({ratio}:%.17g)")
     return lines

@@ -52,12 +52,13 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
         side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
-        centre: NDArray[np.float64] | None = _touching(at, reach, side)
-        if not _touches(centre, at, reach):
-            centre = _resting(at, reach, side) if scattered else None
-        if centre is None:
-            what = list(striker.touches)
-            raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+        centre = _touching(at, reach, side)
+        if np.abs(_gaps(centre, at, reach)).max() > _TOLERANCE:
+            rested = _resting(at, reach, side) if scattered else None
+            if rested is None:
+                what = list(striker.touches)
+                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+            centre = rested
         shift = striker_shift(case.packing.seed, striker, number)  # only what is across its way counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
@@ -75,9 +76,9 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
     return placed
 
 
-def _touches(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> bool:
-    """Return True if a striker at ``centre`` touches all spheres."""
-    return bool((np.abs(np.linalg.norm(at - centre, axis=1) / reach - 1) <= _TOLERANCE).all())
+def _gaps(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches them: (n,)."""
+    return np.asarray(np.linalg.norm(at - centre, axis=1) / reach - 1)
 
 
 def _resting(
@@ -93,8 +94,8 @@ def _resting(
     for some in combinations(range(len(at)), min(enough, len(at))):
         rows = list(some)
         centre = _touching(at[rows], reach[rows], side)
-        free = (np.linalg.norm(at - centre, axis=1) / reach - 1).min() >= -_TOLERANCE
-        if free and _touches(centre, at[rows], reach[rows]):
+        gaps = _gaps(centre, at, reach)
+        if gaps.min() >= -_TOLERANCE and np.abs(gaps[rows]).max() <= _TOLERANCE:
             found.append(centre)
     return min(found, key=lambda centre: float(side @ centre), default=None)
 
@@ -157,7 +158,7 @@ def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray
     start = np.append(np.zeros(len(spanned)), reach.mean())
 
     def misses(place: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.linalg.norm(at - middle - place @ axes, axis=1) / reach - 1
+        return _gaps(place @ axes, at - middle, reach)
 
     found = least_squares(misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15)
     return middle + found.x @ axes
@@ -234,10 +235,6 @@ def place_bar(case: Case, name: str, first: int, face: float, touches: int) -> P
 
 def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
     """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
-    found, arrival = {}, 0.0
-    for bar in bars:
-        crossing = bar.section.length / bar.wave_speed
-        if bar.name == INCIDENT_BAR:
-            arrival = crossing  # time at which the load reaches the chain
-        found[bar.name] = arrival + 2 * crossing
-    return found
+    crossing = {bar.name: bar.section.length / bar.wave_speed for bar in bars}
+    arrival = crossing.get(INCIDENT_BAR, 0.0)  # of the load at the chain
+    return {name: arrival + 2 * time for name, time in crossing.items()}

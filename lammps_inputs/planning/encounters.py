@@ -120,11 +120,11 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
         pairs += [(int(like.argmax()) + 1,) * 2] * bool(np.count_nonzero(like) > 1)
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
-    alike = {
-        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
-        for pair in pairs
-    }
-    return list(alike.values())
+
+    def kind(grain: int) -> tuple[object, ...]:
+        return assembly.material_of(grain), assembly.diameter_of(grain), assembly.shape_of(grain)
+
+    return list({frozenset(map(kind, pair)): pair for pair in pairs}.values())
 
 
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap

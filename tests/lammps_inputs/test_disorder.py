@@ -175,6 +175,11 @@ class TestTimestep:
         plain = auto_timestep(packing_of())
         assert auto_timestep(packing_of(packing={"diameter_scatter": 5e-6})) == pytest.approx(plain, rel=0.05)
         assert auto_timestep(packing_of(packing={"vacancies": 0.1})) == plain
+        few, many = (  # kinds that are told apart, and those near each other as one
+            packing_of("chain", (n,), replace=[{"index": k, "diameter": 0.008 + 0.002 * k / n} for k in range(1, n)])
+            for n in (40, 60)
+        )
+        assert auto_timestep(many) == pytest.approx(auto_timestep(few), rel=0.1)
 
     def test_a_large_packing_with_thousands_of_diameters_takes_no_time(self) -> None:
         packing, replaced = {"diameter_scatter": 4e-3, "vacancies": 0.01}, [{"share": 0.5, "material": "steel"}]

@@ -135,11 +135,9 @@ class TestStruckSpheres:
 
     def test_seven_are_the_struck_sphere_and_its_ring(self) -> None:
         lattice = Lattice("fcc", (7, 7, 2), D)
-        centre, *ring = struck_spheres(lattice, 7)
-        assert len(ring) == 6
-        at = {sphere: lattice.positions(sphere, sphere)[0] for sphere in (centre, *ring)}
-        assert all(np.linalg.norm(at[sphere] - at[centre]) == pytest.approx(D) for sphere in ring)
-        assert all(at[sphere][2] == 0 for sphere in ring)
+        centre, *ring = (lattice.positions(sphere, sphere)[0] for sphere in struck_spheres(lattice, 7))
+        assert np.linalg.norm(np.array(ring) - centre, axis=1) == pytest.approx(np.full(6, D))
+        assert not any(sphere[2] for sphere in ring)
 
     @pytest.mark.parametrize(
         ("kind", "size", "count"),

@@ -54,14 +54,6 @@ def test_the_reference() -> None:
     assert plan(make((72, 72, 30), run={"timestep": 1e-7}), n_ranks=2).times.steps == found.times.steps / 2
 
 
-def test_memory() -> None:
-    check_memory(plan(make()))
-    with pytest.raises(InputError, match=r"need about .* GiB of memory, there is 0.1 GiB"):
-        check_memory(plan(make()), available=1e8)
-    with pytest.raises(InputError, match="spheres need about"):
-        check_memory(plan(make((1000, 1000, 1000))))
-
-
 def test_what_makes_a_step_longer() -> None:
     """Times per step: 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 640 spheres under a load 70 and 125 us."""
     hertz = {"law": "hertz"}
@@ -177,40 +169,37 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     assert outlook.text([], {}) == "70 s; table, figures and report are next"
 
 
-# ---------------------------------------------------------------------- lines of a log
-
-
 @pytest.mark.parametrize(
-    ("at_most", "words"), [(False, "[40 s, about 40 s left]"), (True, "[40 s, at most 40 s left]")]
-)
-def test_lines_say_about(at_most: bool, words: str, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    ("at_most", "updates", "said"),
+    [
+        (False, [(20, 3, ""), (20, 5, ""), (0, 6, ""), (0, 10, "60 s of about 2 min")],
+         ["50 % there [40 s, about 40 s left]", "100 % there [60 s of about 2 min]"]),
+        (True, [(20, 3, ""), (20, 5, "")], ["50 % there [40 s, at most 40 s left]"]),
+        (False, [(20, 10, "last")], ["100 % there [20 s]"]),
+        (True, [(20, 4, "last")], ["100 % there [20 s]"]),  # it settled early: nothing is left
+    ],
+)  # fmt: skip
+def test_lines_of_a_log(
+    at_most: bool, updates: list[tuple[int, int, str]], said: list[str], clock: list[float],
+    caplog: pytest.LogCaptureFixture,
+) -> None:  # fmt: skip
     caplog.set_level(logging.INFO)
     bar = Progress(10, "mine", enabled=True, at_most=at_most)
-    clock[0] += 20
-    bar.update(3, "early")
-    clock[0] += 20
-    bar.update(5, "half way")
-    bar.update(6, "soon after")
-    bar.update(10, "there", "60 s of about 2 min")
+    for seconds, done, words in updates:
+        clock[0] += seconds
+        if words == "last":
+            bar.update(done, "there", last=True)
+        else:
+            bar.update(done, "there", *filter(None, [words]))
     bar.close()
-    assert [record.getMessage() for record in caplog.records] == [
-        f"mine  50 % half way {words}",
-        "mine 100 % there [60 s of about 2 min]",
-    ]
-
-
-@pytest.mark.parametrize("settles", [False, True])
-def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.INFO)
-    bar = Progress(10, "mine", enabled=True, at_most=settles)
-    clock[0] += 20
-    bar.update(4 if settles else 10, "there", last=True)
-    bar.close()
-    assert [record.getMessage() for record in caplog.records] == ["mine 100 % there [20 s]"]
+    assert [" ".join(record.getMessage().split()) for record in caplog.records] == [f"mine {line}" for line in said]
 
 
 def test_memory_of_each_rank() -> None:
     """The steps are shared by the ranks; of the analysis each holds a part, and the first what it puts together."""
+    check_memory(plan(make()))
+    with pytest.raises(InputError, match=r"spheres need about .* GiB of memory, there is 0.1 GiB"):
+        check_memory(plan(make()), available=1e8)
     case = make(packing={"size": [120, 120, 60]})
     one, four = plan(case), plan(case, n_ranks=4)
     assert one.memory == one.first_rank and one.disk == four.disk
