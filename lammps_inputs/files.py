@@ -156,8 +156,17 @@ def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "
 
 def read_json(path: Path) -> dict[str, Any] | None:
     """Read a JSON table; None if the file is missing or damaged."""
+    return _table(path, json.loads)
+
+
+def read_tables(path: Path) -> dict[str, Any] | None:
+    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
+    return _table(path, tomllib.loads) or None
+
+
+def _table(path: Path, parse: Callable[[str], Any]) -> dict[str, Any] | None:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parse(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):  # RecursionError: brackets nested too deeply
         return None
     return content if isinstance(content, dict) else None
@@ -346,11 +355,3 @@ def _similar(path: Path) -> str:
         return f"; there is no directory {path.parent}"
     near = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean {path.parent / near[0]}?" if near else ""
-
-
-def read_tables(path: Path) -> dict[str, Any] | None:
-    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8")) or None
-    except (OSError, ValueError, RecursionError):
-        return None

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
+from granwave.lammps_inputs.packing.places import cohesive_law
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.roots import brentq
 
@@ -162,13 +163,13 @@ def energy_at_start(assembly: Assembly) -> float:
         return 0.0
     found = 0.0
     if lattice.overlap:
-        law = _cohesive(assembly, case.material)
+        law = cohesive_law(case, case.material)
         found += sites.n_contacts * float(law.elastic_energy(lattice.overlap, lattice.overlap))
     for wall in walls(assembly):
         if wall.overlap:
             gaps = wall.gaps(sites.centres, sites.diameter[sites.present] / 2)
             touching = np.count_nonzero(np.abs(gaps + wall.overlap) <= TOUCHING * lattice.diameter)
-            law = _cohesive(assembly, wall.material, flat=True)
+            law = cohesive_law(case, wall.material, flat=True)
             found += touching * float(law.elastic_energy(wall.overlap, wall.overlap))
     return found
 
@@ -177,16 +178,10 @@ def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
     """Iterate over the laws of spheres of the packing that cohere, each with twice the effective mass, kg."""
     case = assembly.case
     if case.contact_between(case.material, case.material).coheres:
-        yield _cohesive(assembly, case.material), case.sphere_mass
+        yield cohesive_law(case, case.material), case.sphere_mass
     for wall in walls(assembly):
         if not wall.held_layer and case.contact_between(case.material, wall.material).coheres:
-            yield _cohesive(assembly, wall.material, flat=True), 2 * case.sphere_mass
-
-
-def _cohesive(assembly: Assembly, partner: Material | None, *, flat: bool = False) -> ContactLaw:
-    case, radius = assembly.case, assembly.case.packing.diameter / 2
-    contact = case.contact_between(case.material, partner)
-    return contact.between((case.material, partner), (radius, math.inf if flat else radius))
+            yield cohesive_law(case, wall.material, flat=True), 2 * case.sphere_mass
 
 
 _STEPS = 2000  # of a collision
@@ -231,50 +226,27 @@ def viscous_loss(
         dashpot = loss.dashpot
         factor = dashpot_factor(dashpot.restitution) if isinstance(dashpot, DashpotRestitution) else dashpot
         return ("dashpot", factor) if factor else None
-    materials = (first,) if flat or second is None else (first, second)
-    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(materials)]
-    bodies = [_grain(assembly, one)[1:] for one in ids] + [(math.inf, None)]  # a flat, where there is no second grain
-    (radius, shape), (other_radius, other_shape) = bodies[:2]
+    grains = (first,) if flat or second is None else (first, second)
+    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(grains)]
+    forms = [*(_grain(assembly, one)[1:] for one in ids), (math.inf, None)]  # a flat, where there is no second grain
     mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
-    time = loss_time(
-        contact, (first, second), (radius, other_radius), (shape, other_shape), assembly.plane_strain, mass,
-        loss.restitution, loss.velocity,
-    )  # fmt: skip
+    time = _loss_time(contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass)
     return ("time", time) if time else None
 
 
 @lru_cache(maxsize=256)
-def loss_time(
+def _loss_time(
     contact: Contact,
     materials: tuple[Material, Material | None],
     radii: tuple[float, float],
     shapes: tuple[Shape, Shape],
     plane_strain: bool,
     mass: float,
-    restitution: float,
-    velocity: float,
 ) -> float:
-    """Return the loss time with which two bodies have a restitution at a speed, s.
-
-    Parameters
-    ----------
-    radii
-        m; infinite for a plane.
-    shapes
-        Shapes of grains; None for spheres and planes.
-    plane_strain
-        True if a cylinder on a plane is in plane strain.
-    mass
-        Effective mass, kg.
-    velocity
-        Speed of approach, m/s.
-
-    Raises
-    ------
-    ValueError
-        The law alone, by yielding, leaves less than this restitution, or no loss time as little.
-    """
-
+    """Return the loss time with which two bodies of an effective mass (kg) have the restitution of the law, s."""
+    loss = contact.loss
+    assert loss is not None and loss.restitution is not None and loss.velocity is not None
+    restitution, velocity = loss.restitution, loss.velocity
     law = law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
     alone = law.collide(mass, velocity, steps=_STEPS)
     if math.isnan(alone["restitution"]):  # nothing stops them

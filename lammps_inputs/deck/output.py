@@ -213,14 +213,6 @@ def count_commands() -> list[str]:
 _COUNT = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{{}}'  # the number of contacts, to a file
 
 
-def contacts_of_stage(assembly: Assembly) -> list[str]:
-    """Return the compute of contacts, before the last step of the stage; `initial_forces` takes it back."""
-    return [
-        "compute         contacts all gran/hysteretic/local",
-        *(count_commands() if written_in_parts(assembly) else []),
-    ]
-
-
 def initial_forces(assembly: Assembly) -> list[str]:
     """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
     parts, file = written_in_parts(assembly), contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)

@@ -28,9 +28,10 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
 from granwave.lammps_inputs.deck.commands import joined, moved_wall, num, pair_coefficients, plane_names, wall_commands
 from granwave.lammps_inputs.deck.motion import POTENTIAL
-from granwave.lammps_inputs.deck.output import contacts_of_stage, displacements, initial_forces, outward_force
+from granwave.lammps_inputs.deck.output import count_commands, displacements, initial_forces, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, plane_fixes, support_timestep, walls
 from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
@@ -176,7 +177,8 @@ def second_half(assembly: Assembly) -> list[str]:
         "reset_timestep  0 time 0.0",
         # FIRE may leave a step that is too long for the support of the bottom
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
-        *contacts_of_stage(assembly),
+        "compute         contacts all gran/hysteretic/local",  # taken back by `initial_forces`
+        *(count_commands() if written_in_parts(assembly) else []),
         "run             0 post no",
         *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(stored)}",

@@ -98,8 +98,8 @@ def left_out(assembly: Assembly, line: Line) -> int:
     boundary = assembly.case.boundary
     if boundary.bottom == "free" or boundary.bottom_support is not None:
         return 0
-    depth = [assembly.bottom() - float(assembly.centre_of(one)[2]) for one in line_ids(assembly, line)]
-    near = [one < _HELD * assembly.case.packing.diameter for one in depth]
+    lowest = assembly.bottom() - _HELD * assembly.case.packing.diameter
+    near = [float(assembly.centre_of(one)[2]) > lowest for one in line_ids(assembly, line)]
     return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
 
 

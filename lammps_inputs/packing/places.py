@@ -12,6 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.case import Case
@@ -195,19 +196,16 @@ def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     return places_of(packing.grains, packing.diameter, packing.period if periodic else None)
 
 
-def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
-    """Return the overlap without force of spheres of the packing with each other, or a flat, m; 0 without cohesion.
-
-    Parameters
-    ----------
-    partner
-        Material of the other body; None if it is rigid.
-    """
+def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) -> ContactLaw:
+    """Return the law of spheres of the packing with each other, or a flat, of a material (None: rigid)."""
     contact, radius = case.contact_between(case.material, partner), case.packing.diameter / 2
-    if not contact.coheres:
-        return 0.0
-    law = contact.between((case.material, partner), (radius, math.inf if flat else radius))
-    return float(law.balanced_overlap)
+    return contact.between((case.material, partner), (radius, math.inf if flat else radius))
+
+
+def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
+    """Return the overlap without force of spheres, as in `cohesive_law`, m; 0 without cohesion."""
+    coheres = case.contact_between(case.material, partner).coheres
+    return float(cohesive_law(case, partner, flat=flat).balanced_overlap) if coheres else 0.0
 
 
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:

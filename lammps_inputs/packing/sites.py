@@ -134,7 +134,9 @@ class Sites:
         stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
-        return sum(len(pairs) for pairs, _ in self.neighbours()), sum(map(len, self.contacts()))
+        sizes = [(len(pairs), int(np.count_nonzero(self._touch(pairs, gaps)))) for pairs, gaps in self.neighbours()]
+        n_neighbours, n_touching = np.sum(sizes, axis=0, dtype=int).tolist() if sizes else (0, 0)
+        return n_neighbours, n_touching + len(self._contacts_of_larger())
 
     @property
     def n_neighbours(self) -> int:
@@ -148,17 +150,21 @@ class Sites:
 
     def contacts(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the ids of touching pairs (n, 2), i < j, in batches."""
-        slack = TOUCHING * self.lattice.diameter
         for pairs, gaps in self.neighbours():
-            if isinstance(self.lattice, Places):
-                yield pairs[gaps <= slack]  # overlaps at the start touch too, where they are asked for
-                continue
-            touching = np.abs(gaps + self.lattice.overlap) <= slack
-            if self.larger.any():  # found by `near_larger`
-                touching &= ~self.larger[pairs - 1].any(axis=1)
-            yield pairs[touching]
+            yield pairs[self._touch(pairs, gaps)]
+        yield self._contacts_of_larger()
+
+    def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Select the touching pairs; those with larger spheres are found by `near_larger`."""
+        slack = TOUCHING * self.lattice.diameter
+        if isinstance(self.lattice, Places):
+            return gaps <= slack  # overlaps at the start touch too, where they are asked for
+        touching = np.abs(gaps + self.lattice.overlap) <= slack
+        return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
+
+    def _contacts_of_larger(self) -> NDArray[np.int64]:
         pairs, gaps = self.near_larger()
-        yield pairs[np.abs(gaps) <= slack]
+        return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
     def near_larger(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Find the touching and overlapping pairs with a sphere larger than the lattice spacing; none in chains.

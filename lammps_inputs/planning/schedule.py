@@ -124,8 +124,10 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         tick, unit, per_first, in_ledger, in_block = _automatic(assembly, duration, rows)
     else:
         check_steps(case.name, duration, fixed)
-        tick, unit, per_first = fixed, 1, 1
-        in_ledger, in_block = _rounded_up(max(1, math.ceil(duration / fixed * (1 - 1e-9))), rows)
+        tick, unit, per_first, n = fixed, 1, 1, max(1, math.ceil(duration / fixed * (1 - 1e-9)))
+        candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
+        in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
+        in_block = n + -n % in_ledger
     length = unit * tick  # of a unit, whose multiples all records are, s
     n_units = in_block * (max(1, round(AUTO_END_TIME / (in_block * length))) if in_blocks else 1)
     span = _AUTO_FRAME_SPAN if in_blocks else length * n_units  # over which records are spread, s
@@ -167,13 +169,6 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         longest_step=unit,
         energy_tolerance=run.energy_tolerance if isinstance(fixed, str) else 0.0,
     )
-
-
-def _rounded_up(n_steps: int, rows: int) -> tuple[int, int]:
-    """Return the steps between about so many rows, and a number of steps that these divide, little above the given."""
-    candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
-    every = min(candidates, key=lambda every: (-n_steps % every, abs(every - n_steps / rows)))
-    return every, n_steps + -n_steps % every
 
 
 def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:

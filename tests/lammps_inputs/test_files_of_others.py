@@ -101,15 +101,6 @@ def test_an_empty_directory_stays_where_nothing_came_of_it(says, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["r"]
 
 
-def test_links_inside_are_not_written_through(says, tmp_path):
-    for name in ("figures", "dumps"):
-        Path("elsewhere", name).mkdir(parents=True)
-        Path(name).mkdir()
-        Path(name, name).symlink_to(tmp_path / "elsewhere" / name)
-        assert f"{name} (a link)" in says(2, "run", *TINY, "-o", name, "--force")
-    assert files(tmp_path) == {}
-
-
 def test_dumps_that_were_moved_to_another_disk_are_read(says, tmp_path):
     says(0, "run", *QUICK, "-o", "r")
     Path("r", "dumps").rename("far")

@@ -9,7 +9,6 @@ import pytest
 
 from granwave.analysis import analyse, draw_figures, summarise
 from granwave.analysis.exports.export import export
-from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim, clear, foreign, read_marker, results_in
 from granwave.lammps_inputs.run_directory import CONTINUUM, FIT, MARKER, POINT_FILES, RUN, SCAN, SUITE
@@ -96,18 +95,6 @@ def test_results_within_results_go_by_their_own_marker(tmp_path):
 
 
 # ---------------------------------------------------------------------- writers
-
-
-def test_a_deck_does_not_overwrite_files_of_somebody_else(tmp_path):
-    case = synthetic.make_case("chain", 3)
-    fill(tmp_path, "dumps/energy.txt", "dumps/mine.txt")
-    with pytest.raises(InputError, match=r"dumps/energy\.txt would be overwritten"):
-        write_deck(case, tmp_path)
-    assert tree(tmp_path) == ["dumps/energy.txt", "dumps/mine.txt"]
-    (tmp_path / "dumps" / "energy.txt").unlink()
-    write_deck(case, tmp_path)
-    clear(tmp_path)
-    assert tree(tmp_path) == ["dumps/mine.txt"]
 
 
 def test_an_analysis_leaves_files_of_somebody_else(tmp_path, caplog):
