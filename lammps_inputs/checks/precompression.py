@@ -107,14 +107,8 @@ def check_plates(assembly: Assembly, errors: ErrorList) -> None:
     """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix of its own."""
     case, layers = assembly.case, []
     if (support := case.boundary.bottom_support) is not None:
-        layers.append(
-            (
-                "boundary.bottom",
-                f"found a {support.kind} under",
-                materials_at(assembly, assembly.lattice.last_layer),
-                "last",
-            )
-        )
+        below = materials_at(assembly, assembly.lattice.last_layer)
+        layers.append(("boundary.bottom", f"found a {support.kind} under", below, "last"))
     if case.load.plate is not None:
         layers.append(("load.kind", 'found "plate" on', materials_at(assembly, assembly.lattice.top_layer), "top"))
     for key, found, materials, layer in layers:

@@ -62,8 +62,8 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
             centres = np.array([centre for _, centre in assembly.strikers])
             file.write(_rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres))
         for bar in bars:
-            types = (1 + assembly.species.index(Species(bar.material, role, bar.name)) for role in ("node", "face"))
-            node, face = types
+            roles = (Species(bar.material, role, bar.name) for role in ("node", "face"))
+            node, face = (1 + assembly.species.index(one) for one in roles)
             for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True):
                 file.write(f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n")
         if moving := own_velocities(assembly):
@@ -103,8 +103,7 @@ def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float6
 def box_of(assembly: Assembly) -> NDArray[np.float64]:
     """Return the lowest and highest x, y, z of the box: (3, 2), m."""
     lattice = assembly.lattice
-    low, high = assembly.bounds()
-    low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
+    low, high = assembly.bounds() + np.array([[-0.5], [0.5]]) * lattice.diameter
     if lattice.periodic:
         lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
         low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
@@ -214,18 +213,13 @@ def write_deck(
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files of a deck, and of those that LAMMPS will write."""
     case = assembly.case
-    tables = [run_directory.DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
-    tables += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
-    tables += [run_directory.LOAD_FILE] if case.load.table else []
+    names = [run_directory.CASE_FILE, run_directory.DATA_FILE, run_directory.SCRIPT_FILE]
+    axes = directions(assembly) if case.precompression else ""
+    names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
+    names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
+    names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
-    return [
-        run_directory.CASE_FILE,
-        run_directory.DATA_FILE,
-        run_directory.SCRIPT_FILE,
-        *tables,
-        run_directory.LOG_FILE,
-        *dumps,
-    ]
+    return [*names, run_directory.LOG_FILE, *dumps]
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:

@@ -229,12 +229,11 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if not lattice.rule.hexagonal:
         able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
         raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
-    around = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 0]
+    around, below = ([one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1))
     if count == 7:
         if len(around) != 6:
             raise ValueError(f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6")
         return (centre, *around)
-    below = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 1]
     resting = [[other for other in lattice.neighbours(support) if other in around] for support in below]
     pairs = [pair for pair in resting if len(pair) == 2]
     if not pairs:
@@ -247,4 +246,4 @@ def centred(strikers: Sequence[Striker], packing: PackingSection, boundary: Boun
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
     centre = struck_spheres(layout_of(packing, boundary), 1)
-    return tuple(one if one.touches else dataclasses.replace(one, touches=centre) for one in strikers)
+    return tuple(dataclasses.replace(one, touches=one.touches or centre) for one in strikers)
