@@ -12,6 +12,7 @@ import contextlib
 import hashlib
 import json
 import logging
+import math
 import os
 import re
 import shutil
@@ -26,13 +27,11 @@ from granwave.lammps_inputs.files import checksum, head, read_json, read_tables,
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 logger = logging.getLogger(__name__)
-_FROM_LAMMPS = "Times, energies, forces and snapshots are those that LAMMPS computed"
-_FROM_DATA = "positions, diameters and densities are those of the file"
-_FROM_CASE = (
-    "material, law, load, walls, timestep and lattice are those of case.toml, and with them which contacts count as "
-    "yielded, the size of the plastic zone, and normalised values: where the change alters one of these, they are wrong"
+_TAKEN = (
+    "Times, energies, forces and snapshots are those that LAMMPS computed; {}material, law, load, walls, timestep and "
+    "lattice are those of case.toml, and with them which contacts count as yielded, the size of the plastic zone, and "
+    "normalised values: where the change alters one of these, they are wrong"
 )
-_RESOLVED = "resolved"  # derived values in case.toml
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
@@ -40,18 +39,16 @@ _LONGEST = 40  # characters of a value in a message
 
 def tables_as_run(directory: Path) -> dict[str, Any] | None:
     """Return the tables of case.toml at the start of the run; None if the marker does not hold them."""
-    marker = ownership.read_marker(directory)
     try:
-        return tomllib.loads(marker.case) or None if marker else None
+        return tomllib.loads(ownership.read_marker(directory).case) or None
     except ValueError:  # a marker that somebody edited
         return None
 
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    deciding = {
-        name: table for name, table in tables.items() if name not in ("name", _RESOLVED, run_directory.FIGURES_TABLE)
-    }
+    other = ("name", "resolved", run_directory.FIGURES_TABLE)  # name, derived values, and what is drawn
+    deciding = {name: table for name, table in tables.items() if name not in other}
     return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
 
 
@@ -61,9 +58,9 @@ def check_case(directory: Path) -> None:
     there, as_run = read_tables(path), tables_as_run(directory)
     if there is None or as_run is None:
         return
-    for tables in (there, as_run):
-        tables.pop(run_directory.FIGURES_TABLE, None)
-    if not (changes := list(_changes(there, as_run))):
+    drawn = {run_directory.FIGURES_TABLE: None}
+    changes = list(_changes(there | drawn, as_run | drawn))
+    if not changes:
         return
     shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
     raise InputError(
@@ -81,11 +78,10 @@ def restore_case(directory: Path) -> bool:
         The file was changed after the run.
     """
     check_case(directory)
-    marker = ownership.read_marker(directory)
-    if marker is None or not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
+    if not tables_as_run(directory) or read_tables(directory / run_directory.CASE_FILE) is not None:
         return False
     ownership.claim(directory, [run_directory.CASE_FILE])
-    replace_text(directory / run_directory.CASE_FILE, marker.case)
+    replace_text(directory / run_directory.CASE_FILE, ownership.read_marker(directory).case)
     return True
 
 
@@ -95,18 +91,15 @@ def _changes(there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = 
         if isinstance(now, Mapping) and isinstance(then, Mapping):
             yield from _changes(now, then, f"{name}.")
         elif now != then:
-            yield f"{name} is {_shown(now)}, was {_shown(then)}"
-
-
-def _shown(value: Any) -> str:
-    text = "left out" if value is None else json.dumps(value, default=str)
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+            texts = ("left out" if value is None else json.dumps(value, default=str) for value in (now, then))
+            found, before = (text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..." for text in texts)
+            yield f"{name} is {found}, was {before}"
 
 
 def note_files(directory: Path, names: Iterable[str]) -> None:
     """Store sizes and checksums of finished files in the marker, so that `changed_file` detects later changes."""
     marker = ownership.read_marker(directory)
-    if marker is None:
+    if not marker.kind:
         return
     paths = {name: ownership.own_file(directory, name) for name in names}
     marker.files |= {name: path.stat().st_size if path is not None else None for name, path in paths.items()}
@@ -124,20 +117,19 @@ def changed_file(directory: Path, names: Iterable[str] | None = None, processes:
     processes
         Processes that read them.
     """
-    marker = ownership.read_marker(directory) if (directory / run_directory.MARKER).is_file() else None
-    if marker is None:
+    if not (directory / run_directory.MARKER).is_file():
         return ""
-    files = marker.files
-    there = [name for name in (files if names is None else names) if files.get(name) is not None]
-    there = [name for name in there if (directory / name).is_file()]
+    marker = ownership.read_marker(directory)
+    files = {name: size for name, size in marker.files.items() if size is not None and (directory / name).is_file()}
+    there = [name for name in (files if names is None else names) if name in files]
     for name in there:
         if (size := (directory / name).stat().st_size) != files[name]:
             return f"{directory / name}: is not what the run wrote: it has {size} bytes, had {files[name]}"
     summed = [name for name in there if name in marker.sums]
     for name, found in zip(summed, processes.map(checksum, [directory / name for name in summed]), strict=True):
         if found != marker.sums[name]:
-            path = directory / name
-            return f"{path}: is not what the run wrote: its checksum differs; it was damaged, or is of another run"
+            fault = "is not what the run wrote: its checksum differs; it was damaged, or is of another run"
+            return f"{directory / name}: {fault}"
     return ""
 
 
@@ -148,8 +140,7 @@ def changed_result(
     fault = changed_file(directory, names)
     if not fault:
         return ""
-    marker = ownership.read_marker(directory)
-    if marker is not None and marker.kind == run_directory.CONTINUUM:
+    if ownership.read_marker(directory).kind == run_directory.CONTINUUM:
         return f"{fault}: run the case again with --resume"
     return f"{fault}: make it anew with  granwave analyse {directory}"
 
@@ -170,7 +161,7 @@ def result_fault(directory: Path) -> str:
         return f"{summary}: {'is damaged' if summary.exists() else 'is missing'}"
     if record.exists() and read_json(record) is None:
         return f"{record}: is damaged"
-    if result.exists() and not run_directory.case_of_result(result):
+    if result.exists() and not ownership.case_of_result(result):
         return f"{result}: is damaged"
     return changed_file(directory)
 
@@ -184,18 +175,14 @@ def outputs_complete(directory: Path) -> bool:
 def note_deck(directory: Path, names: Iterable[str]) -> None:
     """Store the digests of the files of a deck in the marker, so that `changed_files` detects edits."""
     marker = ownership.read_marker(directory)
-    if marker is not None:
-        marker.digests |= {name: _digest(directory / name) for name in names}
-        marker.write(directory)
+    marker.digests |= {name: _digest(directory / name) for name in names}
+    marker.write(directory)
 
 
 def changed_files(directory: Path) -> list[str]:
     """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
-    marker = ownership.read_marker(directory)
-    noted = marker.digests if marker else {}
-    return [
-        name for name, digest in noted.items() if (directory / name).is_file() and _digest(directory / name) != digest
-    ]
+    noted = ownership.read_marker(directory).digests.items()
+    return [name for name, digest in noted if (directory / name).is_file() and _digest(directory / name) != digest]
 
 
 def check_deck(directory: Path) -> None:
@@ -210,9 +197,9 @@ def check_deck(directory: Path) -> None:
     for name in changed_files(directory):
         path, is_data = directory / name, name == run_directory.DATA_FILE
         if by_hand:
-            taken = f"{_FROM_LAMMPS}; {f'{_FROM_DATA}; ' if is_data else ''}{_FROM_CASE}"
-            written = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
-            newer = bool(written) and path.stat().st_mtime > max(written)
+            taken = _TAKEN.format("positions, diameters and densities are those of the file; " if is_data else "")
+            dumps = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
+            newer = path.stat().st_mtime > max(dumps, default=math.inf)
             late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
             logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
         elif is_data:
@@ -294,8 +281,8 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
     if source is None:
         return
     there = source.resolve()
-    places = [(directory / result).resolve() for result in ownership.results_in(directory)]
-    if any(place in (there, *there.parents) for place in places):
+    replaced = {(directory / result).resolve() for result in ownership.results_in(directory)}
+    if not replaced.isdisjoint([there, *there.parents]):
         raise InputError(
             f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
             "choose another directory with -o"
@@ -387,8 +374,7 @@ def check_disk(
     remedy
         Alternative to another directory, for the message.
     """
-    free = free_space(directory)
-    if needed and needed + spare > free:
+    if needed and needed + spare > (free := free_space(directory)):
         message = disk_space_message(what, needed, spare, free)
         raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
 

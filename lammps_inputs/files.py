@@ -156,8 +156,17 @@ def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "
 
 def read_json(path: Path) -> dict[str, Any] | None:
     """Read a JSON table; None if the file is missing or damaged."""
+    return _table(path, json.loads)
+
+
+def read_tables(path: Path) -> dict[str, Any] | None:
+    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
+    return _table(path, tomllib.loads) or None
+
+
+def _table(path: Path, parse: Callable[[str], Any]) -> dict[str, Any] | None:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = parse(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):  # RecursionError: brackets nested too deeply
         return None
     return content if isinstance(content, dict) else None
@@ -171,9 +180,9 @@ def checksum(path: Path, size: int | None = None, *, after: tuple[int, int] = (0
     after
         Size and CRC-32 of a part at the beginning that was read before.
     """
-    status = path.stat()
-    end = status.st_size if size is None else size
-    return _checksum(path, end, after, (status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns))
+    now = path.stat()
+    state = (now.st_ino, now.st_size, now.st_mtime_ns, now.st_ctime_ns)
+    return _checksum(path, now.st_size if size is None else size, after, state)
 
 
 @functools.lru_cache(maxsize=1024)  # each file is read once, as long as it stays the same
@@ -275,17 +284,16 @@ def read_csv_rows(path: Path) -> list[Row]:
 
 def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
     """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before it."""
-    csv.writer(file, lineterminator="\n").writerows([_no_formula(cell) for cell in row] for row in rows)
 
-
-def _no_formula(cell: object) -> object:
-    if not isinstance(cell, str) or cell[:1] not in _FORMULA or len(cell) < 2:
+    def plain_text(cell: object) -> object:
+        if isinstance(cell, str) and cell[:1] in _FORMULA and len(cell) > 1:
+            try:
+                float(cell)
+            except ValueError:
+                return f"'{cell}"
         return cell
-    try:
-        float(cell)
-    except ValueError:
-        return f"'{cell}"
-    return cell
+
+    csv.writer(file, lineterminator="\n").writerows([plain_text(cell) for cell in row] for row in rows)
 
 
 _KEYS = ("file", "initial_overlap")  # last parts of the keys whose strings are paths
@@ -334,14 +342,10 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
-        raise InputError(f"{path}: not valid TOML: {error}{_line_of(content, str(error))}") from None
-
-
-def _line_of(content: str, error: str) -> str:
-    """Return the line that a message on TOML names by its number; empty if it names none."""
-    found = re.search(r"at line (\d+)", error)
-    line = content.split("\n", int(found[1]))[int(found[1]) - 1].lstrip()[:60] if found else ""  # characters shown
-    return f": {''.join(filter(str.isprintable, line))}" if line else ""
+        found = re.search(r"at line (\d+)", str(error))
+        line = content.split("\n")[int(found[1]) - 1].lstrip()[:60] if found else ""  # characters shown
+        shown = f": {''.join(filter(str.isprintable, line))}" if line else ""
+        raise InputError(f"{path}: not valid TOML: {error}{shown}") from None
 
 
 def _similar(path: Path) -> str:
@@ -351,11 +355,3 @@ def _similar(path: Path) -> str:
         return f"; there is no directory {path.parent}"
     near = difflib.get_close_matches(path.name, names, n=1)
     return f"; did you mean {path.parent / near[0]}?" if near else ""
-
-
-def read_tables(path: Path) -> dict[str, Any] | None:
-    """Read the tables of a TOML file; None if the file is missing, empty or damaged."""
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8")) or None
-    except (OSError, ValueError, RecursionError):
-        return None

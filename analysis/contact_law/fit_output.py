@@ -51,8 +51,7 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     directory.mkdir(parents=True, exist_ok=True)
     clear(directory, WRITTEN)
     files = [FIT_TOML, *([FIT_PAIR] if pair else []), FIT_TABLE, FIT_MISFIT]
-    marker = read_marker(directory)
-    claim(directory, [*files, *figure_files(FIGURE)], kind=marker.kind if marker else FIT)
+    claim(directory, [*files, *figure_files(FIGURE)], kind=read_marker(directory).kind or FIT)
     replace_text(directory / FIT_TOML, fit_toml(fit))
     misfit = fit.misfit.assign(part=fit.misfit.part.str.strip()).to_dict("list")
     for name, table in ((FIT_TABLE, constants_table(fit)), (FIT_MISFIT, misfit)):

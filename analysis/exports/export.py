@@ -29,8 +29,8 @@ from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import discard, naming
-from granwave.lammps_inputs.ownership import claim, clear, read_marker
-from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, Marker, is_scan
+from granwave.lammps_inputs.ownership import Marker, claim, clear, read_marker
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, is_scan
 
 OVITO_SCRIPT = "open_in_ovito.py"
 
@@ -92,9 +92,9 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
 
 def _take_over(directory: Path, output: Path) -> None:
     """Write a marker for an export that version 0.1.0 left in its results."""
-    marker, prefix = read_marker(directory), f"{EXPORT_DIRECTORY}/"
-    names = [name.removeprefix(prefix) for name in (marker.files if marker else ()) if name.startswith(prefix)]
-    if any(names) and read_marker(output) is None:
+    prefix = f"{EXPORT_DIRECTORY}/"
+    names = [name.removeprefix(prefix) for name in read_marker(directory).files if name.startswith(prefix)]
+    if any(names) and not read_marker(output).kind:
         Marker(OTHER, files=dict.fromkeys(filter(None, names))).write(output)
 
 
@@ -192,8 +192,7 @@ def staged(output: Path, outdated: str = _NOTHING) -> Iterator[tuple[Callable[[s
             for name in names:
                 os.replace(scratch / name, output / name)
                 placed.append(output / name)
-            marker = read_marker(output)
-            own = [name for name in (marker.files if marker else ()) if name not in names]
+            own = [name for name in read_marker(output).files if name not in names]
             clear(output, [name for name in own if re.fullmatch(outdated, name)])
     except OSError as error:  # one that names no file is of the last begun
         if error.filename == str(output) and names:

@@ -353,8 +353,7 @@ class FigureFolder:
         return {name: NotDrawn(f"figure {name}", reason) for name, reason in reasons.items()}
 
     def _files(self) -> list[PurePosixPath]:
-        marker = read_marker(self.directory)
-        files = [PurePosixPath(name) for name in (marker.files if marker else ())]
+        files = [PurePosixPath(name) for name in read_marker(self.directory).files]
         return [path for path in files if str(path.parent) == FIGURES_DIRECTORY]
 
 

@@ -12,12 +12,12 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
-from granwave.lammps_inputs.contact.cohesion import cohesive_laws
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
-from granwave.lammps_inputs.contact.law import error_in_constants, viscous_loss
+from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_constants, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.disorder import vacant_sites
 from granwave.lammps_inputs.packing.places import Places, layout_of
-from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of, vacant_sites
+from granwave.lammps_inputs.packing.sites import Sites, chosen_sites, named_spheres, sites_of
 from granwave.lammps_inputs.packing.walls import walls
 
 _OVERLAP = 1e-9  # diameters; largest overlap of a larger sphere with another one, for rounding
@@ -92,7 +92,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         return  # the named spheres are unknown while other keys are wrong
     lattice, present = packing.lattice(periodic=case.boundary.sides == "periodic"), np.ones(n, dtype=bool)
     if packing.vacancies:
-        named = named_spheres(lattice, case.load, case.replace, case.striker, case.sensor, case.output)
+        named = named_spheres(case, lattice)
         clash = [sphere for sphere in listed if sphere in named]
         fits = errors.check_first(
             *((True, key, f"found {one}, which {named[one]} needs; expected a sphere that nothing names")
@@ -102,7 +102,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         if not fits:
             return
         try:
-            present[vacant_sites(packing, n, set(named))] = False
+            present[vacant_sites(packing, n, named)] = False
         except ValueError as error:
             errors.add(key, f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller")
             return

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import materials_of_last_layer, materials_on_top, walls
+from granwave.lammps_inputs.packing.walls import materials_at, walls
 
 _TABLE = "precompression"
 _UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end
@@ -107,9 +107,10 @@ def check_plates(assembly: Assembly, errors: ErrorList) -> None:
     """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix of its own."""
     case, layers = assembly.case, []
     if (support := case.boundary.bottom_support) is not None:
-        layers.append(("boundary.bottom", f"found a {support.kind} under", materials_of_last_layer(assembly), "last"))
+        below = materials_at(assembly, assembly.lattice.last_layer)
+        layers.append(("boundary.bottom", f"found a {support.kind} under", below, "last"))
     if case.load.plate is not None:
-        layers.append(("load.kind", 'found "plate" on', materials_on_top(assembly), "top"))
+        layers.append(("load.kind", 'found "plate" on', materials_at(assembly, assembly.lattice.top_layer), "top"))
     for key, found, materials, layer in layers:
         names = " and ".join(material.name or "?" for material in materials) or "no material"
         errors.check((len(materials) != 1, key,

@@ -7,10 +7,10 @@ neither do contacts whose law does not yield.
 
 from __future__ import annotations
 
-import dataclasses
 from functools import lru_cache
+from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +37,7 @@ _HALVINGS = 60  # of the interval of bisection; more than double precision resol
 _RESULT = "result.h5"
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class NearContacts:
+class NearContacts(NamedTuple):
     """Contacts with a small gap at the start, between two given materials.
 
     Attributes
@@ -61,39 +60,27 @@ class NearContacts:
     effective_radius: NDArray[np.float64]
     place: NDArray[np.float64]
 
-    def overlap_at(self, force: float) -> NDArray[np.float64]:
-        """Return the overlaps at which first loading reaches a force (N): (n,), m; F/R*^2 depends on alpha/R* only."""
-        radius = self.law.effective_radius
-        wanted = force * (radius / self.effective_radius) ** 2
-        low, high = np.zeros_like(wanted), np.full_like(wanted, 2 * radius)
-        for _ in range(_HALVINGS):
-            middle = (low + high) / 2
-            below = self.law.loading_force(middle) < wanted
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-        return high * self.effective_radius / radius
-
-    @property
-    def yields_from(self) -> NDArray[np.float64]:
-        """Overlaps at first yield: (n,), m."""
-        return self.law.elastic_limit * self.effective_radius / self.law.effective_radius
-
     def inside(self, region: Dents) -> NDArray[np.bool_]:
         """Return True for each contact that lies in a region: (n,)."""
         low = -np.inf if region.low is None else np.array(region.low)
         high = np.inf if region.high is None else np.array(region.high)
         return np.asarray(((self.place >= low) & (self.place <= high)).all(axis=1))
 
-    def dents(self, region: Dents) -> NDArray[np.float64]:
-        """Return the largest overlaps so far, as a region gives them: (n,), m."""
-        if region.force is not None:
-            return self.overlap_at(region.force) if region.force else np.zeros(len(self.second))
-        return np.full(len(self.second), region.overlap or 0.0)
 
-    def rows(self, peak: NDArray[np.float64]) -> list[str]:
-        """Return the lines of the table of dents, given the largest overlaps (n,), m."""
-        dented = peak > self.yields_from
-        columns = (column[dented].tolist() for column in (self.first, self.second, peak))
-        return [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
+def _dents(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest overlaps so far, as a region gives them, of contacts with effective radii (n,): (n,), m.
+
+    Those by a force (N) are where first loading reaches it; F/R*^2 depends on alpha/R* only.
+    """
+    if not region.force:
+        return np.full(len(radius), (region.overlap or 0.0) if region.force is None else 0.0)
+    wanted = region.force * (law.effective_radius / radius) ** 2
+    low, high = np.zeros_like(wanted), np.full_like(wanted, 2 * law.effective_radius)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        below = law.loading_force(middle) < wanted
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return high * radius / law.effective_radius
 
 
 def dents_table(assembly: Assembly) -> str:
@@ -104,18 +91,19 @@ def dents_table(assembly: Assembly) -> str:
     InputError
         An earlier result cannot be read, or is of another packing.
     """
-    case = assembly.case
-    rows: list[str] = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
-    path = earlier_result(case)
+    rows = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
+    path = earlier_result(assembly.case)
     known = None if path is None else dents_of_result(assembly, path)
     for near in contacts_at_start(assembly):
-        peak = np.zeros(len(near.second))
-        for region in _regions(case) if known is None else ():
-            peak = np.where(near.inside(region), near.dents(region), peak)
+        law, radius, peak = near.law, near.effective_radius, np.zeros(len(near.second))
+        for region in _regions(assembly.case) if known is None else ():
+            peak = np.where(near.inside(region), _dents(region, law, radius), peak)
         if known is not None:
             keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
             peak = np.array([known.get(key, 0.0) for key in keys])
-        rows += near.rows(peak)
+        dented = peak > law.elastic_limit * radius / law.effective_radius  # beyond first yield
+        columns = (column[dented].tolist() for column in (near.first, near.second, peak))
+        rows += [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
     return "".join(rows)
 
 
@@ -126,17 +114,15 @@ def error_in_dents(assembly: Assembly) -> str:
     if not given:
         return ""
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    between = [(one, other) for n, one in enumerate(kinds) for other in kinds[n:]]
-    yielding = [(case.contact_between(*pair), pair) for pair in between if case.contact_between(*pair).yields]
+    yielding = [pair for pair in combinations_with_replacement(kinds, 2) if case.contact_between(*pair).yields]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
         return ""
     smallest = float(assembly.sphere_diameters().min()) / 2
-    for contact, pair in yielding:
-        law = law_between(contact, pair, (smallest, smallest))
-        deepest = _deepest(case, law)
-        limit = LARGEST * law.effective_radius
+    for pair in yielding:
+        law = law_between(case.contact_between(*pair), pair, (smallest, smallest))
+        deepest, limit = _deepest(case, law), LARGEST * law.effective_radius
         if deepest > limit:
             found = f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
             return f"{found}, as far as the contact law holds"
@@ -144,7 +130,7 @@ def error_in_dents(assembly: Assembly) -> str:
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(near.inside(box).any() for near in there):
-            bounds = {name: list(end) for name, end in (("low", box.low), ("high", box.high)) if end}
+            bounds = {name: list(getattr(box, name)) for name in ("low", "high") if getattr(box, name)}
             return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
     return ""
 
@@ -176,9 +162,9 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
     """Return the yielding contacts of spheres, walls and bars with a small gap at the start, by pair of materials."""
     case = assembly.case
     ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
-    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
-    numbers = [materials.index(species.material) for species in assembly.species if species.role == "sphere"]
-    kind = np.array(numbers)[assembly.body[assembly.present]]
+    of_types = [species.material for species in assembly.species if species.role == "sphere"]
+    materials = list(dict.fromkeys(of_types))
+    kind = np.array([materials.index(one) for one in of_types])[assembly.body[assembly.present]]
     reach = _INSIDE * min(case.boundary.forget_gap, _REACH) * case.packing.diameter
     found = []
 
@@ -194,10 +180,10 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
     one, two, step = one[near], two[near], step[near]
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
     radius = radii[one] * radii[two] / (radii[one] + radii[two])
-    for n, first in enumerate(materials):
-        for m, second in enumerate(materials[n:], start=n):
-            rows = (np.minimum(kind[one], kind[two]) == n) & (np.maximum(kind[one], kind[two]) == m)
-            add((first, second), ids[one[rows]], two[rows], radius[rows], place[rows])
+    low, high = np.sort([kind[one], kind[two]], axis=0)
+    for n, m in combinations_with_replacement(range(len(materials)), 2):
+        rows = (low == n) & (high == m)
+        add((materials[n], materials[m]), ids[one[rows]], two[rows], radius[rows], place[rows])
     for wall in walls(assembly):
         near = np.flatnonzero((wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres))
         if (chosen := touched_by(assembly, wall)) is not None:
@@ -221,16 +207,14 @@ def _regions(case: Case) -> tuple[Dents, ...]:
 
 def _deepest(case: Case, law: ContactLaw) -> float:
     """Return the largest dent given by value, for contacts of one law, m."""
-    one = np.array([law.effective_radius])
-    near = NearContacts(law, one, one.astype(np.int64), one, np.zeros((1, 3)))
-    return max(float(near.dents(region)[0]) for region in _regions(case))
+    return max(float(_dents(region, law, np.array([law.effective_radius]))[0]) for region in _regions(case))
 
 
 _UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file
 _COLUMNS: dict[str, dict[str, tuple[type, int]]] = {  # by group: type and width; widths of 0 are columns of numbers
     "spheres": {"id": (np.int64, 0), "position": (np.float64, 3), "radius": (np.float64, 0)},
     "contacts": {"i": (np.int64, 0), "j": (np.int64, 0), "peak_overlap": (np.float64, 0)},
-    "wall_contacts": {"wall": (str, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
+    "wall_contacts": {"wall": (object, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
 }
 
 
@@ -277,36 +261,32 @@ def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDA
     found: dict[str, dict[str, NDArray]] = {}
     with h5py.File(path, "r") as file:
         for group, columns in _COLUMNS.items():
-            found[group] = {name: _column(file, f"{group}/{name}", *of) for name, of in columns.items()}
-            lengths = [len(values) for values in found[group].values()]
+            table = found[group] = {}
+            for name, (kind, width) in columns.items():
+                data = file[f"{group}/{name}"]
+                values = table[name] = np.asarray(data.asstr()[()] if kind is object else data[()], dtype=kind)
+                if values.shape[1:] != (width,) * bool(width) or not values.ndim:
+                    raise ValueError(f"{group}/{name}: found the shape {values.shape}")
+                least = 0.0 if name == "peak_overlap" else -np.inf
+                if kind is not object and not (np.isfinite(values) & (values >= least)).all():
+                    raise ValueError(f"{group}/{name}: found values that are not finite, or negative")
+            lengths = [len(values) for values in table.values()]
             if len(set(lengths)) > 1:
                 raise ValueError(f"{group}: found columns of {' and '.join(map(str, lengths))} rows")
     return found
 
 
-def _column(file: Any, name: str, kind: type, width: int) -> NDArray:
-    if kind is str:
-        return np.asarray(file[name].asstr()[()], dtype=object)
-    values: NDArray = np.asarray(file[name][()], dtype=kind)
-    if values.shape[1:] != (width,) * bool(width) or not values.ndim:
-        raise ValueError(f"{name}: found the shape {values.shape}")
-    if not np.isfinite(values).all() or (name.endswith("peak_overlap") and (values < 0).any()):
-        raise ValueError(f"{name}: found values that are not finite, or negative")
-    return values
-
-
 def _other_packing(assembly: Assembly, earlier: dict[str, NDArray]) -> str:
     """Describe the difference to the spheres of an earlier result; empty if none."""
-    limit = TOUCHING * assembly.case.packing.diameter
-    if len(earlier["id"]) != assembly.n_spheres:
-        return f"found {len(earlier['id'])} spheres, expected {assembly.n_spheres}"
-    missing = np.setdiff1d(assembly.ids, earlier["id"])
-    if missing.size:
+    limit, ids = TOUCHING * assembly.case.packing.diameter, assembly.ids
+    if len(earlier["id"]) != len(ids):
+        return f"found {len(earlier['id'])} spheres, expected {len(ids)}"
+    if (missing := np.setdiff1d(ids, earlier["id"])).size:
         return f"found no sphere {missing[0]}"
     away = np.linalg.norm(earlier["position"] - assembly.positions(), axis=1)
     if away.max() > limit:
-        return f"found sphere {assembly.ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
+        return f"found sphere {ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
     other = np.abs(2 * earlier["radius"] - assembly.sphere_diameters())
     if other.max() > limit:
-        return f"found sphere {assembly.ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
+        return f"found sphere {ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
     return ""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, Literal
 
@@ -19,8 +19,11 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Cohesion, Contact, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
+from granwave.lammps_inputs.packing.places import cohesive_law
+from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.roots import brentq
 
 
@@ -83,32 +86,20 @@ def law_between(
     if effective_radius is not None:
         others["effective_radius"] = effective_radius
     elif any(shapes) and not contact.entry.is_power:
-        others |= _of_cylinders(materials, radii, shapes, plane_strain)
+        pair = None if math.isinf(radii[1]) else cylinder_pair(*shapes)
+        if pair is not None and not pair.parallel:
+            others["effective_radius"] = pair.effective_radius(*radii)
+        else:  # along a line; a flat is not in the second place of shapes
+            elastic = [(one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0) for one in materials]
+            moduli, ratios = zip(*elastic, strict=True)
+            bodies = {"youngs_modulus": moduli, "poisson_ratio": ratios}
+            length = pair.length if pair is not None else shapes[0].length  # type: ignore[union-attr]
+            others["line"] = (
+                LineContact.plane_strain(**bodies, radius=radii, length=length)
+                if plane_strain
+                else LineContact(**bodies, diameter=2 / sum(1 / radius for radius in radii), length=length)
+            )
     return contact.between(materials, radii, **others)
-
-
-def _of_cylinders(
-    materials: tuple[Material, Material | None],
-    radii: tuple[float, float],
-    shapes: tuple[Shape, Shape],
-    plane_strain: bool,
-) -> dict[str, Any]:
-    """Return the effective radius of a contact in a point, or the law of one along a line."""
-    elastic = [(one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0) for one in materials]
-    moduli, ratios = zip(*elastic, strict=True)
-    bodies = {"youngs_modulus": moduli, "poisson_ratio": ratios}
-    if math.isinf(radii[1]):
-        assert shapes[0] is not None
-        length = shapes[0].length
-        if plane_strain:
-            return {"line": LineContact.plane_strain(**bodies, radius=radii, length=length)}
-        return {"line": LineContact(**bodies, diameter=2 * radii[0], length=length)}
-    pair = cylinder_pair(*shapes)
-    if pair.parallel and plane_strain:
-        return {"line": LineContact.plane_strain(**bodies, radius=radii, length=pair.length)}
-    if pair.parallel:
-        return {"line": LineContact(**bodies, diameter=2 / sum(1 / radius for radius in radii), length=pair.length)}
-    return {"effective_radius": pair.effective_radius(*radii)}
 
 
 def error_in_constants(contact: Contact) -> str:
@@ -124,7 +115,7 @@ def error_in_constants(contact: Contact) -> str:
 
 
 def contact_of(
-    materials: Sequence[Material],
+    materials: Sequence[Material | None],
     radii: Sequence[float],
     law: str = "elastoplastic",
     variant: str = "continuous",
@@ -133,7 +124,7 @@ def contact_of(
     checked: bool = True,
     cohesion: Cohesion | None = None,
 ) -> ContactLaw:
-    """Return the law between two spheres of one or two materials and one or two radii (m).
+    """Return the law between two bodies of one or two materials (None: rigid) and radii (m; infinite: flat).
 
     Parameters
     ----------
@@ -151,32 +142,46 @@ def contact_of(
     ValueError
         A constant is unknown, the law is not passive, or it cannot cohere so.
     """
-    _require_strength(materials, law)
-    given = dict(constants or {})
-    unknown = sorted(given.keys() - set(LAW_CONSTANTS))
+    for material in materials:
+        if LAWS[law].yields and material is not None and material.yield_strength is None:
+            raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
+    values: dict[str, Any] = {"law": law, "variant": variant, **(constants or {})}
+    unknown = sorted(values.keys() - {"law", "variant", *LAW_CONSTANTS})
     if unknown:
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
-    contact = dataclasses.replace(_contact(law, variant, given), cohesion=cohesion)
-    return law_between(contact, (materials[0], materials[-1]), (radii[0], radii[-1]), checked=checked)
+    bodies, contact = (materials[0], materials[-1]), Contact(**values, cohesion=cohesion)
+    return law_between(contact, bodies, (radii[0], radii[-1]), checked=checked)  # type: ignore[arg-type]
 
 
-def rigid_wall_contact_of(
-    material: Material, radius: float, law: str = "elastoplastic", variant: str = "continuous"
-) -> ContactLaw:
-    """Return the law between a sphere and a rigid plane; raise as `contact_of`."""
-    _require_strength([material], law)
-    return law_between(_contact(law, variant, {}), (material, None), (radius, math.inf))
+def energy_at_start(assembly: Assembly) -> float:
+    """Energy of contacts that cohere at the start, below 0 that of surfaces apart, J; 0 without cohesion.
+
+    The energy is stationary there, so that rounding of positions does not count.
+    """
+    case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
+    if not case.has_cohesion or not isinstance(lattice, Lattice):
+        return 0.0
+    found = 0.0
+    if lattice.overlap:
+        law = cohesive_law(case, case.material)
+        found += sites.n_contacts * float(law.elastic_energy(lattice.overlap, lattice.overlap))
+    for wall in walls(assembly):
+        if wall.overlap:
+            gaps = wall.gaps(sites.centres, sites.diameter[sites.present] / 2)
+            touching = np.count_nonzero(np.abs(gaps + wall.overlap) <= TOUCHING * lattice.diameter)
+            law = cohesive_law(case, wall.material, flat=True)
+            found += touching * float(law.elastic_energy(wall.overlap, wall.overlap))
+    return found
 
 
-def _contact(law: str, variant: str, constants: Mapping[str, float]) -> Contact:
-    values: dict[str, Any] = {"law": law, "variant": variant, **constants}
-    return Contact(**values)
-
-
-def _require_strength(materials: Sequence[Material], law: str) -> None:
-    for material in materials:
-        if LAWS[law].yields and material.yield_strength is None:
-            raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
+def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
+    """Iterate over the laws of spheres of the packing that cohere, each with twice the effective mass, kg."""
+    case = assembly.case
+    if case.contact_between(case.material, case.material).coheres:
+        yield cohesive_law(case, case.material), case.sphere_mass
+    for wall in walls(assembly):
+        if not wall.held_layer and case.contact_between(case.material, wall.material).coheres:
+            yield cohesive_law(case, wall.material, flat=True), 2 * case.sphere_mass
 
 
 _STEPS = 2000  # of a collision
@@ -218,72 +223,44 @@ def viscous_loss(
     if loss.time is not None:
         return ("time", loss.time) if loss.time else None
     if loss.restitution is None or loss.velocity is None:
-        factor = loss.dashpot
-        if isinstance(factor, DashpotRestitution):
-            factor = dashpot_factor(factor.restitution)
+        dashpot = loss.dashpot
+        factor = dashpot_factor(dashpot.restitution) if isinstance(dashpot, DashpotRestitution) else dashpot
         return ("dashpot", factor) if factor else None
-    materials = (first,) if flat or second is None else (first, second)
-    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(materials)]
-    bodies = [_grain(assembly, one)[1:] for one in ids] + [(math.inf, None)]  # a flat, where there is no second grain
-    (radius, shape), (other_radius, other_shape) = bodies[:2]
+    grains = (first,) if flat or second is None else (first, second)
+    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(grains)]
+    forms = [*(_grain(assembly, one)[1:] for one in ids), (math.inf, None)]  # a flat, where there is no second grain
     mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
-    time = loss_time(
-        contact, (first, second), (radius, other_radius), (shape, other_shape), assembly.plane_strain, mass,
-        loss.restitution, loss.velocity,
-    )  # fmt: skip
+    time = _loss_time(contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass)
     return ("time", time) if time else None
 
 
 @lru_cache(maxsize=256)
-def loss_time(
+def _loss_time(
     contact: Contact,
     materials: tuple[Material, Material | None],
     radii: tuple[float, float],
     shapes: tuple[Shape, Shape],
     plane_strain: bool,
     mass: float,
-    restitution: float,
-    velocity: float,
 ) -> float:
-    """Return the loss time with which two bodies have a restitution at a speed, s.
-
-    Parameters
-    ----------
-    radii
-        m; infinite for a plane.
-    shapes
-        Shapes of grains; None for spheres and planes.
-    plane_strain
-        True if a cylinder on a plane is in plane strain.
-    mass
-        Effective mass, kg.
-    velocity
-        Speed of approach, m/s.
-
-    Raises
-    ------
-    ValueError
-        The law alone, by yielding, leaves less than this restitution, or no loss time as little.
-    """
-
+    """Return the loss time with which two bodies of an effective mass (kg) have the restitution of the law, s."""
+    loss = contact.loss
+    assert loss is not None and loss.restitution is not None and loss.velocity is not None
+    restitution, velocity = loss.restitution, loss.velocity
     law = law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
     alone = law.collide(mass, velocity, steps=_STEPS)
     if math.isnan(alone["restitution"]):  # nothing stops them
         return 0.0
-    longest = _MOST_TIME * alone["duration"]
-
-    def excess(time: float) -> float:
-        return float(law.collide(mass, velocity, loss_time=time, steps=_STEPS)["restitution"]) - restitution
-
     if alone["restitution"] < restitution - _ROUNDING:
         raise ValueError(
             f"at most {alone['restitution']:.4g}, which law {contact.law} alone leaves at {velocity:g} m/s by yielding"
         )
-    if alone["restitution"] <= restitution + _ROUNDING:
-        return 0.0
-    if excess(longest) > 0:
-        raise ValueError(f"at least {excess(longest) + restitution:.4g}, which a loss time of {longest:.3g} s leaves")
-    return float(brentq(excess, 0.0, longest, xtol=_ACCURACY * alone["duration"]))
+
+    def left(time: float) -> float:
+        return float(law.collide(mass, velocity, loss_time=time, steps=_STEPS)["restitution"])
+
+    longest = _MOST_TIME * alone["duration"]
+    return _loss_of(left, restitution, longest, f"a loss time of {longest:.3g} s", _ACCURACY * alone["duration"])
 
 
 @lru_cache(maxsize=64)
@@ -293,16 +270,19 @@ def dashpot_factor(restitution: float) -> float:
     one = (1.0, 1.0)
     law = ContactLaw("hertz", youngs_modulus=one, poisson_ratio=(0.0, 0.0), yield_strength=one, radius=one)
 
-    def excess(factor: float) -> float:
-        return float(law.collide(1.0, 1e-3, loss_dashpot=factor, steps=_STEPS)["restitution"]) - restitution
+    def left(factor: float) -> float:
+        return float(law.collide(1.0, 1e-3, loss_dashpot=factor, steps=_STEPS)["restitution"])
 
-    if excess(0.0) <= _ROUNDING:
+    return _loss_of(left, restitution, _MOST_FACTOR, f"a factor of {_MOST_FACTOR:g}", _ACCURACY)
+
+
+def _loss_of(left: Callable[[float], float], restitution: float, most: float, named: str, accuracy: float) -> float:
+    """Return the size of a loss, at most ``most``, that leaves a restitution; raise ValueError if that leaves more."""
+    if left(0.0) <= restitution + _ROUNDING:
         return 0.0
-    if excess(_MOST_FACTOR) > 0:
-        raise ValueError(
-            f"at least {excess(_MOST_FACTOR) + restitution:.4g}, which a factor of {_MOST_FACTOR:g} leaves"
-        )
-    return float(brentq(excess, 0.0, _MOST_FACTOR, xtol=_ACCURACY))
+    if (least := left(most)) > restitution:
+        raise ValueError(f"at least {least:.4g}, which {named} leaves")
+    return brentq(lambda size: left(size) - restitution, 0.0, most, xtol=accuracy)
 
 
 def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None) -> int:

@@ -88,8 +88,6 @@ def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str
     if errors.lines or contact is None or found is None:
         raise InputError(errors.lines)
     one, other = found
-    if one.shape in _WALLS:
-        one, other = other, one
     effective_radius = None
     if other.shape == "tube":
         effective_radius = float(elliptic_radius(1 / one.radius, 1 / one.radius - 1 / other.radius))
@@ -129,24 +127,25 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
 
 
 def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool) -> tuple[Body, Body] | None:
+    """Return two bodies, a wall last; None with errors."""
     if isinstance(bodies, str | Mapping) or not isinstance(bodies, Sequence) or len(bodies) != 2:
         errors.add("bodies", f"found {show(bodies)}, expected {_EXAMPLE}")
         return None
     read = [_read_body(table, f"bodies[{n}]", errors, elastic=elastic, needs_material=needs_material)
             for n, table in enumerate(bodies)]  # fmt: skip
-    one, other = read
-    if one is None or other is None:
+    both = [body for body in read if body is not None]
+    if len(both) < 2:
         return None
-    walls = [body for body in read if body and body.shape in _WALLS]
-    if len(walls) == 2:
-        errors.add("bodies", f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them")
-    elif walls and walls[0].shape == "tube":
-        inside = other if one is walls[0] else one
-        if inside.shape == "cylinder":
-            errors.add("bodies", "found a cylinder in a tube, expected a sphere there, or a plane")
-        elif inside.radius >= walls[0].radius:
-            errors.add("bodies", f"found a sphere of radius {inside.radius:g} m in a tube of radius "
-                       f"{walls[0].radius:g} m, expected a smaller one")  # fmt: skip
+    one, other = sorted(both, key=lambda body: body.shape in _WALLS)
+    in_tube = other.shape == "tube" and one.shape not in _WALLS
+    errors.check(
+        (one.shape in _WALLS, "bodies",
+         f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them"),
+        (in_tube and one.shape == "cylinder", "bodies",
+         "found a cylinder in a tube, expected a sphere there, or a plane"),
+        (in_tube and one.shape == "sphere" and one.radius >= other.radius, "bodies",
+         f"found a sphere of radius {one.radius:g} m in a tube of radius {other.radius:g} m, expected a smaller one"),
+    )  # fmt: skip
     return one, other
 
 
@@ -160,25 +159,9 @@ def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_
     read = read_table(_Table, {name: value for name, value in table.items() if name != "material"}, key, errors)
     if read is None:
         return None
-    _check_keys(read, key, errors)
-    material = None
-    if table.get("material") is not None:
-        material = _read_material(table["material"], f"{key}.material", errors)
-        if material is not None and not elastic and material.yield_strength is None:
-            errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
-    elif read.shape not in _WALLS and needs_material:
-        errors.add(f"{key}.material", f"missing; a {read.shape} has one (planes and tubes without are rigid)")
-    if len(errors.lines) > before:
-        return None
-    radius = math.inf if read.shape == "plane" else read.radius or (read.diameter or 0.0) / 2
-    shape = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if read.shape == "cylinder" else None
-    return Body(read.shape, radius, shape, material)
-
-
-def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
-    """Check that a body has the sizes of its shape, and no others."""
-    takes, shape, sizes = _KEYS[read.shape], read.shape, (read.diameter is not None) + (read.radius is not None)
-    sized, given = _SIZE in takes, "radius" if read.diameter is None else "diameter"
+    shape, takes, material = read.shape, _KEYS[read.shape], table.get("material")
+    sized, sizes = _SIZE in takes, (read.diameter is not None) + (read.radius is not None)
+    given = "radius" if read.diameter is None else "diameter"
     errors.check(
         (sized and not sizes, f"{key}.diameter", f"missing; a {shape} has a diameter or a radius (m)"),
         (sized and sizes == 2, f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them"),
@@ -186,15 +169,20 @@ def _check_keys(read: _Table, key: str, errors: ErrorList) -> None:
         *((name not in takes and getattr(read, name) is not None, f"{key}.{name}",
            f"found with a {shape}, expected only with a cylinder") for name in ("length", "axis")),
         ("length" in takes and read.length is None, f"{key}.length", "missing; a cylinder has a length (m)"),
+        (material is None and shape not in _WALLS and needs_material, f"{key}.material",
+         f"missing; a {shape} has one (planes and tubes without are rigid)"),
     )  # fmt: skip
-
-
-def _read_material(table: Any, key: str, errors: ErrorList) -> Material | None:
-    if isinstance(table, Material):
-        return table
-    if isinstance(table, Mapping) and not set(SELECTORS) & set(table):
-        table = {"density": _ANY_DENSITY, **table}
-    return read_material(table, errors, key)
+    if isinstance(material, Mapping) and not set(SELECTORS) & set(material):
+        material = {"density": _ANY_DENSITY, **material}
+    if material is not None and not isinstance(material, Material):
+        material = read_material(material, errors, f"{key}.material")
+    if material is not None and not elastic and material.yield_strength is None:
+        errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
+    if len(errors.lines) > before:
+        return None
+    radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
+    cylinder = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if shape == "cylinder" else None
+    return Body(shape, radius, cylinder, material)
 
 
 def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:

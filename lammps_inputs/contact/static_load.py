@@ -59,19 +59,15 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 def directions(assembly: Assembly) -> str:
     """Return the axes along which there are dead loads, as letters of "xyz"."""
-    case = assembly.case
-    stage = case.precompression
+    stage = assembly.case.precompression
     if stage is not None and stage.moves_walls:
         return "z" if stage.force is not None else ""
-    if stage is None or stage.kind != "uniform":
-        return "z"
-    return "xyz"[: assembly.lattice.rule.dimension]
+    return "xyz"[: assembly.lattice.rule.dimension] if stage is not None and stage.kind == "uniform" else "z"
 
 
 def force_on_top(assembly: Assembly) -> float:
     """Return the force on each sphere of the top layer under a uniaxial load, N."""
-    case = assembly.case
-    stage = case.precompression
+    stage = assembly.case.precompression
     assert stage is not None
     if stage.force is not None or stage.moves_walls:
         return stage.force or 0.0
@@ -86,8 +82,7 @@ def force_of_contact(assembly: Assembly) -> float:
     assert stage is not None
     if stage.moves_walls:
         overlaps = lattice.overlapping()[1] if stage.takes_overlaps and isinstance(lattice, Places) else np.zeros(0)
-        deepest = max(stage.moves.values(), default=0.0)
-        deepest = max(deepest, float(overlaps.max(initial=0.0)))
+        deepest = max([*stage.moves.values(), *overlaps.tolist()], default=0.0)
         hertz = float(sphere_hertz(case).loading_force(deepest))
         there = walls(assembly) if stage.presses else ()
         first = {name: next(wall for wall in there if wall.name.startswith(name)) for name in stage.presses}
@@ -95,27 +90,21 @@ def force_of_contact(assembly: Assembly) -> float:
         return max([hertz, force_on_top(assembly), *pressed])
     if stage.kind == "uniform":
         rule = lattice.rule
-        layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
-        return 2 * rule.dimension * (stage.pressure or 0.0) * layer * lattice.rule.layer_spacing * lattice.diameter / (
-            rule.coordination * lattice.diameter
-        )  # fmt: skip
+        layer, depth = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2, rule.layer_spacing
+        stress = 2 * rule.dimension * (stage.pressure or 0.0)
+        return stress * layer * depth * lattice.diameter / (rule.coordination * lattice.diameter)
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
-    if stage.kind == "gravity" and isinstance(lattice, Places):
-        return float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer)
     if stage.kind == "gravity":
-        nz, on_floor = lattice.n_layers, len(lattice.last_layer)
-        held = case.boundary.bottom == "fixed"
-        top = float(assembly.sphere_masses().sum()) * stage.acceleration / on_floor * (nz - held) / nz
+        nz, held = lattice.n_layers, case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
+        top = float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer) * (nz - held) / nz
     return top if isinstance(lattice, Places) else top / lattice.rule.carried
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
     """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at least one."""
-    ids, chosen = assembly.ids[assembly.ids <= assembly.lattice.n_spheres], touched_by(assembly, wall)
-    gaps = wall.gaps(assembly.positions()[: len(ids)], assembly.sphere_diameters()[: len(ids)] / 2)
-    if chosen is not None:
-        gaps = gaps[chosen[ids - 1]]
-        ids = ids[chosen[ids - 1]]
+    sites, chosen = assembly.sites, touched_by(assembly, wall)
+    ids = 1 + np.flatnonzero(sites.present if chosen is None else chosen)
+    gaps = wall.gaps(sites.positions(1, len(sites.present))[ids - 1], sites.diameter[ids - 1] / 2)
     return ids[gaps <= gaps.min() + TOUCHING * assembly.lattice.diameter]
 
 
@@ -152,29 +141,19 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     outside = index[((index < 0) | (index >= np.array(lattice.shape))).any(axis=1)]
     missing = np.stack(lattice.rule.site(*outside.T), axis=1)
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    if not sites.present.all():
-        missing = np.concatenate([missing, _open_to(missing, own[~sites.present])])
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 
+    border, vacant = missing, own[~sites.present]
+    while len(border) and len(vacant):  # vacant sites that are connected to the outside, directly or through others
+        reached = KDTree(border).query(vacant)[0] <= 1 + TOUCHING
+        border, vacant = vacant[reached], vacant[~reached]
+        missing = np.concatenate([missing, border])
     near = KDTree(missing).query_ball_point(own, 1 + TOUCHING)
     result = np.zeros_like(own)
     for site, found in enumerate(near):
         if found:
             result[site] = (own[site] - missing[found]).sum(axis=0)
     return np.where(np.abs(result) < TOUCHING, 0.0, result)
-
-
-def _open_to(outside: NDArray[np.float64], vacant: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Select the vacant sites that are connected to the outside, directly or through others: (n, 3)."""
-    from scipy.spatial import KDTree
-
-    found, border = np.zeros(len(vacant), dtype=bool), outside
-    while len(border):
-        distance, _ = KDTree(border).query(vacant)
-        reached = (distance <= 1 + TOUCHING) & ~found
-        found |= reached
-        border = vacant[reached]
-    return vacant[found]
 
 
 def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:

@@ -56,17 +56,13 @@ class Row:
     def per_bead(self, frequency: Array) -> Array:
         """Return the time of a wave packet from a bead to the next, s; infinite where there is no wave: (n,)."""
         if self.repeats:
-            return self._slope(frequency) / len(self.mass)
+            low, here, high = (self._cosine(frequency * factor) for factor in (1 - _STEP, 1.0, 1 + _STEP))
+            inside = np.maximum.reduce([np.abs(low), np.abs(here), np.abs(high)]) < 1
+            change = np.abs(np.arccos(np.clip(high, -1, 1)) - np.arccos(np.clip(low, -1, 1)))
+            return np.where(inside, change / (4 * math.pi * _STEP * frequency), np.inf) / len(self.mass)
         kinds, counts = np.unique(np.stack([self.mass, self.stiffness], axis=1), axis=0, return_counts=True)
         each = [Row(one[:1], one[1:]).per_bead(frequency) for one in kinds]
         return np.asarray(np.average(each, axis=0, weights=counts))
-
-    def _slope(self, frequency: Array) -> Array:
-        step = _STEP * frequency
-        low, here, high = (self._cosine(frequency + shift) for shift in (-step, 0.0, step))
-        inside = np.maximum.reduce([np.abs(low), np.abs(here), np.abs(high)]) < 1
-        change = np.abs(np.arccos(np.clip(high, -1, 1)) - np.arccos(np.clip(low, -1, 1)))
-        return np.where(inside, change / (4 * math.pi * step), np.inf)
 
     def _cosine(self, frequency: Array) -> Array:
         """Half of the trace: (n,)."""
@@ -102,17 +98,13 @@ def row_of(assembly: Assembly) -> Row | None:
     if not sites.present.all():
         return None
     period = sites.period_of_chain()
-    beads = np.arange(1, n + 1) if period is None else np.arange(1, period + 1)
+    beads = np.arange(1, (period or n) + 1)
     mass = np.array([assembly.mass_of(one) for one in beads.tolist()])
-    known: dict[tuple[tuple[float, int], ...], float] = {}
-    behind = np.empty(len(beads))
-    for row, one in enumerate(beads.tolist()):
-        pair = (one, one + 1) if one < n else (one - 1, one)
-        key = tuple((float(sites.diameter[bead - 1]), int(sites.body[bead - 1])) for bead in pair)
-        if key not in known:
-            known[key] = _stiffness(pair_contact(assembly, *pair), force)
-        behind[row] = known[key]
-    return Row(mass, behind, repeats=period is not None)
+    kinds = list(zip(sites.diameter.tolist(), sites.body.tolist(), strict=True))
+    pairs = [(one, one + 1) if one < n else (one - 1, one) for one in beads.tolist()]
+    of_kinds = {(kinds[a - 1], kinds[b - 1]): (a, b) for a, b in pairs}
+    known = {key: _stiffness(pair_contact(assembly, *pair), force) for key, pair in of_kinds.items()}
+    return Row(mass, np.array([known[kinds[a - 1], kinds[b - 1]] for a, b in pairs]), repeats=period is not None)
 
 
 def _stiffness(law: ContactLaw, force: float) -> float:
@@ -166,7 +158,8 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
         group, ids = f"lines/{line.name}", line_ids(assembly, line)
     if not ids:
         return None
-    struck, loaded = set(struck_of(assembly)), {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    loaded = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    struck = struck_of(assembly)
     first = next((place for place, one in enumerate(ids) if one in struck), 0)
     still = {one for entry in case.absorb for one in absorbing_ids(assembly, entry)}
     still |= {one for hold in case.holds.values() if loaded & set(hold.axes) for one in held_ids(case, hold)}

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import combinations_with_replacement
+
+import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
@@ -13,13 +16,14 @@ from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
     footprint_radius,
-    materials_of_last_layer,
+    materials_at,
+    plane_fixes,
     touched_by,
     touched_groups,
     wall_friction,
     walls,
 )
-from granwave.lammps_inputs.run_directory import DENTS_FILE, DUMPS
+from granwave.lammps_inputs.run_directory import DUMPS
 
 _WIDTH = 110
 
@@ -37,13 +41,9 @@ def joined(values: Iterable[object]) -> str:
 
 def id_ranges(ids: Iterable[int]) -> str:
     """Join rising ids as LAMMPS takes them, runs of them as ``first:last``."""
-    ranges: list[list[int]] = []
-    for number in ids:
-        if ranges and number == ranges[-1][1] + 1:
-            ranges[-1][1] = int(number)
-        else:
-            ranges.append([int(number), int(number)])
-    return joined(f"{first}:{last}" if last > first else first for first, last in ranges)
+    every = np.fromiter(ids, dtype=np.int64)
+    ranges = np.split(every, 1 + np.flatnonzero(np.diff(every) != 1)) if every.size else []
+    return joined(f"{one[0]}:{one[-1]}" if len(one) > 1 else one[0] for one in ranges)
 
 
 def command(*words: str) -> list[str]:
@@ -144,22 +144,19 @@ def law_coefficients(
     resists
         True to give the resistance to rolling and twisting.
     """
-    words: list[str] = [contact.law]
-    for material in (first,) if second is None else (first, second):
+    words, both = [contact.law], [one for one in (first, second) if one is not None]
+    for material in both:
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
-        if contact.yields:
-            words.append("INF" if material.yield_strength is None else num(material.yield_strength))
+        strength = "INF" if material.yield_strength is None else num(material.yield_strength)
+        words += [strength] if contact.yields else []
     if contact.takes("variant"):
         words += ["variant", contact.variant]
-    for option in ("yield_factor", "beta", "constant", "exponent"):
-        if contact.takes(option):
-            words += [option, num(getattr(contact, option))]
-    hardening = [one.hardening or 0.0 for one in (first, second) if one is not None]
-    if contact.takes("hardening") and any(hardening):
-        words += ["hardening", *map(num, hardening)]
-    rates = [one.rate for one in (first, second) if one is not None]
-    if contact.takes("rate_sensitivity") and any(sensitivity for sensitivity, _ in rates):
-        words += ["rate", *(num(value) for rate in rates for value in rate)]
+    for option in filter(contact.takes, ("yield_factor", "beta", "constant", "exponent")):
+        words += [option, num(getattr(contact, option))]
+    if contact.takes("hardening") and any(one.hardening for one in both):
+        words += ["hardening", *(num(one.hardening or 0.0) for one in both)]
+    if contact.takes("rate_sensitivity") and any(one.rate[0] for one in both):
+        words += ["rate", *(num(value) for one in both for value in one.rate)]
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]
@@ -205,20 +202,17 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
     """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of the case."""
     case = assembly.case
     lines = []
-    kinds = list(enumerate(assembly.species, start=1))
-    for i, first in kinds:
-        for j, second in kinds[i - 1 :]:
-            contact, partner, loss = _ELASTIC, None if i == j else second.material, None
-            if first.role == "sphere":  # nodes of bars do not touch each other
-                own, flat = case.contact_between(first.material, second.material), second.role != "sphere"
-                contact = _elastic(own) if elastic else own
-                bodies, shapes = (first.material, second.material), (first.shape, second.shape)
-                loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
-            # the face of a bar has none
-            rough = second.role == "sphere" and not elastic
-            friction = contact.friction if rough else 0.0
-            words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
-            lines.append(f"pair_coeff      {i} {j} {words}")
+    for (i, first), (j, second) in combinations_with_replacement(enumerate(assembly.species, start=1), 2):
+        contact, partner, loss = _ELASTIC, None if i == j else second.material, None
+        if first.role == "sphere":  # nodes of bars do not touch each other
+            own, flat = case.contact_between(first.material, second.material), second.role != "sphere"
+            contact = _elastic(own) if elastic else own
+            bodies, shapes = (first.material, second.material), (first.shape, second.shape)
+            loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
+        rough = second.role == "sphere" and not elastic  # the face of a bar is not
+        friction = contact.friction if rough else 0.0
+        words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
+        lines.append(f"pair_coeff      {i} {j} {words}")
     return lines
 
 
@@ -242,11 +236,6 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     return [*back, f"fix             cylinders all gran/cylinder {joined(words)}{line}"]
 
 
-def dents() -> list[str]:
-    """Return the command that reads the initial dents."""
-    return ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
-
-
 def _elastic(contact: Contact) -> Contact:
     """Return Hertz's law, or the one given if it is a power of the overlap, which is elastic."""
     return contact if contact.entry.is_power else _ELASTIC
@@ -254,11 +243,8 @@ def _elastic(contact: Contact) -> Contact:
 
 def plane_names(assembly: Assembly) -> list[str]:
     """Return the names of the wall fixes, and of the fix that holds the last layer."""
-    names = []
-    for wall in walls(assembly):
-        names += ["held"] if wall.held_layer else [name for name, _, _ in wall.fixes]
-    names += [name for name, hold in assembly.case.holds.items() if hold.axes]
-    return names
+    held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
+    return [*held, *plane_fixes(assembly), *(name for name, hold in assembly.case.holds.items() if hold.axes)]
 
 
 def wall_commands(
@@ -285,22 +271,26 @@ def wall_commands(
         place = coordinate(case, wall)
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
+        line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
         for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
-            words = [law_coefficients(_elastic(contact), material, wall.material)]
-            line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
+            words = [law_coefficients(_elastic(contact), material, wall.material), *line]
             if not elastic:
                 friction = wall_friction(case, wall, material)
                 loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
-                words = [law_coefficients(contact, material, wall.material, friction, loss, resists=True)]
-                words += _support_arguments(assembly, wall, material)
-            words += line
+                law = law_coefficients(contact, material, wall.material, friction, loss, resists=True)
+                words = [law, *_support_arguments(assembly, wall, material), *line]
             lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
     if only is not None:
         return lines
     if lines:
         lines.insert(0, "# Walls: planes that touch the outermost spheres, or the last layer held in place.")
-    return lines + _hold_commands(case, prefix)
+    lines += ["# Grains that do not move."] if case.holds else []
+    for name, hold in case.holds.items():  # after all other forces on these
+        lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
+        zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
+        lines += [f"fix             {prefix}{name} {name} setforce {zeros}"] if hold.axes else []
+    return lines
 
 
 def coordinate(case: Case, wall: Wall) -> str:
@@ -316,42 +306,25 @@ def moved_wall(name: str) -> str:
     return f"wall_{name}"
 
 
-def _hold_commands(case: Case, prefix: str) -> list[str]:
-    """Return the commands that hold grains; they come after all other forces on these."""
-    lines = []
-    for name, hold in case.holds.items():
-        lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
-        if hold.axes:
-            zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
-            lines.append(f"fix             {prefix}{name} {name} setforce {zeros}")
-    return ["# Grains that do not move.", *lines] if lines else []
-
-
 def _groups(assembly: Assembly) -> list[str]:
     """Return the commands for groups of spheres by material, if walls need them."""
-    lines = []
+    lines, passing = [], assembly.passing
     planes = [wall for wall in walls(assembly) if not wall.held_layer]
-    selections = (touched_by(assembly, wall) for wall in planes)
+    selections = [touched_by(assembly, wall) for wall in planes]
     chosen = next((one for one in selections if one is not None), None)
     if chosen is not None:
         lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
-        planes = [wall for wall in planes if touched_by(assembly, wall) is None]
-    fixes = [(group, of) for wall in planes[-1:] for _, group, of in wall.fixes if group != "all"]
-    groups = [group for group, _ in fixes]
-    types = [
-        joined(str(n) for n, one in enumerate(assembly.species, 1) if one.role == "sphere" and one.material == of)
-        for _, of in fixes
-    ]
-    passing = assembly.passing
-    outside = [f"group           strikers id {passing[0]}:{passing[-1]}"] if groups and passing else []
-    if outside and len(passing) < len(assembly.strikers):
-        outside = [f"group           strikers id {id_ranges(passing)}"]
-    for number, (group, kinds) in enumerate(zip(groups, types, strict=True), start=1):
-        if outside:
-            lines.append(f"group           type{number} type {kinds}")
-            lines.append(f"group           {group} subtract type{number} strikers")
-        else:
-            lines.append(f"group           {group} type {kinds}")
+    others = [wall for wall, selected in zip(planes, selections, strict=True) if selected is None]
+    groups = [(group, of) for wall in others[-1:] for _, group, of in wall.fixes if group != "all"]
+    outside = []
+    if groups and passing:
+        every = len(passing) == len(assembly.strikers)
+        outside = [f"group           strikers id {f'{passing[0]}:{passing[-1]}' if every else id_ranges(passing)}"]
+    for number, (group, of) in enumerate(groups, start=1):
+        species = enumerate(assembly.species, start=1)
+        types = joined(n for n, one in species if one.role == "sphere" and one.material == of)
+        lines.append(f"group           {f'type{number}' if outside else group} type {types}")
+        lines += [f"group           {group} subtract type{number} strikers"] if outside else []
     return outside + lines
 
 
@@ -361,7 +334,7 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # until the run begins, see `motion`
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
-    if wall.support is None or material != materials_of_last_layer(assembly)[0]:
+    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
         return []
     behind = wall.support.backing(wall.material, footprint_radius(assembly))
     if wall.support.damper:

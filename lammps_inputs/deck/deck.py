@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -27,7 +26,6 @@ from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replac
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
-from granwave.lammps_inputs.packing.bodies import PlacedBar
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
@@ -47,93 +45,70 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column. Rows of
     equal spheres come from all processes; of unlike ones each would have to hold them all.
     """
+    lattice, bars, n = assembly.lattice, assembly.bars, assembly.lattice.n_spheres
+    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for (a, b), x in zip(box_of(assembly), "xyz", strict=True))
+    n_bonds = sum(bar.section.elements for bar in bars)
+    bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
+    writers = processes if assembly.plain else ALONE
+    batch = partial(_batch, assembly if writers is ALONE else assembly.case)
     with path.open("w", encoding="ascii", newline="\n") as file:
-        file.write(_header(assembly))
-        file.writelines(_sphere_rows(assembly, processes if assembly.plain else ALONE))
-        for bar in assembly.bars:
-            file.write("".join(_node_rows(assembly, bar)))
+        file.write(
+            f"granwave: {lattice.kind} packing, SI units, struck layer at z = 0\n\n"
+            f"{assembly.n_particles} atoms\n{len(assembly.species)} atom types\n{bonds}\n{box}\n"
+            f"{_BAR_TITLE if bars else _PLAIN_TITLE}\n\n"
+        )
+        file.writelines(writers.map(batch, range(1, n + 1, _BATCH)))
+        if assembly.strikers:
+            centres = np.array([centre for _, centre in assembly.strikers])
+            file.write(_rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres))
+        for bar in bars:
+            roles = (Species(bar.material, role, bar.name) for role in ("node", "face"))
+            node, face = (1 + assembly.species.index(one) for one in roles)
+            for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True):
+                file.write(f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n")
         if moving := own_velocities(assembly):
             file.write("\nVelocities # id, velocity, angular velocity\n\n")
             file.writelines(
                 f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n" for number in assembly.ids
             )
-        if assembly.bars:
-            file.write("\nBonds\n\n" + "".join(_bonds(assembly)))
-
-
-def _sphere_rows(assembly: Assembly, processes: Processes) -> Iterator[str]:
-    """Iterate over the rows of the grains in batches, then of the strikers."""
-    n = assembly.lattice.n_spheres
-    yield from processes.map(
-        partial(_batch, assembly if processes is ALONE else assembly.case), range(1, n + 1, _BATCH)
-    )
-    if assembly.strikers:
-        centres = np.array([centre for _, centre in assembly.strikers])
-        yield _rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres)
+        if bars:
+            file.write("\nBonds\n\n")
+            joints = [(kind, a) for kind, bar in enumerate(bars, start=1) for a in range(bar.first, bar.last)]
+            file.writelines(f"{number} {kind} {a} {a + 1}\n" for number, (kind, a) in enumerate(joints, start=1))
 
 
 def _batch(case: Case | Assembly, first: int) -> str:
     assembly = assemble(case)
     last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
     here = np.flatnonzero(assembly.sites.present[first - 1 : last])
-    return _rows(assembly, here + first, assembly.lattice_positions(first, last)[here])
+    return _rows(assembly, here + first, assembly.sites.positions(first, last)[here])
 
 
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
-    bodies = list(zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True))
-    forms = {one: _row(assembly, *one) for one in dict.fromkeys(bodies)}
-    lines = zip(ids.tolist(), *centres.T.tolist(), strict=True)
-    return "".join([forms[body] % line for body, line in zip(bodies, lines, strict=True)])
-
-
-def _row(assembly: Assembly, body: int, diameter: float) -> str:
-    """Return the format of a grain's row, to be filled with id, x, y and z.
+    """Return the rows of grains with these ids and centres (n, 3), m.
 
     LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
     """
-    species = assembly.species[body]
-    constants = f"{diameter:.17g} {density_as_sphere(species.material.density, diameter, species.shape):.17g}"
-    words = ("%.17g %.17g %.17g", constants, "0") if assembly.bars else (constants, "%.17g %.17g %.17g")
-    return f"%d {body + 1} {joined(words)}\n"
-
-
-def _node_rows(assembly: Assembly, bar: PlacedBar) -> list[str]:
-    node, face = (1 + assembly.species.index(Species(bar.material, role, bar.name)) for role in ("node", "face"))
-    return [
-        f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
-        for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True)
-    ]
-
-
-def _bonds(assembly: Assembly) -> list[str]:
-    rows: list[str] = []
-    for kind, bar in enumerate(assembly.bars, start=1):
-        rows += [f"{len(rows) + n} {kind} {a} {a + 1}\n" for n, a in enumerate(range(bar.first, bar.last), start=1)]
-    return rows
+    bodies = list(zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True))
+    forms = {}
+    for body, diameter in dict.fromkeys(bodies):
+        material, shape = assembly.species[body].material, assembly.species[body].shape
+        constants = f"{diameter:.17g} {density_as_sphere(material.density, diameter, shape):.17g}"
+        words = ("%.17g %.17g %.17g", constants, "0") if assembly.bars else (constants, "%.17g %.17g %.17g")
+        forms[body, diameter] = f"%d {body + 1} {joined(words)}\n"
+    lines = zip(ids.tolist(), *centres.T.tolist(), strict=True)
+    return "".join([forms[body] % line for body, line in zip(bodies, lines, strict=True)])
 
 
 def box_of(assembly: Assembly) -> NDArray[np.float64]:
     """Return the lowest and highest x, y, z of the box: (3, 2), m."""
     lattice = assembly.lattice
-    low, high = assembly.bounds()
-    low, high = low - lattice.diameter / 2, high + lattice.diameter / 2
+    low, high = assembly.bounds() + np.array([[-0.5], [0.5]]) * lattice.diameter
     if lattice.periodic:
         lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
         low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
         high[:2] = low[:2] + np.array(lattice.lengths)
     return np.stack([low, high], axis=1)
-
-
-def _header(assembly: Assembly) -> str:
-    lattice, bars = assembly.lattice, assembly.bars
-    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for (a, b), x in zip(box_of(assembly), "xyz", strict=True))
-    n_bonds = sum(bar.section.elements for bar in bars)
-    bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
-    return (
-        f"granwave: {lattice.kind} packing, SI units, struck layer at z = 0\n\n"
-        f"{assembly.n_particles} atoms\n{len(assembly.species)} atom types\n{bonds}\n{box}\n"
-        f"{_BAR_TITLE if bars else _PLAIN_TITLE}\n\n"
-    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -213,13 +188,18 @@ def write_deck(
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
+    texts = {deck.script: input_script(assembly, deck.schedule), deck.directory / run_directory.CASE_FILE: text}
+    texts |= {directory / name: table for name, table in tables.items()}
     try:
-        _write(
-            assembly,
-            directory,
-            {run_directory.SCRIPT_FILE: input_script(assembly, deck.schedule), run_directory.CASE_FILE: text, **tables},
-            processes,
-        )
+        with contextlib.ExitStack() as stack:  # left in reverse order: the script is moved into place last
+            paths = dict.fromkeys((deck.script, deck.data, *texts))
+            scratch = {path: stack.enter_context(replacing(path)) for path in paths}
+            for path, unfinished in scratch.items():
+                with naming(path):
+                    if path == deck.data:
+                        write_data(assembly, unfinished, processes)
+                    else:
+                        unfinished.write_text(texts[path], encoding="utf-8")
         note_deck(directory, [run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
         if before is None:
@@ -230,34 +210,16 @@ def write_deck(
     return deck
 
 
-def _write(assembly: Assembly, directory: Path, texts: dict[str, str], processes: Processes) -> None:
-    """Write the data file and texts, given by file name; the first one is moved into place last."""
-    with contextlib.ExitStack() as stack:  # contexts are left in reverse order
-        names = dict.fromkeys((next(iter(texts)), run_directory.DATA_FILE, *texts))
-        scratch = {name: stack.enter_context(replacing(directory / name)) for name in names}
-        for name, path in scratch.items():
-            with naming(directory / name):
-                if name == run_directory.DATA_FILE:
-                    write_data(assembly, path, processes)
-                else:
-                    path.write_text(texts[name], encoding="utf-8")
-
-
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files of a deck, and of those that LAMMPS will write."""
     case = assembly.case
-    tables = [run_directory.DEAD_LOAD_FILE.format(axis) for axis in directions(assembly)] if case.precompression else []
-    tables += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
-    tables += [run_directory.LOAD_FILE] if case.load.table else []
+    names = [run_directory.CASE_FILE, run_directory.DATA_FILE, run_directory.SCRIPT_FILE]
+    axes = directions(assembly) if case.precompression else ""
+    names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
+    names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
+    names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
-    return [
-        run_directory.CASE_FILE,
-        run_directory.DATA_FILE,
-        run_directory.SCRIPT_FILE,
-        *tables,
-        run_directory.LOG_FILE,
-        *dumps,
-    ]
+    return [*names, run_directory.LOG_FILE, *dumps]
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:

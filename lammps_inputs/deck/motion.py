@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.load import Load
-from granwave.lammps_inputs.contact.cohesion import energy_at_start
+from granwave.lammps_inputs.contact.law import energy_at_start
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
-from granwave.lammps_inputs.deck.columns import ADAPTIVE, LEDGER, recorded, sources
+from granwave.lammps_inputs.deck import columns as table
+from granwave.lammps_inputs.deck.columns import recorded, sources
 from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_series
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR, PlacedBar
+from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.walls import PLATE, moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -69,43 +69,39 @@ def _integration(assembly: Assembly) -> list[str]:
     case = assembly.case
     lines, still, turning = [], _prescribed(assembly), case.has_rotation
     upright = [name for name, hold in case.holds.items() if turning and hold.rotation and hold.axes != "xyz"]
-    bars = [bar.name for bar in assembly.bars] if turning else []
+    apart = [bar.name for bar in assembly.bars] if turning else []
     if upright:
         lines.append(f"group           upright union {joined(upright)}")
-        if still:
-            lines.append(f"group           upright subtract upright {joined(still)}")
-        upright = ["upright"]
-    if bars or still or upright:
-        lines.append(f"group           mobile subtract all {joined([*still, *bars, *upright])}")
-    group, style = "mobile" if bars or still or upright else "all", "nve/sphere" if turning else "gran/nve"
+        lines += [f"group           upright subtract upright {joined(still)}"] if still else []
+        apart.append("upright")
+    group, style = "mobile" if still or apart else "all", "nve/sphere" if turning else "gran/nve"
+    lines += [f"group           mobile subtract all {joined([*still, *apart])}"] if still or apart else []
     lines.append(f"fix             motion {group} {style}")
-    return [*lines, *(f"fix             motion_{name} {name} nve" for name in [*bars, *upright])]
+    return [*lines, *(f"fix             motion_{name} {name} nve" for name in apart)]
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
     """Return the groups of spheres whose motion is prescribed: those held in place, and those that are moved."""
     case = assembly.case
-    held = any(wall.held_layer for wall in walls(assembly))
-    moved = case.load.kind == "displacement"
-    fixed = {name: hold.axes == "xyz" and (hold.rotation or not case.has_rotation)
-             for name, hold in case.holds.items()}  # fmt: skip
-    return [*(["held"] if held else []), *(["hit"] if moved else []), *(name for name, still in fixed.items() if still)]
+    held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
+    moved = ["hit"] if case.load.kind == "displacement" else []
+    fixed = [name for name, one in case.holds.items() if one.axes == "xyz" and (one.rotation or not case.has_rotation)]
+    return [*held, *moved, *fixed]
 
 
 def _absorbing(assembly: Assembly) -> list[str]:
     """Return the commands of spheres that absorb waves."""
-    lines = []
+    lines = ["# Spheres that absorb waves."] if assembly.case.absorb else []
     for number, entry in enumerate(assembly.case.absorb, start=1):
-        name = f"absorb{number}"
-        lines.append(f"group           {name} id {id_ranges(absorbing_ids(assembly, entry))}")
+        lines.append(f"group           absorb{number} id {id_ranges(absorbing_ids(assembly, entry))}")
+        rise = rise_of(assembly, entry)
+        words = [entry.towards[1], *map(num, rise)] if rise is not None else []
         if entry.rate is None:
             words = ["impedance", num(impedance_of(assembly, entry)), "z"]
         else:
-            rise = rise_of(assembly, entry)
-            words = ["rate", num(entry.rate)]
-            words += [entry.towards[1], *map(num, rise)] if rise is not None else []
-        lines.append(f"fix             {name} {name} gran/absorb {joined(words)}")
-    return ["# Spheres that absorb waves.", *lines] if lines else []
+            words = ["rate", num(entry.rate), *words]
+        lines.append(f"fix             absorb{number} absorb{number} gran/absorb {joined(words)}")
+    return lines
 
 
 def _holder(assembly: Assembly) -> list[str]:
@@ -124,14 +120,10 @@ def _holder(assembly: Assembly) -> list[str]:
 
 def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     """Return the commands for initial velocities and spins, and their kinetic energy."""
-    case = assembly.case
-    lines: list[str] = []
-    terms: list[str] = []
-    n = assembly.lattice.n_spheres
+    case, lines, terms = assembly.case, list[str](), list[str]()
     struck = struck_of(assembly) if case.load.kind == "impact" else ()
-    moving = [("hit", list(struck), case.load.initial_velocity, case.load.spin)] if struck else []
-    own = own_velocities(assembly)  # in the data file
-    if own:
+    moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
+    if own := own_velocities(assembly):  # in the data file
         terms.append(num(sum(assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2 for one, velocity in own.items())))
     if case.load.plate is not None:
         mass, speed = case.load.plate
@@ -140,8 +132,9 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
             lines.append(f"fix_modify      {PLATE} velocity {num(speed)}")
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
-            lines.append(f"group           striker{number} id {n + number}")
-            moving.append((f"striker{number}", [n + number], striker.velocity, striker.spin))
+            one = assembly.lattice.n_spheres + number
+            lines.append(f"group           striker{number} id {one}")
+            moving.append((f"striker{number}", (one,), striker.velocity, striker.spin))
     for group, spheres, velocity, spin in moving:
         if not resumed:
             lines.append(f"velocity        {group} set {_components(velocity)} units box")
@@ -150,12 +143,10 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
         if any(spin):
             if not resumed:
                 lines.append(f"set             group {group} omega {_components(spin)}")
-            inertia = sum(
-                assembly.mass_of(one)
-                * (assembly.diameter_of(one) / 2) ** 2
-                * (_OF_CYLINDER if assembly.shape_of(one) else 1.0)
-                for one in spheres
-            )
+            inertia = 0.0
+            for one in spheres:
+                part = _OF_CYLINDER if assembly.shape_of(one) else 1.0
+                inertia += assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 * part
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
     return [*lines, f"variable        given equal {given}"]
@@ -171,20 +162,14 @@ def _square(vector: tuple[float, float, float]) -> str:
 
 def _drive(assembly: Assembly) -> list[str]:
     """Return the commands for a force or displacement on the struck spheres or the end of the incident bar."""
-    case = assembly.case
-    load, group, lines = case.load, "hit", []
-    for bar in assembly.bars:
-        if bar.name == INCIDENT_BAR:
-            group = "driven"
-            lines.append(f"group           driven id {bar.far}")
-    words = joined(num(value) for value in load.numbers) or LOAD_FILE
-    return [*lines, f"fix             load {group} gran/load {_direction(load)} {load.kind} {load.shape} {words}"]
-
-
-def _direction(load: Load) -> str:
-    """Return the direction of a load as fix gran/load takes it."""
+    load, driven = assembly.case.load, [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]
     axes = [axis for axis, part in zip("xyz", load.way, strict=True) if part]
-    return axes[0] if len(axes) == 1 and sum(load.way) > 0 else f"vector {joined(map(num, load.direction or load.way))}"
+    way = axes[0] if len(axes) == 1 and sum(load.way) > 0 else f"vector {joined(map(num, load.direction or load.way))}"
+    words = joined(num(value) for value in load.numbers) or LOAD_FILE
+    return [
+        *(f"group           driven id {far}" for far in driven),
+        f"fix             load {'driven' if driven else 'hit'} gran/load {way} {load.kind} {load.shape} {words}",
+    ]
 
 
 def _along(case: Case, group: str) -> str:
@@ -196,15 +181,27 @@ def _along(case: Case, group: str) -> str:
 
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
 STATIC = "v_static"  # elastic and potential energy at the start of the run
+#: Parts of the energies: condition, name, number in the compute, and in the fix of a wall; a variable within another
+#: has 15 digits, which is enough for those of friction.
+_PARTS = (
+    (table.FRICTION, "elastic_tangential", 6, 8),
+    (table.FRICTION, "friction", 7, 9),
+    (table.RESISTANCE, "elastic_rolling", 9, 17),
+    (table.RESISTANCE, "rolling", 10, 18),
+    (table.RESISTANCE, "elastic_twisting", 11, 19),
+    (table.RESISTANCE, "twisting", 12, 20),
+    (table.COHESION, "adhesion", 13, 21),
+    (table.LOSS, "viscous", 8, 16),
+)
 
 
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands of the energy ledger, which also counts yielded contacts."""
     case, planes, bars = assembly.case, plane_fixes(assembly), [bar.name for bar in assembly.bars]
-    conditions = [*recorded(case), *([ADAPTIVE] if schedule.adaptive else [])]
-    columns = sources(LEDGER) | {name: f"v_energy_{name}" for name in bars}
-    columns |= sources(LEDGER, *conditions, of=moving_fix(assembly) or "")
-    lines, moving = [], ["c_kinetic"]
+    conditions = [*recorded(case), *([table.ADAPTIVE] if schedule.adaptive else [])]
+    columns = sources(table.LEDGER) | {name: f"v_energy_{name}" for name in bars}
+    columns |= sources(table.LEDGER, *conditions, of=moving_fix(assembly) or "")
+    lines, of_bars, moving = [], list[str](), ["c_kinetic"]
 
     def on_walls(*numbers: int) -> list[str]:
         return [f"f_{name}[{number}]" for number in numbers for name in planes]
@@ -212,8 +209,6 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     def at_bars(*numbers: int) -> list[str]:  # their contacts belong to the pair style
         return [f"c_on_{name}[{number}]" for number in numbers for name in bars]
 
-    stored, lost = [4], [5]
-    elastic, dissipated = ["c_contact", *on_walls(4)], ["c_contact[1]", *on_walls(5)]
     if case.has_rotation:
         lines.append("compute         rotational all erotate/sphere")
         if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
@@ -225,46 +220,39 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     if case.moves_otherwise:
         columns["kinetic"] = "v_motion"
         lines.append(f"variable        motion equal {_sum(moving)}")
-    if case.has_friction:
-        lines.append(f"variable        elastic_tangential equal {_sum(['c_contact[6]', *on_walls(8)])}")
-        lines.append(f"variable        friction equal {_sum(['c_contact[7]', *on_walls(9)])}")
-        stored, lost = [*stored, 8], [*lost, 9]
-        elastic.append("v_elastic_tangential")
-        dissipated.append("v_friction")
-    if case.has_resistance:
-        for number, name in enumerate(("elastic_rolling", "rolling", "elastic_twisting", "twisting")):
-            terms = [f"c_contact[{9 + number}]", *on_walls(17 + number)]
+    stored, lost = [4], [5]
+    elastic, dissipated = ["c_contact", *on_walls(4)], ["c_contact[1]", *on_walls(5)]
+    for when, name, number, of_wall in _PARTS:
+        if when in conditions:
+            terms, is_stored = [f"c_contact[{number}]", *on_walls(of_wall)], name.startswith("elastic")
             lines.append(f"variable        {name} equal {_sum(terms)}")
-            (elastic if number % 2 == 0 else dissipated).extend(terms)
-        stored, lost = [*stored, 17, 19], [*lost, 18, 20]
-    if case.has_cohesion:
-        adhesion = ["c_contact[13]", *on_walls(21)]
-        lines.append(f"variable        adhesion equal {_sum(adhesion)}")
-        lost = [*lost, 21]
-        dissipated += adhesion
-    if case.has_loss:
-        viscous = ["c_contact[8]", *on_walls(16)]  # a variable within another has 15 digits
-        lines.append(f"variable        viscous equal {_sum(viscous)}")
-        lost = [*lost, 16]
-        dissipated += viscous
+            (stored if is_stored else lost).append(of_wall)
+            (elastic if is_stored else dissipated).extend([f"v_{name}"] if when == table.FRICTION else terms)
     if case.absorb:
         lines.append(f"variable        absorbed equal {_sum([f'f_absorb{n}' for n, _ in enumerate(case.absorb, 1)])}")
     dissipated += [columns[name] for name in ("holder", "absorbed", "support_lost") if name in columns]
     elastic += [columns["support"]] if "support" in columns else []
     if schedule.adaptive:
-        timestep = [column.name for column in LEDGER if column.when == ADAPTIVE]
+        timestep = [column.name for column in table.LEDGER if column.when == table.ADAPTIVE]
         lines += [f"variable        {name} equal f_step[{n}]" for n, name in enumerate(timestep, start=1)]
     elastic += [f"c_elastic_{name}" for name in bars]
-    if case.precompression:
-        elastic += [POTENTIAL, f"-{STATIC}"]
+    elastic += [POTENTIAL, f"-{STATIC}"] if case.precompression else []
     if at_start := energy_at_start(assembly):
         elastic.append(num(-at_start))
+    for bar in assembly.bars:  # kinetic and elastic energy, and contact with the chain
+        of_bars += [
+            f"compute         on_{bar.name} all gran/hysteretic/contact {bar.touches} {bar.face}",
+            f"compute         bonds_{bar.name} {bar.name} bond/local engpot",
+            f"compute         elastic_{bar.name} {bar.name} reduce sum c_bonds_{bar.name} inputs local",
+            f"compute         kinetic_{bar.name} {bar.name} ke",
+            f"variable        energy_{bar.name} equal c_kinetic_{bar.name}+c_elastic_{bar.name}",
+        ]
     return [
         "# Energies, J. Their sum must stay equal to the input.",
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         f"variable        time equal step*{num(schedule.timestep) if schedule.adaptive else 'dt'}",
-        *(line for bar in assembly.bars for line in _bar_energy(bar)),
+        *of_bars,
         *lines,
         f"variable        elastic_wall equal {_sum(on_walls(*stored) + at_bars(4))}",
         f"variable        dissipated_wall equal {_sum(on_walls(*lost) + at_bars(5, *([8] if case.has_loss else [])))}",
@@ -277,18 +265,6 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
 
 def _sum(terms: list[str]) -> str:
     return "+".join(terms).replace("+-", "-") or "0.0"
-
-
-def _bar_energy(bar: PlacedBar) -> list[str]:
-    """Return the commands for the energy of a bar, kinetic and elastic, and for its contact with the chain."""
-    name = bar.name
-    return [
-        f"compute         on_{name} all gran/hysteretic/contact {bar.touches} {bar.face}",
-        f"compute         bonds_{name} {name} bond/local engpot",
-        f"compute         elastic_{name} {name} reduce sum c_bonds_{name} inputs local",
-        f"compute         kinetic_{name} {name} ke",
-        f"variable        energy_{name} equal c_kinetic_{name}+c_elastic_{name}",
-    ]
 
 
 def thermo(case: Case, schedule: Schedule) -> list[str]:

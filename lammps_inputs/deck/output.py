@@ -5,23 +5,14 @@ The forces after the static stage are written once, by the start of a run; a run
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Sequence
+
 from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.columns import (
-    CONTACTS,
-    FORCES,
-    FORCES_AT_FRAMES,
-    FORCES_OF_ALL,
-    HISTORY,
-    LINES,
-    MOVING_WALL,
-    SNAPSHOT,
-    WALL_CONTACTS,
-    WALL_FORCES,
-    names,
-    recorded,
-    sources,
-)
+from granwave.lammps_inputs.deck import columns as table
+from granwave.lammps_inputs.deck.columns import names, recorded, sources
 from granwave.lammps_inputs.deck.commands import command, dump, id_ranges, joined, time_series, write_dump
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
@@ -37,20 +28,14 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
     if support := moving_fix(assembly):
-        columns |= {f"bottom_{name}": source for name, source in sources(MOVING_WALL, of=support).items()}
+        columns |= {f"bottom_{name}": source for name, source in sources(table.MOVING_WALL, of=support).items()}
     if case.load.plate is not None:
-        columns |= {f"{PLATE}_{name}": source for name, source in sources(MOVING_WALL, of=PLATE).items()}
+        columns |= {f"{PLATE}_{name}": source for name, source in sources(table.MOVING_WALL, of=PLATE).items()}
+    columns, file = {"time": "v_time"} | columns, run_directory.WALLS_FILE
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {outward_force(wall)}" for wall in found),
-        *time_series(
-            "walls",
-            schedule.wall_every,
-            run_directory.WALLS_FILE,
-            "wall forces, N",
-            {"time": "v_time"} | columns,
-            resumed,
-        ),
+        *time_series("walls", schedule.wall_every, file, "wall forces, N", columns, resumed),
     ]
 
 
@@ -75,13 +60,10 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
             label = "contact_{}_{}".format(*probe.contact)
             columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
             continue
-        axes = list(enumerate("xyz", start=1))
-        moved = {f"u{axis}": f"C_probed[{probe.sphere}][{number}]" for number, axis in axes}
-        for quantity, source in (
-            moved | {f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for _, axis in axes}
-        ).items():
-            lines.append(f"variable        probe{n}{quantity} equal {source}")
-            columns[f"sphere_{probe.sphere}_{quantity}"] = f"v_probe{n}{quantity}"
+        values = {f"u{axis}": f"C_probed[{probe.sphere}][{number}]" for number, axis in enumerate("xyz", start=1)}
+        values |= {f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for axis in "xyz"}
+        lines += [f"variable        probe{n}{quantity} equal {source}" for quantity, source in values.items()]
+        columns |= {f"sphere_{probe.sphere}_{quantity}": f"v_probe{n}{quantity}" for quantity in values}
     return lines + time_series(
         "probes", schedule.probe_every, run_directory.PROBES_FILE, "probes, SI units", columns, resumed
     )
@@ -102,13 +84,13 @@ _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> list[str]:
     """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed run."""
-    case, every = assembly.case, schedule.frame_every
-    chosen: list[str] = []
-    columns = sources(SNAPSHOT, *recorded(case))
+    case, every, resumed = assembly.case, schedule.frame_every, bool(restart_from)
+    chosen, forces = list[str](), list[str]()
+    columns = sources(table.SNAPSHOT, *recorded(case))
     if case.output.contact_forces:
-        force = names(WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
+        force = names(table.WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
         columns |= {f"wall_{fix}": f"f_{fix}[{force}]" for fix in plane_fixes(assembly)}
-    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(SNAPSHOT)))
+    form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(table.SNAPSHOT)))
     if not every:
         every = schedule.n_steps
         chosen = [
@@ -116,12 +98,11 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
             *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
             "dump_modify     frames every v_frame",
         ]
-    forces = []
     if case.output.contact_forces:
-        at_frames = sources(FORCES_AT_FRAMES, FORCES_OF_ALL)
+        at_frames = sources(table.FORCES_AT_FRAMES, table.FORCES_OF_ALL)
         forces = [
             "# The forces of all contacts at every snapshot.",
-            *dump("contact_forces", "local", every, run_directory.FRAME_FORCES_FILE, at_frames, bool(restart_from),
+            *dump("contact_forces", "local", every, run_directory.FRAME_FORCES_FILE, at_frames, resumed,
                   form=joined(["%.17g"] * len(at_frames))),
             *(["dump_modify     contact_forces every v_frame"] if chosen else []),
         ]  # fmt: skip
@@ -130,7 +111,7 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
         *([] if case.precompression else displacements(case)[:1]),
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
-        *dump("frames", "custom", every, frames_file(assembly, restart_from), columns, bool(restart_from),
+        *dump("frames", "custom", every, frames_file(assembly, restart_from), columns, resumed,
               form=form if case.output.dump_format == "text" else "", one_line=True),
         *chosen,
         *forces,
@@ -146,8 +127,7 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
-        prefix, suffix = run_directory.CHECKPOINT_FILE.split("{}")
-        step = restart_from.removeprefix(prefix).removesuffix(suffix).removesuffix(f".{run_directory.RANK}")
+        step = re.findall(r"\d+", restart_from)[0]  # of the name of a checkpoint
         name = run_directory.FRAMES_RESUMED[form].format(step)
     return of_each_rank(name) if parts else name
 
@@ -157,15 +137,12 @@ def _next_frame(steps: tuple[int, ...]) -> str:
 
     It depends on the present step only, so that it also holds in a resumed run.
     """
-    later = [*steps[1:], 2 * steps[-1]]
-    terms = [f"(step>={a})*{b - a}" for a, b in zip(steps, later, strict=True)]
-    lines, line = [], str(steps[0])
-    for term in terms:
-        if len(line) + len(term) > 90:
-            lines.append(line)
-            line = ""
-        line += "+" + term
-    return " &\n                ".join([*lines, line])
+    lines = [str(steps[0])]
+    for here, there in itertools.pairwise((*steps, 2 * steps[-1])):
+        term = f"(step>={here})*{there - here}"
+        lines += [""] if len(lines[-1]) + len(term) > 90 else []
+        lines[-1] += f"+{term}"
+    return " &\n                ".join(lines)
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -175,8 +152,8 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     every, moved, forces = schedule.history_every, run_directory.HISTORY_FILE, run_directory.FORCES_FILE
     return [
         "# The chain in time.",
-        *dump("history", "custom", every, moved, sources(HISTORY), resumed, form="%d %.17g %.17g"),
-        *dump("forces", "local", every, forces, sources(FORCES), resumed, form="%.9g %.9g %.17g"),
+        *dump("history", "custom", every, moved, sources(table.HISTORY), resumed, form="%d %.17g %.17g"),
+        *dump("forces", "local", every, forces, sources(table.FORCES), resumed, form="%.9g %.9g %.17g"),
     ]
 
 
@@ -185,7 +162,7 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
     case = assembly.case
     if not case.line:
         return []
-    columns = sources(LINES, *recorded(case))
+    columns = sources(table.LINES, *recorded(case))
     return [
         "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
         "compute         sums all gran/hysteretic/sums",
@@ -211,11 +188,11 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
         "run             0 post no",
         "",
         "# Every contact there was, and every sphere that touched a wall.",
-        *write_dump("local", contacts_file(assembly), sources(CONTACTS, *recorded(case))),
-        *([count_written(run_directory.COUNT_FILE)] if parts else []),
+        *write_dump("local", contacts_file(assembly), sources(table.CONTACTS, *recorded(case))),
+        *([_COUNT.format(run_directory.COUNT_FILE)] if parts else []),
     ]
     for fix in plane_fixes(assembly):
-        columns = sources(WALL_CONTACTS, *recorded(case), of=fix)
+        columns = sources(table.WALL_CONTACTS, *recorded(case), of=fix)
         lines += write_dump("custom", run_directory.WALL_CONTACTS_FILE.format(fix), columns, columns["peak_overlap"])
     return lines
 
@@ -225,7 +202,7 @@ def count_commands() -> list[str]:
 
     It is written to a file, as the dumps of all ranks but the first have no header that tells if they were cut.
     """
-    column = names(CONTACTS).index("i") + 1
+    column = names(table.CONTACTS).index("i") + 1
     return [
         f"compute         all_contacts all reduce sum c_contacts[{column}] inputs local",
         f"compute         mean_contact all reduce ave c_contacts[{column}] inputs local",
@@ -233,55 +210,38 @@ def count_commands() -> list[str]:
     ]
 
 
-def count_written(file: str) -> str:
-    """Return the command that writes the number of contacts to a file."""
-    return f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{file}'
-
-
-_COMPUTES = ("mean_contact", "all_contacts")  # of the number of contacts
-
-
-def contacts_of_stage(assembly: Assembly) -> list[str]:
-    """Return the compute of contacts, before the last step of the stage; `initial_forces` takes it back."""
-    return [
-        "compute         contacts all gran/hysteretic/local",
-        *(count_commands() if written_in_parts(assembly) else []),
-    ]
+_COUNT = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{{}}'  # the number of contacts, to a file
 
 
 def initial_forces(assembly: Assembly) -> list[str]:
     """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
     parts, file = written_in_parts(assembly), contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
-    lines = ["# The forces of all contacts under the static load.", *write_dump("local", file, sources(FORCES))]
-    lines += [count_written(run_directory.INITIAL_COUNT_FILE)] if parts else []
+    lines = ["# The forces of all contacts under the static load.", *write_dump("local", file, sources(table.FORCES))]
+    lines += [_COUNT.format(run_directory.INITIAL_COUNT_FILE)] if parts else []
     for fix in plane_fixes(assembly):
-        columns = sources(WALL_FORCES, of=fix)
+        columns = sources(table.WALL_FORCES, of=fix)
         lines += write_dump("custom", run_directory.INITIAL_WALL_FORCES_FILE.format(fix), columns, columns["force"])
-    return [*lines, *(f"uncompute       {name}" for name in (*(_COMPUTES if parts else ()), "contacts"))]
+    computes = ["mean_contact", "all_contacts", "contacts"] if parts else ["contacts"]
+    return [*lines, *(f"uncompute       {name}" for name in computes)]
 
 
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files that LAMMPS writes to dumps/."""
-    case = assembly.case
-    planes = plane_fixes(assembly)
-    files = [
-        run_directory.ENERGY_FILE,
-        frames_file(assembly),
-        contacts_file(assembly),
-        *(run_directory.WALL_CONTACTS_FILE.format(fix) for fix in planes),
+    case, stage = assembly.case, assembly.case.precompression
+    planes, parts = plane_fixes(assembly), written_in_parts(assembly)
+    initial = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
+    wanted: list[tuple[object, Sequence[str]]] = [
+        (True, [run_directory.ENERGY_FILE, frames_file(assembly), contacts_file(assembly)]),
+        (True, [run_directory.WALL_CONTACTS_FILE.format(fix) for fix in planes]),
+        (parts, [run_directory.COUNT_FILE]),
+        (walls(assembly) or assembly.bars, [run_directory.WALLS_FILE]),
+        (case.probes, [run_directory.PROBES_FILE]),
+        (schedule.history_every, [run_directory.HISTORY_FILE, run_directory.FORCES_FILE]),
+        (case.output.contact_forces, [run_directory.FRAME_FORCES_FILE]),
+        (case.line, [run_directory.LINES_FILE]),
+        (stage and stage.presses, [run_directory.MOVED_WALLS_FILE]),
+        (stage, [initial, *(run_directory.INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes)]),
+        (stage and parts, [run_directory.INITIAL_COUNT_FILE]),
+        (stage, [run_directory.STATIC_STAGE_FILE, run_directory.STATIC_FILE]),
     ]
-    files += [run_directory.COUNT_FILE] if written_in_parts(assembly) else []
-    files += [run_directory.WALLS_FILE] if wall_forces(assembly, schedule) else []
-    files += [run_directory.PROBES_FILE] if case.probes else []
-    files += [run_directory.HISTORY_FILE, run_directory.FORCES_FILE] if schedule.history_every else []
-    files += [run_directory.FRAME_FORCES_FILE] if case.output.contact_forces else []
-    files += [run_directory.LINES_FILE] if case.line else []
-    if case.precompression is None:
-        return files
-    files += [run_directory.MOVED_WALLS_FILE] if case.precompression.presses else []
-    files += [
-        contacts_file(assembly, run_directory.INITIAL_FORCES_FILE),
-        *(run_directory.INITIAL_WALL_FORCES_FILE.format(fix) for fix in planes),
-    ]
-    files += [run_directory.INITIAL_COUNT_FILE] if written_in_parts(assembly) else []
-    return [*files, run_directory.STATIC_STAGE_FILE, run_directory.STATIC_FILE]
+    return [name for there, names in wanted if there for name in names]

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, dents, num, wall_commands
+from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, num, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
 from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, lines, probes, wall_forces
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
@@ -18,7 +18,15 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, MOVED_WALLS_FILE, SCRIPT_FILE, STATIC_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    DENTS_FILE,
+    DUMPS,
+    MOVED_WALLS_FILE,
+    SCRIPT_FILE,
+    STATIC_FILE,
+)
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
@@ -43,6 +51,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     static = case.precompression is not None
     moved = ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
     reference = ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
+    dents = ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
     parts = [
         _head(assembly),
         _system(assembly, restart_from),
@@ -53,7 +62,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         moved if resumed and case.precompression and case.precompression.presses else [],
         wall_commands(assembly),
         cylinder_commands(assembly, again=True),
-        dents() if case.contact.initial_overlap and not resumed else [],
+        dents if case.contact.initial_overlap and not resumed else [],
         [*([] if resumed else second_half(assembly)), *reference] if static else [],
         motion(assembly, schedule, resumed=resumed),
         ledger(assembly, schedule, resumed=resumed),
@@ -99,9 +108,17 @@ def _head(assembly: Assembly) -> list[str]:
 
 
 def _system(assembly: Assembly, restart_from: str) -> list[str]:
-    sides = "p p" if assembly.lattice.periodic else "m m"
-    bars = assembly.bars
+    sides, bars = "p p" if assembly.lattice.periodic else "m m", assembly.bars
     touch = "cohere, at rest" if assembly.case.has_cohesion else "just touch"
+    lines = []
+    if bars:
+        diameter = assembly.case.packing.diameter
+        reach = 2 * max([diameter, assembly.sites.largest, *(bar.pitch for bar in bars)]) + _SKIN * diameter
+        lines.append("# Elastic bars: lumped masses, joined by springs E A / (length of an element).")
+        for kind, bar in enumerate(bars, start=1):
+            lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
+            lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
+        lines.append(f"comm_modify     cutoff {num(reach)}")  # of ghosts
     return [
         f"# The packing: spheres that {touch}. Both processors that share a pair compute it (newton off).",
         "units           si",
@@ -111,22 +128,8 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
         f"read_restart    {restart_from}" if restart_from else READ_DATA,
-        *_bars(assembly),
+        *lines,
     ]
-
-
-def _bars(assembly: Assembly) -> list[str]:
-    """Return the groups and bond coefficients of elastic bars: linear elements between lumped masses."""
-    case = assembly.case
-    lines, bars = [], assembly.bars
-    largest = max(case.packing.diameter, float(assembly.sites.diameter[assembly.sites.present].max()))
-    reach = 2 * max([largest, *(bar.pitch for bar in bars)]) + _SKIN * case.packing.diameter  # ghost cutoff
-    for kind, bar in enumerate(bars, start=1):
-        lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
-        lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
-    if lines:
-        lines.append(f"comm_modify     cutoff {num(reach)}")
-    return ["# Elastic bars: lumped masses, joined by springs E A / (length of an element).", *lines] if lines else []
 
 
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
@@ -134,19 +137,15 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
     skin = _SKIN * case.packing.diameter
     checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.largest_timestep))
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
-    kinds = assembly.species
-    nodes = [n for n, species in enumerate(kinds, start=1) if species.role == "node"]
-    apart = {tuple(sorted((node, other))) for node in nodes for other in range(1, len(kinds) + 1)}
+    by_velocity = case.has_rotation or case.has_loss or case.has_cohesion or assembly.has_rate
+    nodes = [n for n, species in enumerate(assembly.species, start=1) if species.role == "node"]
+    apart = {tuple(sorted((node, other))) for node in nodes for other in range(1, len(assembly.species) + 1)}
     return [
         "# Neighbours: the spheres hardly move, so the lists last.",
         f"neighbor        {num(skin)} bin",
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
-        *(
-            ["comm_modify     vel yes"]
-            if case.has_rotation or case.has_loss or case.has_cohesion or assembly.has_rate
-            else []
-        ),
+        *(["comm_modify     vel yes"] if by_velocity else []),
     ]
 
 

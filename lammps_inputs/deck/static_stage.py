@@ -28,9 +28,10 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
 from granwave.lammps_inputs.deck.commands import joined, moved_wall, num, pair_coefficients, plane_names, wall_commands
 from granwave.lammps_inputs.deck.motion import POTENTIAL
-from granwave.lammps_inputs.deck.output import contacts_of_stage, displacements, initial_forces, outward_force
+from granwave.lammps_inputs.deck.output import count_commands, displacements, initial_forces, outward_force
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, moving_fix, plane_fixes, support_timestep, walls
 from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
@@ -102,11 +103,8 @@ def largest_move(assembly: Assembly) -> float:
     if isinstance(lattice, Places) and not stage.moves:
         on_the_way = math.ceil(float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min()))
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    gap = (
-        max(stage.moves.values(), default=0.0)
-        + case.packing.diameter_scatter
-        + largest_dent(case, sphere_contact(case))
-    )
+    gap = max(stage.moves.values(), default=0.0) + case.packing.diameter_scatter
+    gap += largest_dent(case, sphere_contact(case))
     return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
 
 
@@ -115,7 +113,8 @@ def first_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
-    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"  # they wait until the run begins
+    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
+    waiting = [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
@@ -124,11 +123,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
-        *(
-            [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
-            if case.striker
-            else []
-        ),
+        *(waiting if case.striker else []),
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "variable        static_moved equal c_static_moved",
         f"variable        static_most equal {num(largest_move(assembly))}",
@@ -155,12 +150,13 @@ def second_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     step = support_timestep(assembly, static_stiffness(assembly))
     columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    record, support = _record(assembly), moving_fix(assembly)
-    stored = [
-        "c_static",
-        *(f"f_{name}[4]" for name in plane_fixes(assembly)),
-        *([f"f_{support}[12]"] if support else []),
-    ]
+    record, support = dict(RECORD), moving_fix(assembly)
+    for name, pressed in _pressed_walls(assembly).items():
+        mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
+        record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
+        record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
+    stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
+    stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
@@ -181,7 +177,8 @@ def second_half(assembly: Assembly) -> list[str]:
         "reset_timestep  0 time 0.0",
         # FIRE may leave a step that is too long for the support of the bottom
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
-        *contacts_of_stage(assembly),
+        "compute         contacts all gran/hysteretic/local",  # taken back by `initial_forces`
+        *(count_commands() if written_in_parts(assembly) else []),
         "run             0 post no",
         *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(stored)}",
@@ -202,29 +199,17 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     ids, forces = dead_loads(assembly)
     tables = {}
     for axis in directions(assembly):
-        along = forces[:, "xyz".index(axis)].tolist()
-        pairs = [(sphere, force) for sphere, force in zip(ids.tolist(), along, strict=True) if force]
-        rows = "".join(f"{sphere} {force:.17g}\n" for sphere, force in pairs)
-        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(pairs)}\n{rows}"
+        along = zip(ids.tolist(), forces[:, "xyz".index(axis)].tolist(), strict=True)
+        rows = [f"{sphere} {force:.17g}\n" for sphere, force in along if force]
+        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
     return tables
-
-
-def _record(assembly: Assembly) -> dict[str, str]:
-    """Return what the record holds: its columns, and the formulas of their values."""
-    record = dict(RECORD)
-    for name, pressed in _pressed_walls(assembly).items():
-        mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
-        record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
-        record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
-    return record
 
 
 def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     """Return the walls that move in to a force, by x, y or tube."""
-    stage = assembly.case.precompression
-    assert stage is not None
-    return {name: [wall for wall in walls(assembly) if wall.name in (f"{name}lo", f"{name}hi", name)]
-            for name in stage.presses}  # fmt: skip
+    names = assembly.case.precompression.presses if assembly.case.precompression else ()
+    there = walls(assembly)
+    return {name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)] for name in names}
 
 
 def _pressing(assembly: Assembly) -> list[str]:
@@ -268,25 +253,19 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     stage, bottom = case.precompression, case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
-    commands = relief_state if again else relief_commands
-    return commands("static_relief", _SPHERES, on_plane=bottom == "wall")
-
-
-def _least_net_force(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the net force on a sphere at convergence, N: a small fraction of contact forces, plus rounding."""
-    case = assembly.case
-    span = float(np.abs(assembly.bounds()).max())
-    rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
-    mean = force_of_contact(assembly)
-    if not has_gaps(case) or first:
-        part = _FIRST_HALF if has_gaps(case) else _TOLERANCE
-        return num(float(f"{part * mean + rounding:.3g}"))
-    largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
-    return f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+    return (relief_state if again else relief_commands)("static_relief", _SPHERES, on_plane=bottom == "wall")
 
 
 def _minimize(assembly: Assembly, *, first: bool = False) -> str:
-    return f"minimize        0.0 {_least_net_force(assembly, first=first)} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+    """Return the command that finds balance, to a net force that is a fraction of contact forces, plus rounding."""
+    disordered, mean = has_gaps(assembly.case), force_of_contact(assembly)
+    span = float(np.abs(assembly.bounds()).max())
+    rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
+    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
+    if disordered and not first:
+        largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
+        least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+    return f"minimize        0.0 {least} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
 
 
 _TERMS = {
@@ -332,14 +311,9 @@ def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
     lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
     if on_plane:
         return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
-    values = {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
-
-    def written(formula: str) -> str:
-        return "".join(values.get(letter, letter) for letter in formula)
-
-    lines += [
-        f"variable        {name}_{axis}{about} equal $(({written(term)})/({written(_DETERMINANT)}):%.17g)"
-        for axis, row in _TERMS.items()
-        for about, term in zip("xyz", row, strict=True)
-    ]
+    values = str.maketrans({letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()})
+    for axis, row in _TERMS.items():
+        for about, term in zip("xyz", row, strict=True):
+            ratio = f"({term})/({_DETERMINANT})".translate(values)
+            lines.append(f"variable        {name}_{axis}{about} equal $({ratio}:%.17g)")
     return lines

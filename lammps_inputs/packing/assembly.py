@@ -19,15 +19,11 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape, mass_of
-from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.balance import in_balance
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
 from granwave.lammps_inputs.packing.cylinders import grains_called
-from granwave.lammps_inputs.packing.disorder import striker_shift
-from granwave.lammps_inputs.packing.places import Layout, Places, layout_of
+from granwave.lammps_inputs.packing.places import Layout, Places, balanced_overlap, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
-
-_KEPT = 4  # assemblies
 
 
 @dataclasses.dataclass(frozen=True)
@@ -133,9 +129,8 @@ class Assembly:
     @cached_property
     def diameter(self) -> NDArray[np.float64]:
         """Diameters by id, nominal ones where no sphere is: (last_sphere,), m."""
-        return self._with_strikers(
-            self.sites.diameter, [one.diameter or self.lattice.diameter for one, _ in self.strikers]
-        )
+        diameters = [one.diameter or self.lattice.diameter for one, _ in self.strikers]
+        return self._with_strikers(self.sites.diameter, diameters)
 
     @cached_property
     def body(self) -> NDArray[np.int16]:
@@ -206,22 +201,14 @@ class Assembly:
         """Return the LAMMPS type of grains of a material and shape."""
         return 1 + self.species.index(Species(material, shape=shape))
 
-    def lattice_positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Return the centres of the sites with ids ``first`` to ``last``, including vacant ones: (n, 3), m."""
-        return self.sites.positions(first, last)
-
     def positions(self) -> NDArray[np.float64]:
         """Return the centres of all spheres: (n_spheres, 3), m."""
-        own = self.sites.positions(1, self.lattice.n_spheres)
-        own = own if self.sites.count == len(own) else own[self.sites.present]
-        return self._with_strikers(own, [centre for _, centre in self.strikers])
+        return self._with_strikers(self.sites.centres, [centre for _, centre in self.strikers])
 
     def bounds(self) -> NDArray[np.float64]:
         """Return the bounds of all spheres and nodes along x, y, z: (2, 3), m."""
         low, high = self.lattice_bounds()
-        sites = self.sites
-        largest = 0.0 if sites.uniform else float(sites.diameter[sites.present].max())
-        radius = max(self.lattice.diameter, largest) / 2
+        radius = max(self.lattice.diameter, self.sites.largest) / 2
         corners = [low - radius, high + radius]
         for (_, centre), diameter in zip(self.strikers, self.diameter[self.lattice.n_spheres :], strict=True):
             corners += [centre - diameter / 2, centre + diameter / 2]
@@ -237,38 +224,25 @@ class Assembly:
         return bounds
 
     def faces(self) -> NDArray[np.float64]:
-        """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m."""
-        if isinstance(self.lattice, Places):
-            return self.lattice.faces()
-        low, high = self.lattice_bounds()
-        return np.stack([low - self.wall_radius, np.append(high[:2] + self.wall_radius, self.bottom())])
+        """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m.
 
-    @property
-    def wall_radius(self) -> float:
-        """Distance of side planes from the outermost sites, m: the nominal radius, in a chain the largest one."""
-        largest = float(self.sites.nominal.max()) if self.lattice.kind == "chain" else 0.0
-        return max(self.lattice.diameter, largest) / 2
-
-    @property
-    def top_radius(self) -> float:
-        """Nominal radius of the first bead of a chain, next to the incident bar, m."""
-        return float(self.sites.nominal[0]) / 2
-
-    def bottom(self) -> float:
-        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m.
-
-        Smaller spheres leave a gap.
+        They touch nominal spheres: smaller ones leave a gap. In a chain the sides are those of the largest bead.
         """
         if isinstance(self.lattice, Places):
-            return float(self.lattice.faces()[1, 2])
-        last = float(self.sites.nominal[-1]) if self.lattice.kind == "chain" else self.lattice.diameter
-        return float(self.lattice_bounds()[1, 2]) + last / 2
+            return self.lattice.faces()
+        radii = (self.sites.nominal if self.lattice.kind == "chain" else np.array([self.lattice.diameter])) / 2
+        side, (low, high) = max(self.lattice.diameter / 2, float(radii.max())), self.lattice_bounds()
+        return np.stack([low - side, [*(high[:2] + side), high[2] + radii[-1]]])
+
+    def bottom(self) -> float:
+        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m."""
+        return float(self.faces()[1, 2])
 
     def top(self) -> float:
-        """Return the z at which a plate on the free top touches nominal spheres of the top layer, m."""
+        """Return the z at which a plate on the free top, or the incident bar, touches nominal spheres there, m."""
         if isinstance(self.lattice, Places):
             return float(self.lattice.faces()[0, 2])
-        return float(self.lattice_bounds()[0, 2]) - self.top_radius
+        return float(self.lattice_bounds()[0, 2]) - float(self.sites.nominal[0]) / 2
 
     def contacts(self) -> NDArray[np.int64]:
         """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
@@ -301,7 +275,7 @@ class Assembly:
         """Return the centre of the sphere with this id: (3,), m."""
         if sphere > self.lattice.n_spheres:
             return self.strikers[sphere - self.lattice.n_spheres - 1][1]
-        return np.asarray(self.lattice_positions(sphere, sphere)[0])
+        return np.asarray(self.sites.positions(sphere, sphere)[0])
 
     def _with_strikers(self, of_sites: NDArray[Any], of_strikers: Sequence[Any]) -> NDArray[Any]:
         """Append the values of strikers."""
@@ -321,34 +295,21 @@ def assemble(case: Case | Assembly) -> Assembly:
     return case if isinstance(case, Assembly) else _assemble(case)
 
 
-@lru_cache(maxsize=_KEPT)
+@lru_cache(maxsize=4)
 def _assemble(case: Case) -> Assembly:
-    lattice = in_balance(case, layout_of(case.packing, case.boundary))
+    lattice = layout_of(case.packing, case.boundary)
+    if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contacts bear no force
+        lattice = dataclasses.replace(lattice, overlap=balanced_overlap(case, case.material))
     sites = sites_of(case, lattice)
-    strikers = [(striker.material or case.material, striker.body) for striker in case.striker]
-    species = tuple(Species(material, shape=shape) for material, shape in dict.fromkeys([*sites.bodies, *strikers]))
-    assembly = Assembly(case, lattice, case.material, sites, (), (), species)
-    if case.striker:
-        middle = assembly.lattice_positions(1, lattice.n_spheres).mean(axis=0)
-        centres = place_strikers(
-            lattice,
-            assembly.ids,
-            assembly.positions(),
-            assembly.sphere_diameters(),
-            middle,
-            case.striker,
-            [striker_shift(case.packing.seed, striker, n) for n, striker in enumerate(case.striker, start=1)],
-            scattered=bool(case.packing.diameter_scatter),
-        )
-        assembly = dataclasses.replace(assembly, strikers=tuple(zip(case.striker, centres, strict=True)))
-    bars: list[PlacedBar] = []
-    first = assembly.last_sphere + 1
-    for name, section in ((INCIDENT_BAR, case.incident_bar), (BAR, case.bar)):
-        if section is not None:
-            face, touches = (-assembly.top_radius, 1)
-            if name == BAR:
-                face, touches = assembly.bottom(), lattice.n_spheres
-            bars.append(place_bar(name, section, section.material or case.material, first, face, touches))
-            first = bars[-1].last + 1
-    ends = [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
-    return dataclasses.replace(assembly, bars=tuple(bars), species=(*assembly.species, *ends))
+    kinds = dict.fromkeys([*sites.bodies, *((one.material or case.material, one.body) for one in case.striker)])
+    species = [Species(material, shape=shape) for material, shape in kinds]
+    strikers = tuple(zip(case.striker, place_strikers(case, sites), strict=True))
+    assembly = Assembly(case, lattice, case.material, sites, strikers, (), tuple(species))
+    bars, first = list[PlacedBar](), assembly.last_sphere + 1
+    if case.incident_bar is not None:
+        bars.append(place_bar(case, INCIDENT_BAR, first, assembly.top(), 1))
+        first = bars[0].last + 1
+    if case.bar is not None:
+        bars.append(place_bar(case, BAR, first, assembly.bottom(), lattice.n_spheres))
+    species += [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
+    return dataclasses.replace(assembly, bars=tuple(bars), species=tuple(species))

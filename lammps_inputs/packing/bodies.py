@@ -12,15 +12,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.packing.places import Layout
+from granwave.lammps_inputs.packing.disorder import striker_shift
+from granwave.lammps_inputs.packing.sites import Sites
 
 _TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
 _FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
@@ -28,56 +30,36 @@ _TELLING = 1e-6  # relative size below which a direction or a singular value cou
 _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
 
-def place_strikers(
-    lattice: Layout,
-    ids: NDArray[np.int64],
-    centres: NDArray[np.float64],
-    diameters: NDArray[np.float64],
-    middle: NDArray[np.float64],
-    strikers: Sequence[Striker],
-    shifts: Sequence[NDArray[np.float64]],
-    *,
-    scattered: bool,
-) -> list[NDArray[np.float64]]:
-    """Return the centres of the strikers: (3,) each, m.
+def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
+    """Return the centres of the strikers of a case: (3,) each, m.
 
     If there are several positions in contact, a moving striker is placed on the side that it comes from, a resting one
     away from the centre of the packing, or above it if both sides are equal.
-
-    Parameters
-    ----------
-    ids
-        Ids of the spheres of the packing: (n_spheres,).
-    centres
-        Centres of these spheres: (n_spheres, 3), m.
-    diameters
-        Diameters of these spheres: (n_spheres,), m.
-    middle
-        Mean of all sites of the lattice: (3,), m.
-    shifts
-        Shift of each striker: (3,), m; only what is across its way counts.
-    scattered
-        True if the diameters scatter, so that a striker may rest on some of its spheres.
 
     Raises
     ------
     ValueError
         No position of a striker touches its spheres, a shifted one misses them, or a striker overlaps another sphere.
     """
-    radii = diameters / 2
+    if not case.striker:
+        return []
+    every, lattice, scattered = sites.positions(1, len(sites.present)), sites.lattice, case.packing.diameter_scatter > 0
+    middle, ids = every.mean(axis=0), 1 + np.flatnonzero(sites.present)
+    centres, radii = every[ids - 1], sites.diameter[ids - 1] / 2
     placed = []
-    for number, (striker, shift) in enumerate(zip(strikers, shifts, strict=True), start=1):
+    for number, striker in enumerate(case.striker, start=1):
         radius = (striker.diameter or lattice.diameter) / 2
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
         at, reach = centres[touched], radii[touched] + radius
         side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
         centre = _touching(at, reach, side)
-        if not _touches(centre, at, reach):
+        if np.abs(_gaps(centre, at, reach)).max() > _TOLERANCE:
             rested = _resting(at, reach, side) if scattered else None
             if rested is None:
                 what = list(striker.touches)
                 raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
             centre = rested
+        shift = striker_shift(case.packing.seed, striker, number)  # only what is across its way counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             way = way / np.linalg.norm(way)
@@ -94,9 +76,9 @@ def place_strikers(
     return placed
 
 
-def _touches(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> bool:
-    """Return True if a striker at ``centre`` touches all spheres."""
-    return bool((np.abs(np.linalg.norm(at - centre, axis=1) / reach - 1) <= _TOLERANCE).all())
+def _gaps(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches them: (n,)."""
+    return np.asarray(np.linalg.norm(at - centre, axis=1) / reach - 1)
 
 
 def _resting(
@@ -112,8 +94,8 @@ def _resting(
     for some in combinations(range(len(at)), min(enough, len(at))):
         rows = list(some)
         centre = _touching(at[rows], reach[rows], side)
-        free = (np.linalg.norm(at - centre, axis=1) / reach - 1).min() >= -_TOLERANCE
-        if free and _touches(centre, at[rows], reach[rows]):
+        gaps = _gaps(centre, at, reach)
+        if gaps.min() >= -_TOLERANCE and np.abs(gaps[rows]).max() <= _TOLERANCE:
             found.append(centre)
     return min(found, key=lambda centre: float(side @ centre), default=None)
 
@@ -176,7 +158,7 @@ def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray
     start = np.append(np.zeros(len(spanned)), reach.mean())
 
     def misses(place: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.linalg.norm(at - middle - place @ axes, axis=1) / reach - 1
+        return _gaps(place @ axes, at - middle, reach)
 
     found = least_squares(misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15)
     return middle + found.x @ axes
@@ -240,19 +222,11 @@ class PlacedBar:
         return math.sqrt(self.material.youngs_modulus / self.material.density)
 
 
-def place_bar(name: str, section: Bar, material: Material, first: int, face: float, touches: int) -> PlacedBar:
-    """Place the nodes of a bar, which ends at the chain or begins there.
-
-    Parameters
-    ----------
-    first
-        Id of the first node.
-    face
-        Where the bar touches the chain, along z, m.
-    touches
-        Id of the sphere that the face touches.
-    """
-    n, ahead = section.elements, name == INCIDENT_BAR
+def place_bar(case: Case, name: str, first: int, face: float, touches: int) -> PlacedBar:
+    """Place the nodes of a bar of a case, whose face is at z = ``face`` (m) and touches a sphere; ``first``: its id."""
+    section = case.bar if name == BAR else case.incident_bar
+    assert section is not None
+    n, ahead, material = section.elements, name == INCIDENT_BAR, section.material or case.material
     position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
     mass = np.full(n + 1, material.density * section.area * section.length / n)
     mass[[0, -1]] /= 2
@@ -261,10 +235,6 @@ def place_bar(name: str, section: Bar, material: Material, first: int, face: flo
 
 def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
     """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
-    found, arrival = {}, 0.0
-    for bar in bars:
-        crossing = bar.section.length / bar.wave_speed
-        if bar.name == INCIDENT_BAR:
-            arrival = crossing  # time at which the load reaches the chain
-        found[bar.name] = arrival + 2 * crossing
-    return found
+    crossing = {bar.name: bar.section.length / bar.wave_speed for bar in bars}
+    arrival = crossing.get(INCIDENT_BAR, 0.0)  # of the load at the chain
+    return {name: arrival + 2 * time for name, time in crossing.items()}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import CylinderPair
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.material import Cylinder, Shape
+from granwave.lammps_inputs.case.material import Shape
 
 _NO_AXIS = (0.0, 0.0, 0.0)
 _PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel, as in the plugin
@@ -91,11 +91,10 @@ def separations(
     distance, beyond = np.empty(len(first)), np.empty(len(first))
     kinds = {one: number for number, one in enumerate(dict.fromkeys(shapes))}
     kind, each = np.array([kinds[one] for one in shapes]), list(kinds)
-    code = kind[first] * len(each) + kind[second]
-    for one in np.unique(code).tolist():
-        rows = np.flatnonzero(code == one)
+    for one, other in np.unique([kind[first], kind[second]], axis=1).T:
+        rows = np.flatnonzero((kind[first] == one) & (kind[second] == other))
         between = nearest_image(position[first[rows]] - position[second[rows]], period)
-        apart, beyond[rows] = nearest_vectors(between, each[one // len(each)], each[one % len(each)])
+        apart, beyond[rows] = nearest_vectors(between, each[one], each[other])
         distance[rows] = np.linalg.norm(apart, axis=1)
     return distance, beyond
 
@@ -112,16 +111,14 @@ def nearest_vectors(
     beyond
         Distances of those places from the end of a cylinder, negative between its ends: (n,), m.
     """
-    if first is None and second is None:
+    one = first or second
+    if one is None:
         return between, np.full(len(between), -np.inf)
-    if first is None or second is None:
-        one = first or second
-        assert one is not None
-        return _from_axis(between, one, one.length / 2)
-    across = np.cross(first.axis, second.axis)
+    across = np.zeros(3) if first is None or second is None else np.cross(first.axis, second.axis)
     sine = float(np.linalg.norm(across))
-    if sine <= _PARALLEL:
-        return _from_axis(between, first, (first.length + second.length) / 2)
+    if first is None or second is None or sine <= _PARALLEL:
+        along, lengths = between @ one.vector, [grain.length for grain in (first, second) if grain is not None]
+        return between - along[:, None] * one.vector, np.abs(along) - sum(lengths) / 2
     a, b, cosine = between @ first.vector, between @ second.vector, float(first.vector @ second.vector)
     on_first = (cosine * b - a) / sine**2
     on_second = b + cosine * on_first
@@ -141,13 +138,6 @@ def turning_projection(normal: NDArray[np.float64], first: Shape, second: Shape)
     return found - np.outer(axes[0], axes[0]) if axes else found
 
 
-def _from_axis(
-    between: NDArray[np.float64], one: Cylinder, half: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    along = between @ one.vector
-    return between - along[:, None] * one.vector, np.abs(along) - half
-
-
 def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     """Return the pairs of ids that touch or overlap at the end of a cylinder, sorted, i < j.
 
@@ -165,11 +155,8 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
     tree = KDTree(grains.position)
     near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
-    pairs = {(min(row, other), max(row, other)) for row, others in zip(cylinders, near, strict=True)
-             for other in others if other != row}  # fmt: skip
-    if not pairs:
-        return []
-    ids = np.array(sorted(pairs)) + 1
+    pairs = {tuple(sorted((row, other))) for row, others in zip(cylinders, near, strict=True) for other in others}
+    ids = 1 + np.array(sorted(pair for pair in pairs if pair[0] != pair[1]), dtype=np.int64).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
     found = []

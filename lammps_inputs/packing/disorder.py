@@ -63,17 +63,19 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
     return packing.diameter_scatter * place
 
 
-def random_vacancies(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Draw the vacant sites, from 0, of a share ``packing.vacancies``; never those of the ids in ``kept``.
+def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
+    """Return the vacant sites, from 0: those listed, or drawn for a share; never those of the ids in ``kept``.
 
     Raises
     ------
     ValueError
         The share exceeds the spheres that may be left out.
     """
+    if isinstance(packing.vacancies, tuple) or not packing.vacancies:
+        return np.array(packing.vacancies or (), dtype=np.int64) - 1
     may_go = np.ones(n, dtype=bool)
     may_go[np.fromiter(kept, dtype=np.int64, count=len(kept)) - 1] = False
-    number, among = round(float(packing.vacancies) * n), int(np.count_nonzero(may_go))  # type: ignore[arg-type]
+    number, among = round(float(packing.vacancies) * n), int(np.count_nonzero(may_go))
     if number >= n:
         raise ValueError("leaves no sphere")
     if number > among:
@@ -156,10 +158,13 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
         first, last, inner = (b == 0) & (a > 0), (a == 0) & (b > 0), (a > 0) & (b > 0)
         u[b[first], a[first]] = u[0, a[first] - 1] + _side(reach_u[first], v[0, a[first]] - v[0, a[first] - 1])
         v[b[last], 0] = v[b[last] - 1, 0] + _side(reach_v[last], u[b[last], 0] - u[b[last] - 1, 0])
-        i, j = b[inner], a[inner]
-        beside = np.stack([u[i, j - 1], v[i, j - 1]])
-        below = np.stack([u[i - 1, j], v[i - 1, j]])
-        u[i, j], v[i, j] = _meet(beside, reach_u[inner], below, reach_v[inner])
+        i, j = b[inner], a[inner]  # where circles about the ones beside and below meet, away from the corner
+        beside, below = (np.stack([u[one], v[one]]) for one in ((i, j - 1), (i - 1, j)))
+        between = below - beside
+        apart = np.linalg.norm(between, axis=0)
+        along = (apart**2 + reach_u[inner] ** 2 - reach_v[inner] ** 2) / (2 * apart)
+        normal = np.stack([-between[1], between[0]]) / apart
+        u[i, j], v[i, j] = beside + along * between / apart + _side(reach_u[inner], along) * normal
     far = np.array([nx - 1, ny - 1]) * diameter + diameter / 2  # where the far walls are
     x, y = (
         far[axis] - part if sign > 0 else part - diameter / 2
@@ -185,13 +190,3 @@ def _side(hypotenuse: Array, other: Array) -> Array:
     if square.size and square.min() <= 0:
         raise ValueError("the diameters differ too much for spheres that lean on each other")
     return np.sqrt(square)
-
-
-def _meet(beside: Array, reach_u: Array, below: Array, reach_v: Array) -> Array:
-    """Meeting point, away from the corner, of circles about two points each: (2, n)."""
-    between = below - beside
-    apart = np.linalg.norm(between, axis=0)
-    along = (apart**2 + reach_u**2 - reach_v**2) / (2 * apart)
-    away = _side(reach_u, along)
-    normal = np.stack([-between[1], between[0]]) / apart
-    return np.asarray(beside + along * between / apart + away * normal)

@@ -37,14 +37,10 @@ def struck_site(assembly: Assembly) -> int | None:
 
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
-    case = assembly.case
-    found = own_velocities(assembly)
-    if case.load.kind == "impact":
-        found |= dict.fromkeys(struck_of(assembly), case.load.initial_velocity)
-    for number, striker in enumerate(case.striker, start=assembly.lattice.n_spheres + 1):
-        if striker.moves:
-            found[number] = striker.velocity
-    return found
+    case, first = assembly.case, assembly.lattice.n_spheres + 1
+    struck = struck_of(assembly) if case.load.kind == "impact" else ()
+    strikers = {number: one.velocity for number, one in enumerate(case.striker, start=first) if one.moves}
+    return own_velocities(assembly) | dict.fromkeys(struck, case.load.initial_velocity) | strikers
 
 
 def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
@@ -102,8 +98,8 @@ def left_out(assembly: Assembly, line: Line) -> int:
     boundary = assembly.case.boundary
     if boundary.bottom == "free" or boundary.bottom_support is not None:
         return 0
-    depth = [assembly.bottom() - float(assembly.centre_of(one)[2]) for one in line_ids(assembly, line)]
-    near = [one < _HELD * assembly.case.packing.diameter for one in depth]
+    lowest = assembly.bottom() - _HELD * assembly.case.packing.diameter
+    near = [float(assembly.centre_of(one)[2]) > lowest for one in line_ids(assembly, line)]
     return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
 
 

@@ -102,9 +102,9 @@ class Packing:
             return result
         expected = self.lattice.rule.coordination
         found = int(result.max())
-        sides = [n for n, axis in zip(self.lattice.size, self.lattice.rule.axes, strict=True)
-                 if axis == "z" or not self.lattice.periodic]  # fmt: skip
-        if found > expected or (found < expected and all(n >= 5 for n in sides)):
+        axes = zip(self.lattice.size, self.lattice.rule.axes, strict=True)
+        inside = all(n >= 5 for n, axis in axes if axis == "z" or not self.lattice.periodic)
+        if found > expected or (found < expected and inside):
             raise RuntimeError(f"{self.lattice.kind}: found {found} contacts inside, expected {expected}")
         return result
 

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator, Sequence
 from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Kind, Lattice, kind_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
@@ -70,26 +75,25 @@ class Places:
     @property
     def lengths(self) -> tuple[float, float]:
         """Periods along x and y, or without them the extent, grains included, m."""
-        if self.period is not None:
-            return self.period
-        low, high = self.faces()
-        return float(high[0] - low[0]), float(high[1] - low[1])
+        width, depth, _ = np.ptp(self.faces(), axis=0).tolist()
+        return self.period or (width, depth)
 
     @property
     def top_layer(self) -> NDArray[np.int64]:
         """Ids of the grains with the uppermost centres (the lowest z), in rising order."""
-        return self._at(self.grains.position[:, 2] - self.grains.position[:, 2].min())
+        depth = self.grains.position[:, 2]
+        return 1 + np.flatnonzero(depth - depth.min() <= TOUCHING * self.diameter)
 
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the grains that a plane below would touch, in rising order."""
         below = self.grains.position[:, 2] + extents(self.grains.diameter / 2, self.grains.shape)[:, 2]
-        return self._at(below.max() - below)
+        return 1 + np.flatnonzero(below.max() - below <= TOUCHING * self.diameter)
 
     @property
     def n_contacts(self) -> int:
         """Number of touching pairs."""
-        return len(self._touching)
+        return len(self._near[0])
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the grains with ids ``first`` to ``last``, both included: (n, 3), m."""
@@ -106,7 +110,7 @@ class Places:
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
-        yield self._touching
+        yield self._near[0]
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see `distances`."""
@@ -122,9 +126,8 @@ class Places:
 
     def neighbours(self, sphere: int) -> list[int]:
         """Return the ids of the neighbours of a grain, in rising order."""
-        pairs = self._touching
-        found = np.concatenate([pairs[pairs[:, 0] == sphere, 1], pairs[pairs[:, 1] == sphere, 0]])
-        return sorted(found.tolist())
+        pairs = self._near[0]
+        return np.sort(pairs[:, ::-1][pairs == sphere]).tolist()
 
     def layer_of(self, sphere: int) -> int:
         """Return 0: there are no layers."""
@@ -141,19 +144,9 @@ class Places:
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
         return pairs[order], gaps[order]
 
-    @cached_property
-    def _touching(self) -> NDArray[np.int64]:
-        return self._near[0]
-
-    def _at(self, distance: NDArray[np.float64]) -> NDArray[np.int64]:
-        return 1 + np.flatnonzero(distance <= TOUCHING * self.diameter)
-
 
 def near_pairs(
-    position: NDArray[np.float64],
-    radius: NDArray[np.float64],
-    slack: float,
-    period: tuple[float, float] | None = None,
+    position: NDArray[np.float64], radius: NDArray[np.float64], slack: float, period: tuple[float, float] | None = None
 ) -> NDArray[np.int64]:
     """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2), i < j.
 
@@ -172,10 +165,10 @@ def near_pairs(
         position[:, :2] = np.mod(position[:, :2], period)
         position[:, :2][position[:, :2] >= period] = 0.0  # as rounding of the remainder may leave it
     found = [np.empty((0, 2), dtype=np.int64)]
-    classes = np.floor(np.log2(radius / radius.min()) + 1e-9).astype(np.int64)
-    members = {int(one): np.flatnonzero(classes == one) for one in np.unique(classes)}
-    trees = {one: KDTree(position[rows], boxsize=box) for one, rows in members.items()}
-    for one, other in ((a, b) for a in members for b in members if a <= b):
+    classes = np.floor(np.log2(radius / radius.min()) + 1e-9)
+    members = [np.flatnonzero(classes == one) for one in np.unique(classes)]
+    trees = [KDTree(position[rows], boxsize=box) for rows in members]
+    for one, other in combinations_with_replacement(range(len(members)), 2):
         reach = radius[members[one]].max() + radius[members[other]].max() + slack
         if one == other:
             near = trees[one].query_pairs(reach, output_type="ndarray")
@@ -203,6 +196,18 @@ def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     return places_of(packing.grains, packing.diameter, packing.period if periodic else None)
 
 
+def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) -> ContactLaw:
+    """Return the law of spheres of the packing with each other, or a flat, of a material (None: rigid)."""
+    contact, radius = case.contact_between(case.material, partner), case.packing.diameter / 2
+    return contact.between((case.material, partner), (radius, math.inf if flat else radius))
+
+
+def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
+    """Return the overlap without force of spheres, as in `cohesive_law`, m; 0 without cohesion."""
+    coheres = case.contact_between(case.material, partner).coheres
+    return float(cohesive_law(case, partner, flat=flat).balanced_overlap) if coheres else 0.0
+
+
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the struck sphere.
 
@@ -224,12 +229,11 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if not lattice.rule.hexagonal:
         able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
         raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
-    around = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 0]
+    around, below = ([one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1))
     if count == 7:
         if len(around) != 6:
             raise ValueError(f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6")
         return (centre, *around)
-    below = [other for other in lattice.neighbours(centre) if lattice.layer_of(other) == 1]
     resting = [[other for other in lattice.neighbours(support) if other in around] for support in below]
     pairs = [pair for pair in resting if len(pair) == 2]
     if not pairs:
@@ -242,4 +246,4 @@ def centred(strikers: Sequence[Striker], packing: PackingSection, boundary: Boun
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
     centre = struck_spheres(layout_of(packing, boundary), 1)
-    return tuple(one if one.touches else dataclasses.replace(one, touches=centre) for one in strikers)
+    return tuple(dataclasses.replace(one, touches=one.touches or centre) for one in strikers)

@@ -15,14 +15,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.bodies import Replace, Sensor, Striker
+from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.run import Output
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
-from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, random_vacancies
+from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, vacant_sites
 from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres
 
 
@@ -91,10 +89,21 @@ class Sites:
         radii = self.nominal / 2
         return np.concatenate([[0.0], np.cumsum(radii[1:] + radii[:-1])])
 
+    @cached_property
+    def largest(self) -> float:
+        """Diameter of the largest sphere, m."""
+        return float(self.diameter[0] if self.uniform else self.diameter[self.present].max())
+
     @property
     def least_reach(self) -> float:
         """Smallest over all materials of their largest diameter, m: the shortest contact distance of such spheres."""
         return min(float(self.diameter[self.present & (self.body == k)].max()) for k in np.unique(self.body))
+
+    @property
+    def centres(self) -> NDArray[np.float64]:
+        """Centres of the spheres: (count, 3), m."""
+        every = self.positions(1, len(self.present))
+        return every if self.count == len(every) else every[self.present]
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the sites with ids ``first`` to ``last``: (n, 3), m."""
@@ -110,16 +119,14 @@ class Sites:
         for pairs in self.lattice.pairs():
             if self.count < len(self.present):
                 pairs = pairs[self.present[pairs - 1].all(axis=1)]
-            yield pairs, self._apart(pairs) - self.diameter[pairs - 1].sum(axis=1) / 2
-
-    def _apart(self, pairs: NDArray[np.int64]) -> float | NDArray[np.float64]:
-        """Return the distances of the centres of neighbouring sites, by their ids, m."""
-        if isinstance(self.lattice, Places):
-            return self.lattice.apart(pairs)
-        if self.leaning is not None:
-            first, second = pairs.T - 1
-            return np.asarray(np.linalg.norm(self.leaning[second] - self.leaning[first], axis=1))
-        return self.lattice.spacing if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
+            apart: float | NDArray[np.float64]
+            if isinstance(self.lattice, Places):
+                apart = self.lattice.apart(pairs)
+            elif self.leaning is not None:
+                apart = np.linalg.norm(self.leaning[pairs[:, 1] - 1] - self.leaning[pairs[:, 0] - 1], axis=1)
+            else:
+                apart = self.lattice.spacing if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
+            yield pairs, apart - self.diameter[pairs - 1].sum(axis=1) / 2
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
@@ -127,11 +134,9 @@ class Sites:
         stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
-        n_neighbours, n_touching = 0, len(self._contacts_of_larger())
-        for pairs, gaps in self.neighbours():
-            n_neighbours += len(pairs)
-            n_touching += int(np.count_nonzero(self._touch(pairs, gaps)))
-        return n_neighbours, n_touching
+        sizes = [(len(pairs), int(np.count_nonzero(self._touch(pairs, gaps)))) for pairs, gaps in self.neighbours()]
+        n_neighbours, n_touching = np.sum(sizes, axis=0, dtype=int).tolist() if sizes else (0, 0)
+        return n_neighbours, n_touching + len(self._contacts_of_larger())
 
     @property
     def n_neighbours(self) -> int:
@@ -149,6 +154,18 @@ class Sites:
             yield pairs[self._touch(pairs, gaps)]
         yield self._contacts_of_larger()
 
+    def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Select the touching pairs; those with larger spheres are found by `near_larger`."""
+        slack = TOUCHING * self.lattice.diameter
+        if isinstance(self.lattice, Places):
+            return gaps <= slack  # overlaps at the start touch too, where they are asked for
+        touching = np.abs(gaps + self.lattice.overlap) <= slack
+        return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
+
+    def _contacts_of_larger(self) -> NDArray[np.int64]:
+        pairs, gaps = self.near_larger()
+        return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
+
     def near_larger(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Find the touching and overlapping pairs with a sphere larger than the lattice spacing; none in chains.
 
@@ -156,9 +173,8 @@ class Sites:
         neighbouring sites. A pair of equal ids is a sphere and its own image.
         """
         present, large = np.flatnonzero(self.present), np.flatnonzero(self.larger & self.present)
-        none = np.empty((0, 2), dtype=np.int64), np.empty(0)
         if not large.size:
-            return none
+            return np.empty((0, 2), dtype=np.int64), np.empty(0)
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
         centres = self.positions(1, len(self.present))
@@ -179,7 +195,7 @@ class Sites:
         rows = np.concatenate(found)
         rows = rows[np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))]
         pairs, first = np.unique(rows[:, :2].astype(np.int64), axis=0, return_index=True)
-        return (pairs, rows[first, 2]) if len(pairs) else none
+        return pairs, rows[first, 2]
 
     @cached_property
     def larger(self) -> NDArray[np.bool_]:
@@ -187,17 +203,6 @@ class Sites:
         if self.uniform or self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
-
-    def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Select the touching pairs; those with larger spheres are found by `near_larger`."""
-        if isinstance(self.lattice, Places):
-            return gaps <= TOUCHING * self.lattice.diameter  # overlaps at the start touch too, where they are asked for
-        touching = np.abs(gaps + self.lattice.overlap) <= TOUCHING * self.lattice.diameter
-        return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
-
-    def _contacts_of_larger(self) -> NDArray[np.int64]:
-        pairs, gaps = self.near_larger()
-        return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
 
 def sites_of(case: Case, lattice: Layout) -> Sites:
@@ -218,9 +223,9 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     )  # fmt: skip
     if not (packing.diameter_scatter or packing.vacancies or case.replace):
         return uniform
-    kept = named_spheres(lattice, case.load, case.replace, case.striker, case.sensor, case.output)
+    kept = named_spheres(case, lattice)
     present = np.ones(n, dtype=bool)
-    present[vacant_sites(packing, n, set(kept))] = False
+    present[vacant_sites(packing, n, kept)] = False
     nominal, kind = np.full(n, packing.diameter), np.zeros(n, dtype=np.int16)
     materials = [case.material]
     for place, entry in enumerate(case.replace, start=1):
@@ -254,34 +259,20 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
     return Sites(places, grains.diameter, grains.diameter, body, tuple(bodies), np.ones(len(grains), dtype=bool))
 
 
-def named_spheres(
-    lattice: Lattice,
-    load: Load,
-    replaced: Sequence[Replace],
-    strikers: Sequence[Striker],
-    sensors: Sequence[Sensor],
-    output: Output,
-) -> dict[int, str]:
+def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     """Return the spheres that a case names, with the key that does; they are never vacant."""
-    names: list[tuple[str, Sequence[int]]] = []
+    load, names = case.load, list[tuple[str, Sequence[int]]]()
     if load.index is not None:
         names.append(("load.index", load.index))
     elif load.kind == "plate":
         names.append(("load.kind", struck_spheres(lattice, 1)))
     elif load.hits_spheres:
         names.append(("load.spheres", struck_spheres(lattice, load.spheres)))
-    names += [("output.probes", [one for probe in output.probes for one in probe.spheres])]
-    names += [(f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(sensors, start=1)]
-    names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(strikers, start=1)]
-    names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(replaced, start=1)]
+    names += [("output.probes", [one for probe in case.output.probes for one in probe.spheres])]
+    names += [(f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(case.sensor, start=1)]
+    names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(case.striker, start=1)]
+    names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(case.replace, start=1)]
     return {sphere: key for key, spheres in reversed(names) for sphere in spheres if sphere <= lattice.n_spheres}
-
-
-def vacant_sites(packing: PackingSection, n: int, kept: set[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0; raise as `random_vacancies`."""
-    if isinstance(packing.vacancies, tuple):
-        return np.array(packing.vacancies, dtype=np.int64) - 1
-    return random_vacancies(packing, n, kept) if packing.vacancies else np.empty(0, dtype=np.int64)
 
 
 def chosen_sites(

@@ -15,8 +15,8 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.balance import balanced_overlap
 from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.places import balanced_overlap
 from granwave.lammps_inputs.packing.sites import Sites
 
 SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
@@ -91,38 +91,33 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
 
 @lru_cache(maxsize=4)
 def _walls(assembly: Assembly) -> tuple[Wall, ...]:
-    case = assembly.case
-    found = []
-    if case.boundary.bottom not in ("free", "periodic"):
-        boundary, held = case.boundary, case.boundary.bottom == "fixed"
+    case, found = assembly.case, []
+    boundary, moves = case.boundary, case.precompression.moves if case.precompression else {}
+    if boundary.bottom not in ("free", "periodic"):
         material, support = boundary.bottom_material, boundary.bottom_support
-        found.append(Wall("bottom", 2, 1, assembly.bottom(), held, material=material, support=support))
+        found.append(
+            Wall("bottom", 2, 1, assembly.bottom(), boundary.bottom == "fixed", material=material, support=support)
+        )
     if (plate := case.load.plate) is not None:
         found.append(Wall(PLATE, 2, -1, assembly.top(), plate=plate))
-    material, moves = case.boundary.sides_material, case.precompression.moves if case.precompression else {}
-    if case.boundary.sides_tube is not None:
-        found.append(
-            Wall("tube", 0, 1, case.boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material)
-        )
+    material = boundary.sides_material
+    if boundary.sides_tube is not None:
+        found.append(Wall("tube", 0, 1, boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material))
     for axis, letter in enumerate("xy"):
         # a crystal in the x-z plane has walls across y only where boundary.y says so
-        across = letter == "x" or case.boundary.y is not None or not is_plane_crystal(case.packing.kind)
-        if case.boundary.has_planes(letter) and across:
-            (low, high), inwards = _faces(assembly, axis), moves.get(letter, 0.0)
-            inwards -= max(case.boundary.gap, 0.0)
+        across = letter == "x" or boundary.y is not None or not is_plane_crystal(case.packing.kind)
+        if boundary.has_planes(letter) and across:
+            low, high = _faces(assembly, axis)
+            inwards = moves.get(letter, 0.0) - max(boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
-    if case.has_cohesion:
-        found = [_pressed(case, wall) for wall in found]
-    return tuple(dataclasses.replace(wall, fixes=_fixes(assembly, wall)) for wall in found)
-
-
-def _pressed(case: Case, wall: Wall) -> Wall:
-    """Return a wall where spheres that cohere with it bear no force; tubes, and sides with a gap, as they are."""
-    if wall.held_layer or wall.tube or case.packing.kind == FILE or (wall.axis < 2 and case.boundary.gap):
-        return wall
-    overlap = balanced_overlap(case, wall.material, flat=True)
-    return dataclasses.replace(wall, coordinate=wall.coordinate - wall.outward * overlap, overlap=overlap)
+    placed = []
+    for wall in found:  # with cohesion where spheres bear no force; tubes, and sides with a gap, as they are
+        as_it_is = wall.held_layer or wall.tube or case.packing.kind == FILE or (wall.axis < 2 and boundary.gap)
+        overlap = 0.0 if as_it_is or not case.has_cohesion else balanced_overlap(case, wall.material, flat=True)
+        place = wall.coordinate - wall.outward * overlap
+        placed.append(dataclasses.replace(wall, coordinate=place, overlap=overlap, fixes=_fixes(assembly, wall)))
+    return tuple(placed)
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -136,24 +131,25 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
     """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how deep, m."""
     found: list[tuple[str, int, float]] = []
-    if assembly.case.boundary.sides_touch is None:
-        return found
     sites, moved = assembly.sites, assembly.case.precompression.moves if assembly.case.precompression else {}
     for wall in walls(assembly):
         chosen = touched_by(assembly, wall)
-        if chosen is None:
-            continue
-        others = np.flatnonzero(sites.present & ~chosen)
+        others = np.flatnonzero(sites.present & (False if chosen is None else ~chosen))
         if not len(others):
             continue
-        shapes = [assembly.shape_of(one) for one in (others + 1).tolist()]
-        reach = sites.diameter[others] / 2 if wall.tube else extents(sites.diameter[others] / 2, shapes)[:, wall.axis]
+        reach = sites.diameter[others] / 2 if wall.tube else _reach(assembly, others, wall.axis)
         gaps = wall.gaps(sites.positions(1, len(sites.present))[others], reach)
         deepest = int(np.argmin(gaps))
         depth = -float(gaps[deepest]) - moved.get("tube" if wall.tube else wall.name[0], 0.0)
         if depth > TOUCHING * assembly.case.packing.diameter:
             found.append((wall.name, int(others[deepest]) + 1, depth))
     return found
+
+
+def _reach(assembly: Assembly, rows: NDArray[np.int64], axis: int) -> NDArray[np.float64]:
+    """Return how far the grains at some sites reach along an axis: (n,), m."""
+    shapes = [assembly.shape_of(one) for one in (rows + 1).tolist()]
+    return extents(assembly.sites.diameter[rows] / 2, shapes)[:, axis]
 
 
 def touched(case: Case, sites: Sites, only: Touched) -> NDArray[np.bool_]:
@@ -171,30 +167,27 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
     if only is None:
         low, high = assembly.faces()[:, axis].tolist()
         return low, high
-    chosen = touched(assembly.case, assembly.sites, only)
-    shapes = [assembly.shape_of(one) for one in (1 + np.flatnonzero(chosen)).tolist()]
-    place, reach = sites.positions(1, len(chosen))[chosen, axis], extents(sites.diameter[chosen] / 2, shapes)[:, axis]
+    rows = np.flatnonzero(touched(assembly.case, sites, only))
+    place, reach = sites.positions(1, len(sites.present))[rows, axis], _reach(assembly, rows, axis)
     return float((place - reach).min()), float((place + reach).max())
 
 
 def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
     """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others pass it."""
-    case = assembly.case
-    chosen = touched_by(assembly, wall)
     if wall.held_layer:
         return ()
+    kind, chosen = assembly.case.packing.kind, touched_by(assembly, wall)
+    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
+    groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
     if chosen is not None:
         groups = [(group, material) for group, material, _ in touched_groups(assembly, chosen)]
-    else:
-        materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
-        groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
-        if case.packing.kind == "chain" and wall.name == "bottom":
-            groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
-        elif len(materials) == 1 and not assembly.passing:
-            groups = [("all", materials[0])]
-        elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
-            groups = [one for one in groups if one[1] in materials_on_top(assembly)]
-            return tuple((wall.name, *one) for one in groups)
+    elif kind == "chain" and wall.name == "bottom":
+        groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
+    elif len(materials) == 1 and not assembly.passing:
+        groups = [("all", materials[0])]
+    elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
+        there = materials_at(assembly, assembly.lattice.top_layer)
+        return tuple((wall.name, *one) for one in groups if one[1] in there)
     return tuple((f"{wall.name}_{n}" if n > 1 else wall.name, *one) for n, one in enumerate(groups, start=1))
 
 
@@ -219,17 +212,8 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
     return case.contact_between(material, wall.material).friction
 
 
-def materials_of_last_layer(assembly: Assembly) -> list[Material]:
-    """Return the materials of the spheres in the last layer, each once."""
-    return _materials(assembly, assembly.lattice.last_layer)
-
-
-def materials_on_top(assembly: Assembly) -> list[Material]:
-    """Return the materials of the spheres in the top layer, each once."""
-    return _materials(assembly, assembly.lattice.top_layer)
-
-
-def _materials(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
+def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
+    """Return the materials of the spheres with these ids, such as those of a layer, each once."""
     return list(dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist()))
 
 
@@ -240,7 +224,7 @@ def moving_fix(assembly: Assembly) -> str | None:
     """
     for wall in walls(assembly):
         if wall.support is not None:
-            resting = materials_of_last_layer(assembly)[0]
+            resting = materials_at(assembly, assembly.lattice.last_layer)[0]
             return next(name for name, _, material in wall.fixes if material == resting)
     return None
 
@@ -253,13 +237,10 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
     stiffness
         Stiffness of one contact with the bottom, N/m.
     """
-    case = assembly.case
-    boundary = case.boundary
-    if boundary.bottom_support is None:
+    support, material = assembly.case.boundary.bottom_support, assembly.case.boundary.bottom_material
+    if support is None:
         return math.inf
-    return boundary.bottom_support.longest_timestep(
-        boundary.bottom_material, footprint_radius(assembly), len(assembly.lattice.last_layer) * stiffness
-    )
+    return support.longest_timestep(material, footprint_radius(assembly), len(assembly.lattice.last_layer) * stiffness)
 
 
 def footprint_radius(assembly: Assembly) -> float:

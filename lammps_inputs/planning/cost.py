@@ -28,7 +28,6 @@ from __future__ import annotations
 
 import dataclasses
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -42,11 +41,7 @@ MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked
 
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
-_SPHERE, _PAIR, _ROUGH_PAIR = (
-    750.0,
-    135.0,
-    60.0,
-)  # of LAMMPS, and of the snapshot that is sorted; with friction in addition
+_SPHERE, _PAIR, _ROUGH_PAIR = 750.0, 135.0, 60.0  # of LAMMPS and the sorted snapshot; with friction in addition
 _SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
 _ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 310.0  # of the analysis of a part, all contacts dented
@@ -57,9 +52,7 @@ _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
 _DENT = 110.0  # a pair among the contacts at the end
-_INITIAL_FORCE = (
-    70.0  # a pair among the forces after the static stage: its row, in scratch files, its value in result.h5
-)
+_INITIAL_FORCE = 70.0  # a pair among the forces after the static stage: in scratch files and result.h5
 _SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
 _CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
 _CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
@@ -67,34 +60,14 @@ _ROW = 400.0  # of the ledger
 _ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
 
 
-@dataclasses.dataclass(frozen=True)
-class Space:
-    """Memory and disk space of a run, bytes.
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> tuple[float, float, float, float]:
+    """Estimate the space that a run needs, bytes, as `granwave.lammps_inputs.planning.plan.Plan` has it.
 
-    Attributes
-    ----------
-    first_rank
-        Memory of the first rank, which also writes the deck and puts the results together.
-    other_rank
-        Memory of each other rank; in the analysis it makes parts of the results.
-    disk
-        Disk space.
-    disk_reserve
-        Space that must stay free during the run, for one more snapshot and checkpoint.
+    Returns
+    -------
+    tuple
+        Memory of the first rank and of each other one, disk space, and disk space that must stay free.
     """
-
-    first_rank: float
-    other_rank: float
-    disk: float
-    disk_reserve: float
-
-    def memory(self, n_ranks: int) -> float:
-        """Return the memory of all ranks together, bytes."""
-        return self.first_rank + (n_ranks - 1) * self.other_rank
-
-
-def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
-    """Estimate the memory and the disk space of a run."""
     case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
     pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
     kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
@@ -111,11 +84,11 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
-    return Space(
-        first_rank=2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
-        other_rank=_PROGRAM + max(steps / n_ranks, shared),
-        disk=n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
-        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
+    return (
+        2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
+        _PROGRAM + max(steps / n_ranks, shared),
+        n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
+        n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
     )
 
 
@@ -204,11 +177,17 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
         part = min(1.0, (blocks * schedule.block_steps + case.load.lasts / schedule.timestep) / schedule.n_steps)
     most_steps = schedule.n_steps / schedule.first_step
     gain = (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN) if schedule.adaptive else 1.0
-    each = (seconds_per_step(assembly) + _of_yielding(assembly)) / n_ranks
+    each = seconds_per_step(assembly) / n_ranks
+    if case.contact.yields:  # averaged over the run
+        law, pairs = sphere_contact(case), max(assembly.n_neighbours, 1)
+        energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / pairs
+        share = 1 / (1 + (energy / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if energy > 0 else 0.0
+        loaded = _SHARE_LOADED if case.precompression is None else 1.0
+        each += _YIELDED * pairs * loaded * share / n_ranks
     snapshot = _TEXT_SNAPSHOT if case.output.dump_format == "text" else _SNAPSHOT
     records = snapshot * max(2.0, part * schedule.n_frames)
     records += _HISTORY * part * schedule.n_steps / schedule.history_every if schedule.history_every else 0.0
-    an_iteration = _ITERATION * _seconds(assembly, loaded=1.0, has_friction=False) / n_ranks
+    an_iteration = _ITERATION * _seconds(assembly, 1.0, has_friction=False) / n_ranks
     usual, most = (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else 2 * (_ITERATIONS,)
     if case.precompression is None:
         usual = most = 0.0
@@ -223,31 +202,17 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
     )
 
 
-def _share_loaded(case: Case) -> float:
-    return _SHARE_LOADED if case.precompression is None else 1.0
-
-
 def seconds_per_step(assembly: Assembly) -> float:
     """Estimate the time of a step on one core while contacts are elastic, s."""
-    case = assembly.case
-    return _seconds(assembly, loaded=_share_loaded(case), has_friction=case.has_friction)
+    loaded = _SHARE_LOADED if assembly.case.precompression is None else 1.0
+    return _seconds(assembly, loaded, has_friction=assembly.case.has_friction)
 
 
-def _seconds(assembly: Assembly, *, loaded: float, has_friction: bool) -> float:
-    friction = _FRICTION + assembly.case.has_partial_slip * _PARTIAL_SLIP
-    a_pair = _TOUCHING_PAIR + loaded * (_LOADED + has_friction * friction)
+def _seconds(assembly: Assembly, loaded: float, *, has_friction: bool) -> float:
+    """Estimate the time of a step with a share of ``loaded`` contacts, s."""
+    friction = has_friction * (_FRICTION + assembly.case.has_partial_slip * _PARTIAL_SLIP)
+    a_pair = _TOUCHING_PAIR + loaded * (_LOADED + friction)
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
-
-
-def _of_yielding(assembly: Assembly) -> float:
-    """Estimate the additional time of a step due to yielding, averaged over the run, s."""
-    case = assembly.case
-    if not case.contact.yields:
-        return 0.0
-    law, n = sphere_contact(case), max(assembly.n_neighbours, 1)
-    each = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / n
-    share = 1 / (1 + (each / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if each > 0 else 0.0
-    return _YIELDED * n * _share_loaded(case) * share
 
 
 _LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
@@ -283,53 +248,35 @@ class ExpectedZone:
     @property
     def reaches(self) -> tuple[str, ...]:
         """Names of the boundaries that the zone is expected to reach."""
-        return self._reaching(1.0)
+        extent = {"bottom": self.depth, "sides": self.radius}
+        return tuple(name for name, room in self.room.items() if extent[name] >= room)
 
     @property
     def may_reach(self) -> tuple[str, ...]:
         """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
-        return tuple(name for name in self._reaching(self.spread) if name not in self.reaches)
-
-    def _reaching(self, factor: float) -> tuple[str, ...]:
-        extent = {"bottom": self.depth, "sides": self.radius}
-        return tuple(name for name, room in self.room.items() if factor * extent[name] >= room)
+        larger = dataclasses.replace(self, depth=self.spread * self.depth, radius=self.spread * self.radius)
+        return tuple(name for name in larger.reaches if name not in self.reaches)
 
 
 def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
-    case = assembly.case
-    growth, law, lattice = _GROWTH.get(case.packing.kind), sphere_contact(case), assembly.lattice
-    if growth is None or not case.contact.yields or not isinstance(lattice, Lattice):
-        return None
-    room = _room(assembly, lattice)
-    if "bottom" not in room:
+    case, lattice = assembly.case, assembly.lattice
+    growth, law = _GROWTH.get(case.packing.kind), sphere_contact(case)
+    if growth is None or not case.contact.yields or not isinstance(lattice, Lattice) or lattice.n_layers == 1:
         return None
     energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
     if energy < _LEAST:
         return None
+    sphere = struck_site(assembly) or 1
+    (centre,), (last,) = (lattice.positions(one, one) for one in (sphere, lattice.n_spheres))
+    room = {"bottom": float(last[2] - centre[2])}
+    (nx, ny, _), (i, j, _) = lattice.shape, lattice.indices(sphere)
+    if case.boundary.sides == "periodic":
+        room["sides"] = min(lattice.lengths) / 2
+    elif nx > 1 or ny > 1:  # to the nearest end of a row
+        ends = [(0, sphere + (end - i)) for end in (0, nx - 1) if nx > 1]
+        ends += [(1, sphere + (end - j) * nx) for end in (0, ny - 1) if ny > 1]
+        room["sides"] = min(abs(float(lattice.positions(one, one)[0, axis] - centre[axis])) for axis, one in ends)
     *sizes, spread = growth
     depth, radius = (factor * energy**power * case.packing.diameter for factor, power in sizes)
     return ExpectedZone(depth, radius, spread, room)
-
-
-def _room(assembly: Assembly, lattice: Lattice) -> dict[str, float]:
-    """Return the distances from the struck sphere to the last layer and to the nearest end of a row, m."""
-    case = assembly.case
-    nx, ny, nz = lattice.shape
-    sphere = struck_site(assembly) or 1
-    i, j, _ = lattice.indices(sphere)
-    (centre,) = lattice.positions(sphere, sphere)
-    found = {}
-    if nz > 1:
-        (last,) = lattice.positions(lattice.n_spheres, lattice.n_spheres)
-        found["bottom"] = float(last[2] - centre[2])
-    if case.boundary.sides == "periodic":
-        found["sides"] = min(lattice.lengths) / 2
-        return found
-    ends = []
-    for axis, place, n, stride in ((0, i, nx, 1), (1, j, ny, nx)):
-        for other in (sphere + (end - place) * stride for end in (0, n - 1) if n > 1):
-            ends.append(abs(float(lattice.positions(other, other)[0, axis] - centre[axis])))
-    if ends:
-        found["sides"] = min(ends)
-    return found

@@ -44,35 +44,32 @@ from granwave.lammps_inputs.roots import brentq
 
 def expected_energy(assembly: Assembly) -> float:
     """Return the energy input of the load, J; for a force an upper bound."""
-    case = assembly.case
+    load = assembly.case.load
     energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
-    energy += energy_of_plate(case.load)
-    return energy + (_energy_of_force(assembly) if case.load.kind == "force" else 0.0)
+    energy += energy_of_plate(load)
+    return energy + (_energy_of_force(assembly) if load.kind == "force" else 0.0)
 
 
 def fastest(assembly: Assembly) -> float:
     """Return an upper bound on the speed of any sphere, m/s."""
-    case = assembly.case
-    given = max((math.hypot(*velocity) for velocity in velocities_of(assembly).values()), default=0.0)
-    if case.load.kind == "force":
-        given = max(given, math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min())))
-    elif case.load.kind == "displacement":
-        given = max(given, case.load.fastest)
-    elif case.load.plate is not None:
-        given = max(given, 2 * case.load.velocity)  # of a sphere that a heavy plate hits
-    return given
+    load, speeds = assembly.case.load, [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    if load.kind == "force":
+        speeds.append(math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min())))
+    elif load.kind == "displacement":
+        speeds.append(load.fastest)
+    elif load.plate is not None:
+        speeds.append(2 * load.velocity)  # of a sphere that a heavy plate hits
+    return max(speeds, default=0.0)
 
 
 def _energy_of_force(assembly: Assembly) -> float:
     """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the wave in the bar."""
-    case = assembly.case
-    load = case.load
+    load = assembly.case.load
     for bar in assembly.bars:
         if bar.name == INCIDENT_BAR:
             impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
             return load.largest * load.impulse / impedance
-    masses = [assembly.mass_of(sphere) for sphere in struck_of(assembly)]
-    return load.impulse**2 / (2 * sum(masses))
+    return load.impulse**2 / (2 * sum(map(assembly.mass_of, struck_of(assembly))))
 
 
 def energy_of_plate(load: Load) -> float:
@@ -106,13 +103,6 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
     return np.searchsorted(codes[codes >= 0], code) - (code < 0), example
 
 
-def kinds_of_last_layer(assembly: Assembly) -> list[int]:
-    """Return a sphere of each kind in the last layer."""
-    of, example = kinds_of_grains(assembly.sites)
-    there = np.unique(of[assembly.lattice.last_layer - 1])
-    return example[there[there >= 0]].tolist()
-
-
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
     sites = assembly.sites
@@ -130,11 +120,11 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
         pairs += [(int(like.argmax()) + 1,) * 2] * bool(np.count_nonzero(like) > 1)
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
-    alike = {
-        frozenset((assembly.material_of(k), assembly.diameter_of(k), assembly.shape_of(k)) for k in pair): pair
-        for pair in pairs
-    }
-    return list(alike.values())
+
+    def kind(grain: int) -> tuple[object, ...]:
+        return assembly.material_of(grain), assembly.diameter_of(grain), assembly.shape_of(grain)
+
+    return list({frozenset(map(kind, pair)): pair for pair in pairs}.values())
 
 
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
@@ -213,20 +203,17 @@ class Encounter:
 
 
 def some_encounters(assembly: Assembly) -> list[Encounter]:
-    """Return the encounters, if there are any, and all have a stiffness."""
+    """Return the encounters; raise ValueError if there are none, or one has no stiffness."""
     if not (found := encounters(assembly)):
         raise ValueError("no contact takes up any energy")
-    if not all(map(_has_stiffness, found)):
-        raise ValueError("the load would press a contact to where its law gives no stiffness")
+    for one in found:
+        try:
+            there = 0 < one.stiffness < math.inf
+        except (ArithmeticError, ValueError):  # a law of lines ends, others overflow
+            there = False
+        if not there:
+            raise ValueError("the load would press a contact to where its law gives no stiffness")
     return found
-
-
-def _has_stiffness(encounter: Encounter) -> bool:
-    """Return True if the law gives a stiffness at the overlap of an encounter; a law of lines ends, others overflow."""
-    try:
-        return 0 < encounter.stiffness < math.inf
-    except (ArithmeticError, ValueError):
-        return False
 
 
 @lru_cache(maxsize=1)
@@ -235,36 +222,31 @@ def encounters(assembly: Assembly) -> list[Encounter]:
     case = assembly.case
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)
+    found = [one for one in found if one.law.name != NO_FORCE]
     if case.precompression is not None:
-        found = [one for one in found if one.law.name != NO_FORCE]
         force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
-        found = [
-            dataclasses.replace(one, energy=one.energy + _OF_PRECOMPRESSION * _work_to_force(one.law, force))
-            for one in found
-        ]
+        stored = [_OF_PRECOMPRESSION * _work_to_force(one.law, force) for one in found]
+        found = [dataclasses.replace(one, energy=one.energy + more) for one, more in zip(found, stored, strict=True)]
     if case.contact.initial_overlap:
         found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
-    return [encounter for encounter in found if encounter.energy > 0 and encounter.law.name != NO_FORCE]
+    return [one for one in found if one.energy > 0]
 
 
 def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
-    case = assembly.case
+    case, sites, rule = assembly.case, assembly.sites, assembly.lattice.rule
     striking, velocity = case.sphere_mass, case.load.velocity
-    sites = assembly.sites
     smallest = 1 if sites.uniform else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
     law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
     loss = _loss(assembly, assembly.material, assembly.material)
     found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
-    supports = assembly.lattice.rule.supports
-    if len(supports):
-        n, cosine_squared = len(supports), float(supports[0, 2] ** 2)
-        found.append(
-            Encounter(law, striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2, mass, loss=loss)
-        )
+    if n := len(rule.supports):
+        cosine_squared = float(rule.supports[0, 2] ** 2)
+        energy = striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2
+        found.append(Encounter(law, energy, mass, loss=loss))
     if case.boundary.bottom == "wall":
         # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
-        halvings = assembly.lattice.n_layers - 1 if assembly.lattice.rule.set_back else 0
+        halvings = assembly.lattice.n_layers - 1 if rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         loss = _loss(assembly, assembly.material, None, flat=True)
         found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss))
@@ -273,8 +255,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
     """Return a collision with the whole energy input for each kind of touching pair."""
-    case = assembly.case
-    energy = expected_energy(assembly)
+    case, boundary, lattice, energy = assembly.case, assembly.case.boundary, assembly.lattice, expected_energy(assembly)
     found = []
     for first, second in kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
@@ -282,22 +263,23 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         taken = _limited(assembly, law, energy * max(masses) / sum(masses))
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
         found.append(Encounter(law, taken, 2 * effective, loss=loss))
+    of, example = kinds_of_grains(assembly.sites)
     flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
     if case.load.plate is not None:
-        flats += [(int(assembly.lattice.top_layer[0]), None)]
-    if case.boundary.bottom == "wall":
-        flats += [(sphere, case.boundary.bottom_material) for sphere in kinds_of_last_layer(assembly)]
+        flats += [(int(lattice.top_layer[0]), None)]
+    if boundary.bottom == "wall":
+        there = np.unique(of[lattice.last_layer - 1])
+        flats += [(sphere, boundary.bottom_material) for sphere in example[there[there >= 0]].tolist()]
     aside = any(case.load.way[:2])
-    if (assembly.has_cylinders or aside) and any(case.boundary.has_planes(axis) for axis in "xy"):
-        kinds = kinds_of_grains(assembly.sites)[1].tolist()
-        flats += [(grain, case.boundary.sides_material) for grain in kinds if aside or assembly.shape_of(grain)]
-    held = [n for n, (one, _) in enumerate(assembly.strikers, assembly.lattice.n_spheres + 1) if one.walls]
-    flats += [(n, material) for n in held for material in (case.boundary.bottom_material, case.boundary.sides_material)]
+    if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
+        grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
+        flats += [(grain, boundary.sides_material) for grain in grains]
+    held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
+    flats += [(n, material) for n in held for material in (boundary.bottom_material, boundary.sides_material)]
     for sphere, material in flats:
-        law = flat_contact(assembly, sphere, material)
+        law, mass = flat_contact(assembly, sphere, material), 2 * assembly.mass_of(sphere)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
-        taken, mass = _limited(assembly, law, energy), 2 * assembly.mass_of(sphere)
-        found.append(Encounter(law, taken, mass, against_wall=True, loss=loss))
+        found.append(Encounter(law, _limited(assembly, law, energy), mass, against_wall=True, loss=loss))
     return found
 
 
@@ -307,10 +289,9 @@ def _loss(assembly: Assembly, first: Material, second: Material | None, *, flat:
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     """Limit the energy absorbed by a contact by the magnitude of the load, J."""
-    case = assembly.case
-    load = case.load
+    load = assembly.case.load
     if load.kind == "displacement":
-        return energy + law.loading_work(2 * load.largest) + case.sphere_mass * (2 * load.fastest) ** 2
+        return energy + law.loading_work(2 * load.largest) + assembly.case.sphere_mass * (2 * load.fastest) ** 2
     if load.plate is not None:
         # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
         share = energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)

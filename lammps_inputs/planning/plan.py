@@ -16,22 +16,9 @@ from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import refuse_too_large
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.planning.cost import (
-    ExpectedZone,
-    Space,
-    WallTime,
-    expected_space,
-    expected_wall_time,
-    expected_zone,
-)
+from granwave.lammps_inputs.planning import cost
+from granwave.lammps_inputs.planning import timestep as steps
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
-from granwave.lammps_inputs.planning.timestep import (
-    Limit,
-    auto_timestep,
-    check_load_frequency,
-    expected_peak_overlap,
-    timestep_limits,
-)
 
 _LOG = logging.getLogger("granwave")
 
@@ -48,8 +35,14 @@ class Plan:
     ----------
     n_ranks
         Number of ranks that it is planned for.
-    space
-        Memory of each rank, and disk space.
+    first_rank
+        Memory of the first rank, which also writes the deck and puts the results together, bytes.
+    other_rank
+        Memory of each other rank, which makes parts of the results in the analysis, bytes.
+    disk
+        Disk space, bytes.
+    disk_reserve
+        Space that must stay free during the run, for one more snapshot and checkpoint, bytes.
     peak_overlap
         Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield
@@ -69,16 +62,19 @@ class Plan:
     n_contacts: int
     schedule: Schedule
     n_ranks: int
-    space: Space
+    first_rank: float
+    other_rank: float
+    disk: float
+    disk_reserve: float
     peak_overlap: float
     peak_overlap_yield: float | None
     peak_overlap_radius: float
-    times: WallTime
-    zone: ExpectedZone | None = None
-    limits: tuple[Limit, ...] = ()
+    times: cost.WallTime
+    zone: cost.ExpectedZone | None = None
+    limits: tuple[steps.Limit, ...] = ()
 
     @property
-    def limit(self) -> Limit | None:
+    def limit(self) -> steps.Limit | None:
         """Bound that makes the timestep far shorter than some contacts would; None if there is none."""
         return self.limits[0] if self.limits and self.limits[0].step < _FAR_SHORTER * self.allowed else None
 
@@ -100,17 +96,7 @@ class Plan:
     @property
     def memory(self) -> float:
         """Memory of all ranks together, bytes."""
-        return self.space.memory(self.n_ranks)
-
-    @property
-    def disk(self) -> float:
-        """Disk space, bytes."""
-        return self.space.disk
-
-    @property
-    def disk_reserve(self) -> float:
-        """Space that must stay free during the run, for one more snapshot and checkpoint, bytes."""
-        return self.space.disk_reserve
+        return self.first_rank + (self.n_ranks - 1) * self.other_rank
 
     @property
     def wall_time(self) -> float:
@@ -134,31 +120,35 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     assembly = assemble(case)
     case = assembly.case
     _refuse_endless(case)
-    check_load_frequency(assembly)
+    steps.check_load_frequency(assembly)
     try:
         schedule, law = make_schedule(assembly), sphere_contact(case)
-        overlap = expected_peak_overlap(assembly)
+        overlap = steps.expected_peak_overlap(assembly)
+    except InputError:
+        raise
     except (ArithmeticError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
         raise InputError(
             f"{case.name}: run.timestep: none can be found for the values of material, contact and load ({error}); are "
             "they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(case, schedule)
+    first, other, disk, reserve = cost.expected_space(assembly, schedule, n_ranks)
     return Plan(
         name=case.name,
         n_spheres=assembly.n_spheres,
         n_contacts=assembly.n_contacts,
         schedule=schedule,
         n_ranks=n_ranks,
-        space=expected_space(assembly, schedule, n_ranks),
+        first_rank=first,
+        other_rank=other,
+        disk=disk,
+        disk_reserve=reserve,
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        times=expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
-        zone=expected_zone(assembly),
-        limits=tuple(timestep_limits(assembly, case.run.energy_tolerance)) if schedule.adaptive else (),
+        times=cost.expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
+        zone=cost.expected_zone(assembly),
+        limits=tuple(steps.timestep_limits(assembly, case.run.energy_tolerance)) if schedule.adaptive else (),
     )
 
 
@@ -184,7 +174,7 @@ def _note_times(case: Case, schedule: Schedule) -> None:
     given, interval = case.run.timestep, case.output.probe_interval
     if not isinstance(given, str):
         with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
-            if given > _FAR_TOO_LONG * (best := auto_timestep(case)):
+            if given > _FAR_TOO_LONG * (best := steps.auto_timestep(case)):
                 text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
                 _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
@@ -211,13 +201,14 @@ def check_run(
     InputError
         The run cannot be made; the message lists all faults.
     """
-    earlier = earlier_result(case)
-    checks: list[tuple[bool, Callable[[], object]]] = [
-        (files and earlier is not None, lambda: dents_of_result(assemble(case), earlier)),  # type: ignore[arg-type]
-        (memory, lambda: check_memory(expected)),
-        (directory is not None, lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve)),  # type: ignore[arg-type]
-    ]
-    raise_all(check for wanted, check in checks if wanted)
+    earlier, checks = earlier_result(case), list[Callable[[], object]]()
+    if files and earlier is not None:
+        checks.append(lambda: dents_of_result(assemble(case), earlier))
+    if memory:
+        checks.append(lambda: check_memory(expected))
+    if directory is not None:
+        checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))
+    raise_all(checks)
 
 
 def check_memory(plan: Plan, available: float | None = None) -> None:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -117,133 +116,110 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     """
     assembly = assemble(case)
     case = assembly.case
-    steps = _steps_of(assembly, timestep)
-    span, blocks = _span(case, steps.unit * steps.tick * steps.n_units), isinstance(case.run.end_time, str)
-    even = not isinstance(case.run.frames, tuple) if blocks else _even_frames(case, steps) > 0
-    _check_counts(case, max(1, round(span * steps.per_first / (steps.unit * steps.tick))), even=even)
-    frame_every, frame_steps = _frames(case, steps)
-    interval, instants = case.output.probe_interval, chain_history(assembly)
-    probe = steps.records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else steps.units(interval)
+    run, output, in_blocks = case.run, case.output, isinstance(case.run.end_time, str)
+    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time  # of a block, or of the run
+    rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
+    fixed = run.timestep if timestep is None else timestep
+    if isinstance(fixed, str):
+        tick, unit, per_first, in_ledger, in_block = _automatic(assembly, duration, rows)
+    else:
+        check_steps(case.name, duration, fixed)
+        tick, unit, per_first, n = fixed, 1, 1, max(1, math.ceil(duration / fixed * (1 - 1e-9)))
+        candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
+        in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
+        in_block = n + -n % in_ledger
+    length = unit * tick  # of a unit, whose multiples all records are, s
+    n_units = in_block * (max(1, round(AUTO_END_TIME / (in_block * length))) if in_blocks else 1)
+    span = _AUTO_FRAME_SPAN if in_blocks else length * n_units  # over which records are spread, s
+
+    def units(time: float) -> int:
+        return max(1, round(time / length))
+
+    def records(most: int) -> int:
+        """Units between records that are at most so many first timesteps apart, and divide a block."""
+        return max(every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0)
+
+    gaps = max(1, run.frames - 1) if isinstance(run.frames, int) else 0
+    between = n_units // gaps if gaps and run.frames != 1 and n_units % gaps == 0 else 0
+    if in_blocks and isinstance(run.frames, int):
+        between = units(_AUTO_FRAME_SPAN / run.frames)
+    _check_counts(case, max(1, round(span / length * per_first)), even=between > 0)
+    frame_every, frame_steps = unit * between, tuple[int, ...]()
+    if not between:
+        wanted = unit * np.rint(np.linspace(0, n_units, gaps + 1 if gaps > 1 else 2))
+        if isinstance(run.frames, tuple):
+            wanted = np.rint(np.array(run.frame_times) / tick)
+        chosen = np.union1d(np.minimum(wanted, unit * n_units).astype(np.int64), [unit * n_units])
+        frame_steps = tuple(chosen[chosen > 0].tolist())
+        if frame_steps == tuple(range(frame_steps[0], unit * n_units + 1, frame_steps[0])):
+            frame_every, frame_steps = frame_steps[0], ()
+    interval, instants = output.probe_interval, chain_history(assembly)
     return Schedule(
-        timestep=steps.tick,
-        n_steps=steps.unit * steps.n_units,
-        block_steps=steps.unit * steps.in_block if blocks else 0,
-        ledger_every=steps.unit * steps.in_ledger,
-        wall_every=steps.unit * steps.records(_WALL_STEPS),
-        probe_every=steps.unit * probe,
+        timestep=tick,
+        n_steps=unit * n_units,
+        block_steps=unit * in_block if in_blocks else 0,
+        ledger_every=unit * in_ledger,
+        wall_every=unit * records(_WALL_STEPS),
+        probe_every=unit * (records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else units(interval)),
         frame_every=frame_every,
         frame_steps=frame_steps,
-        history_every=steps.unit * steps.units(span / instants) if instants else 0,
-        line_every=steps.unit * steps.units(span / line_history(assembly)) if case.line else 0,
-        first_step=steps.unit // steps.per_first,
-        longest_step=steps.unit,
-        energy_tolerance=case.run.energy_tolerance if steps.adaptive else 0.0,
+        history_every=unit * units(span / instants) if instants else 0,
+        line_every=unit * units(span / line_history(assembly)) if case.line else 0,
+        first_step=unit // per_first,
+        longest_step=unit,
+        energy_tolerance=run.energy_tolerance if isinstance(fixed, str) else 0.0,
     )
 
 
-def _span(case: Case, end: float) -> float:
-    """Return the time over which records are spread: up to the end, or a typical one if that is not known, s."""
-    return _AUTO_FRAME_SPAN if isinstance(case.run.end_time, str) else end
-
-
-class _Steps(NamedTuple):
-    """Units that a run is made of: the timestep, or the longest one, whose multiples all records are."""
-
-    tick: float  # time of a count of the step counter, s
-    unit: int  # counts of a unit
-    per_first: int  # first timesteps in a unit
-    in_ledger: int  # units between rows of the ledger
-    in_block: int  # units of a block, or of the run, if it has an end time
-    n_units: int  # units of the run
-    adaptive: bool
-
-    def units(self, time: float) -> int:
-        """Units of a time, one or more."""
-        return max(1, round(time / (self.unit * self.tick)))
-
-    def records(self, most: int) -> int:
-        """Units between records that are at most so many first timesteps apart, and divide a block."""
-        units = range(1, max(1, most // self.per_first) + 1)
-        return max(every for every in units if self.in_block % every == 0)
-
-
-def _steps_of(assembly: Assembly, given: float | None) -> _Steps:
-    """Find the units of a run.
+def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:
+    """Find the units of a run whose timestep follows the error of the energy balance: the longest timesteps.
 
     Parameters
     ----------
-    given
-        s; a fixed timestep, in the place of ``run.timestep``.
+    duration
+        Of the run or a block, s.
+    rows
+        Of the ledger in that time.
+
+    Returns
+    -------
+    tuple
+        Time of a tick (s), ticks of a unit, first timesteps in a unit, units between rows of the ledger, and units of
+        the run or a block.
     """
     case = assembly.case
-    run = case.run
-    in_blocks = isinstance(run.end_time, str)
-    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
-    rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
-    fixed = run.timestep if given is None else given
-    if not isinstance(fixed, str):
-        check_steps(case.name, duration, fixed)
-        n_steps = max(1, math.ceil(duration / fixed * (1 - 1e-9)))
-        candidates = range(max(1, n_steps // (2 * rows)), max(1, 2 * n_steps // rows) + 1)
-        every = min(candidates, key=lambda every: (-n_steps % every, abs(every - n_steps / rows)))
-        n_steps += -n_steps % every
-        n_blocks = max(1, round(AUTO_END_TIME / (n_steps * fixed))) if in_blocks else 1
-        return _Steps(fixed, 1, 1, every, n_steps, n_steps * n_blocks, adaptive=False)
-    bounds = _bounds(assembly)
-    first, shortest, longest = (step * min(1.0, duration / rows / bounds[0]) for step in bounds)
-    if duration / shortest > MOST_STEPS:
-        check_steps(case.name, duration, shortest, timestep_limits(assembly, run.energy_tolerance)[0])
-    per_first = round(longest / first)
-    bound = min(duration / rows, _WALL_STEPS * first, *_intervals(assembly, first))
-    interval = case.output.probe_interval if case.probes else "auto"
-
-    def fits(length: float) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
-        if isinstance(interval, str):
-            return True
-        return abs(max(1, round(interval / length)) * length - interval) <= 0.5 * first
-
-    while per_first > 1 and not (per_first * first <= bound and fits(per_first * first)):
-        per_first //= 2
-    unit = per_first * round(first / shortest)
-    in_ledger = max(1, math.floor(duration / rows / (per_first * first) * (1 + 1e-9)))
-    n_rows = math.ceil(duration / (in_ledger * per_first * first) * (1 - 1e-9))
-    n_units = in_ledger * n_rows
-    n_blocks = round(AUTO_END_TIME / BLOCK_TIME) if in_blocks else 1
-    return _Steps(duration / (n_units * unit), unit, per_first, in_ledger, n_units, n_units * n_blocks, adaptive=True)
-
-
-def _bounds(assembly: Assembly) -> tuple[float, float, float]:
-    """First, shortest and longest automatic timestep, s, each a power of two times the next shorter one."""
-    run = assembly.case.run
-    first = auto_timestep(assembly, tolerance=run.energy_tolerance)
-    limit = largest_timestep(assembly)
+    run, smallest = case.run, 0.0 if isinstance(case.run.smallest_timestep, str) else case.run.smallest_timestep
+    first, limit = auto_timestep(assembly, tolerance=run.energy_tolerance), largest_timestep(assembly)
     if not isinstance(run.largest_timestep, str):
         limit = min(limit, run.largest_timestep)
         first = min(first, limit)
-    if not isinstance(run.smallest_timestep, str):
-        first = max(first, min(run.smallest_timestep, limit))
-    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST if math.isfinite(assembly.case.load.lasts) else 1
-    while not isinstance(run.smallest_timestep, str) and down > 1 and first / down < run.smallest_timestep * (1 - 1e-9):
+    first = max(first, min(smallest, limit))
+    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST if math.isfinite(case.load.lasts) else 1
+    while down > 1 and first / down < smallest * (1 - 1e-9):
         down //= 2
     while up > 1 and first * up > limit * (1 + 1e-9):
         up //= 2
-    return first, first / down, first * up
+    first *= min(1.0, duration / rows / first)
+    if duration / (first / down) > MOST_STEPS:
+        check_steps(case.name, duration, first / down, timestep_limits(assembly, run.energy_tolerance)[0])
+    # the longest timestep must not exceed the times between records
+    span, intervals = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest, [duration / rows]
+    intervals += [_WALL_STEPS * first]
+    intervals += [span / max(1, run.frames - 1)] if isinstance(run.frames, int) else []
+    probes = case.output.probe_interval
+    given = None if isinstance(probes, str) or not case.probes else probes
+    intervals += [given or _AUTO_PROBE_STEPS * first] if case.probes else []
+    intervals += [span / chain_history(assembly)] if chain_history(assembly) else []
+    intervals += [span / line_history(assembly)] if case.line else []
 
+    def fits(length: float) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
+        return given is None or abs(max(1, round(given / length)) * length - given) <= 0.5 * first
 
-def _intervals(assembly: Assembly, first: float) -> list[float]:
-    """Times between snapshots and records of probes and a chain, which the longest timestep must not exceed, s."""
-    case, found = assembly.case, [math.inf]
-    span = _span(case, case.run.longest)
-    if isinstance(case.run.frames, int):
-        found.append(span / max(1, case.run.frames - 1))
-    if case.probes:
-        interval = case.output.probe_interval
-        found.append(_AUTO_PROBE_STEPS * first if isinstance(interval, str) else interval)
-    if chain_history(assembly):
-        found.append(span / chain_history(assembly))
-    if case.line:
-        found.append(span / line_history(assembly))
-    return found
+    while up > 1 and not (up * first <= min(intervals) and fits(up * first)):
+        up //= 2
+    in_ledger = max(1, math.floor(duration / rows / (up * first) * (1 + 1e-9)))
+    n_units = in_ledger * math.ceil(duration / (in_ledger * up * first) * (1 - 1e-9))
+    return duration / (n_units * up * down), up * down, up, in_ledger, n_units
 
 
 def check_steps(name: str, duration: float, timestep: float, limit: Limit | None = None) -> None:
@@ -277,8 +253,8 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
     even
         True if the snapshots are evenly spaced.
     """
-    frames, history = case.run.frames, case.output.history
-    count, errors = frames if isinstance(frames, int) else len(frames), []
+    frames, history, errors = case.run.frames, case.output.history, []
+    count = frames if isinstance(frames, int) else len(frames)
     each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
     default = DEFAULT_FRAMES if case.figures.film == "none" else FRAMES_OF_A_FILM
     if isinstance(frames, int) and frames > max(n_steps + 1, default):
@@ -292,29 +268,3 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
         errors.append(f"output.history: found {history}, {each_step}")
     if errors:
         raise InputError(f"{case.name}: {fault}" for fault in errors)
-
-
-def _even_frames(case: Case, steps: _Steps) -> int:
-    """Units between snapshots where their number divides the run into equal parts; else 0."""
-    frames = case.run.frames
-    if not isinstance(frames, int) or frames < 2 or steps.n_units % (frames - 1):
-        return 0
-    return steps.n_units // (frames - 1)
-
-
-def _frames(case: Case, steps: _Steps) -> tuple[int, tuple[int, ...]]:
-    """Counts between snapshots if they are evenly spaced; else 0, and the counts of those after the first."""
-    frames, n_steps = case.run.frames, steps.unit * steps.n_units
-    if isinstance(frames, tuple):
-        wanted = np.rint(np.array(case.run.frame_times) / steps.tick)
-    elif isinstance(case.run.end_time, str):
-        return steps.unit * steps.units(_AUTO_FRAME_SPAN / frames), ()
-    elif even := _even_frames(case, steps):
-        return steps.unit * even, ()
-    else:
-        wanted = steps.unit * np.rint(np.linspace(0, steps.n_units, max(2, frames)))
-    chosen = np.union1d(np.minimum(wanted, n_steps).astype(np.int64), [n_steps])
-    found = tuple(int(step) for step in chosen if step > 0)
-    if found == tuple(range(found[0], n_steps + 1, found[0])):
-        return found[0], ()
-    return 0, found

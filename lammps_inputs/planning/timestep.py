@@ -31,7 +31,7 @@ from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCIL
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
-from granwave.lammps_inputs.contact.cohesion import cohesive_laws
+from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
@@ -102,18 +102,25 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    factor = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR)
-    found = [
-        Limit(
-            factor * math.sqrt(one.mass / one.stiffness),
-            f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg",
-            "larger grains there",
-            of_contact=True,
-        )
-        for one in some_encounters(assembly)
-    ]
-    found += _limits_of_cohesion(assembly, factor)
-    return sorted([*found, *_limits_of_load(assembly), *_limits_at_any_time(assembly)], key=lambda limit: limit.step)
+    factor, load = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR), assembly.case.load
+    found = _limits_at_any_time(assembly)
+    for one in some_encounters(assembly):
+        cause = f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg"
+        step = factor * math.sqrt(one.mass / one.stiffness)
+        found.append(Limit(step, cause, "larger grains there", of_contact=True))
+    for law, mass in cohesive_laws(assembly):  # stiffness 2 E* a of the circle of contact without force
+        overlap = law.balanced_overlap
+        stiffness = 2 * law.effective_modulus * float(law.contact_radius(overlap, overlap))
+        step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
+        found.append(Limit(step, "contact.cohesion", "a smaller work of adhesion"))
+    share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
+    if load.oscillates:
+        highest = load.frequencies[1]
+        key = "last_frequency" if load.last_frequency == highest else "frequency"
+        found.append(Limit(share / highest, f"load.{key} = {highest:g} Hz", "a lower frequency"))
+    elif load.duration:
+        found.append(Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load"))
+    return sorted(found, key=lambda limit: limit.step)
 
 
 def largest_timestep(assembly: Assembly) -> float:
@@ -122,41 +129,17 @@ def largest_timestep(assembly: Assembly) -> float:
 
 
 def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
+    """Return the bounds by losses, bars, and whatever moves beside the grains.
+
+    Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective mass m* and radius
+    R* of any contact, the square of the angular frequency of spheres of 2/5 m R^2 is at most 2.5 K/m*, their rate of
+    decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2 instead.
+    """
     case, found = assembly.case, some_encounters(assembly)
-    stiffness = max(encounter.stiffness for encounter in found)
+    stiffness, mass = max(one.stiffness for one in found), min(one.mass for one in found)
+    radius = min(one.law.effective_radius for one in found)
     lossy = [one for one in found if one.loss is not None]
     limits = [Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy]
-    limits += _limits_of_resistance(
-        case, min(one.mass for one in found), min(one.law.effective_radius for one in found)
-    )
-    bars = [(BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed, bar.name) for bar in assembly.bars]
-    limits += [Limit(step, f"{name}.elements", "fewer elements") for step, name in bars]
-    limits.append(Limit(support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"))
-    if case.load.plate is not None:
-        on_plate = len(assembly.lattice.top_layer) * stiffness
-        step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
-        limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
-    return limits
-
-
-def _limits_of_cohesion(assembly: Assembly, factor: float) -> list[Limit]:
-    """Return the bounds by contacts that cohere: the stiffness 2 E* a of their circle where they bear no force."""
-    found = []
-    for law, mass in cohesive_laws(assembly):
-        overlap = law.balanced_overlap
-        stiffness = 2 * law.effective_modulus * float(law.contact_radius(overlap, overlap))
-        step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
-        found.append(Limit(step, "contact.cohesion", "a smaller work of adhesion"))
-    return found
-
-
-def _limits_of_resistance(case: Case, mass: float, radius: float) -> list[Limit]:
-    """Return the bounds by given stiffnesses and dampings of resistance to rolling and twisting.
-
-    With the smallest effective mass m* and radius R* of any contact, the square of the angular frequency of spheres of
-    2/5 m R^2 is at most 2.5 K/m*, their rate of decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2 instead.
-    """
-    found = []
     for contact in (case.contact, *(pair.contact for pair in case.pair)):
         for key, arm in (("rolling", 1.0), ("twisting", radius)):
             one = getattr(contact, key)
@@ -164,24 +147,19 @@ def _limits_of_resistance(case: Case, mass: float, radius: float) -> list[Limit]
                 continue
             if one.stiffness:
                 step = _OF_ROLLING * math.sqrt(mass * arm**2 / (2.5 * one.stiffness))
-                found.append(Limit(step, f"contact.{key}", "a smaller stiffness"))
+                limits.append(Limit(step, f"contact.{key}", "a smaller stiffness"))
             if one.damping:
                 step = _OF_VISCOUS_DECAY * mass * arm**2 / (2.5 * one.damping)
-                found.append(Limit(step, f"contact.{key}", "a smaller damping"))
-    return found
-
-
-def _limits_of_load(assembly: Assembly) -> list[Limit]:
-    """Return the bound by the duration or the period of the load; none if it has none."""
-    load = assembly.case.load
-    share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
-    if load.oscillates:
-        highest = load.frequencies[1]
-        key = "last_frequency" if load.last_frequency == highest else "frequency"
-        return [Limit(share / highest, f"load.{key} = {highest:g} Hz", "a lower frequency")]
-    if load.duration:
-        return [Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load")]
-    return []
+                limits.append(Limit(step, f"contact.{key}", "a smaller damping"))
+    for bar in assembly.bars:
+        step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
+        limits.append(Limit(step, f"{bar.name}.elements", "fewer elements"))
+    limits.append(Limit(support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"))
+    if case.load.plate is not None:
+        on_plate = len(assembly.lattice.top_layer) * stiffness
+        step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
+        limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
+    return limits
 
 
 _LOG = logging.getLogger("granwave")
@@ -202,13 +180,12 @@ def check_load_frequency(assembly: Assembly) -> None:
         return
     try:
         shortest = math.sqrt(min(one.mass / one.stiffness for one in some_encounters(assembly)))
-        cutoff = _OF_CUTOFF / (2 * math.pi * shortest)
     except (ArithmeticError, ValueError):  # no contact takes up energy
         return
-    highest = load.frequencies[1]
+    cutoff, highest = _OF_CUTOFF / (2 * math.pi * shortest), load.frequencies[1]
     if highest <= _FAR * cutoff:
         return
-    key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
+    key = "last_frequency" if load.last_frequency == highest else "frequency"
     found = (
         f"{case.name}: load.{key}: found {highest:g} Hz, {highest / cutoff:.3g} times the highest frequency that the "
         f"stiffest contact passes on, about {cutoff:.3g} Hz"

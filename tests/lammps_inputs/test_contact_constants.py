@@ -172,17 +172,6 @@ def test_wall(lammps):
     assert value(lmp, "c_ke+f_floor[4]+f_floor[5]") == pytest.approx(0.5 * mass * 4, rel=1e-7)
 
 
-def test_mixing_wants_equal_constants(lammps):
-    first, second = (f"pair_coeff {n} {n} elastoplastic 115e9 0.3 550e6" for n in (1, 2))
-    for words, fits in ((f"{second} area_slope 2.2", False), (second, True)):
-        lmp = lammps(script_of(PAIR, types=[1, 2], coefficients=[first, words]))
-        if fits:
-            lmp.command("run 0")
-        else:
-            with pytest.raises(Exception, match="different laws or options"):
-                lmp.command("run 0")
-
-
 def test_deck(tmp_path):
     plain, own = case(), case(pressure_limit=2.9, residual_offset=20.0)
     script = write_deck(plain, tmp_path / "plain").script.read_text()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import time
 from itertools import product
@@ -35,11 +34,8 @@ class TestDiameters:
         found = diameters(case)
         assert found.min() >= D - band and found.max() <= D
         deviation = band / math.sqrt(12) if distribution == "uniform" else band / 6
-        law = (
-            stats.uniform(D - band, band)
-            if distribution == "uniform"
-            else stats.truncnorm(-3, 3, loc=D - band / 2, scale=deviation)
-        )
+        law = stats.truncnorm(-3, 3, loc=D - band / 2, scale=deviation)
+        law = stats.uniform(D - band, band) if distribution == "uniform" else law
         n = len(found)
         assert found.mean() == pytest.approx(D - band / 2, abs=4 * deviation / math.sqrt(n))
         assert found.std() == pytest.approx(law.std(), rel=4 / math.sqrt(n))
@@ -69,13 +65,10 @@ class TestDiameters:
         assert np.median(expected) == pytest.approx(band / 2, rel=0.2)
         assert len(packing.contacts) == assemble(case).n_contacts == np.count_nonzero(gaps <= 1e-6 * D) / 2
         assert assemble(case).n_neighbours == len(pairs)
-
-    def test_a_narrow_tolerance_leaves_some_contacts(self) -> None:
-        case = packing_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7})
-        packing = build_packing(case)
-        assert 0 < assemble(case).n_contacts == len(packing.contacts) < assemble(case).n_neighbours
-        assert packing.coordination.sum() == 2 * assemble(case).n_contacts
-        assert np.abs(packing.gaps(packing.contacts)).max() <= 1e-6 * D
+        if kind == "fcc" and sides == "free":  # a narrow tolerance leaves some contacts
+            narrow = build_packing(packing_of(size=(20, 20, 10), packing={"diameter_scatter": 1e-7}))
+            assert 0 < narrow.assembly.n_contacts == len(narrow.contacts) < narrow.assembly.n_neighbours
+            assert narrow.coordination.sum() == 2 * narrow.assembly.n_contacts
 
     def test_the_tolerance_counts_from_each_nominal_diameter(self) -> None:
         band = 1e-5
@@ -106,18 +99,6 @@ class TestSeed:
         "replace": [{"share": 0.2, "material": "steel"}, {"share": 0.1, "diameter": 0.009}],
     }
 
-    def test_same_seed_same_bits(self, tmp_path: Path) -> None:
-        for n in (1, 2):
-            write_data(assemble(packing_of(**self.TABLES)), tmp_path / str(n))
-        assert (tmp_path / "1").read_bytes() == (tmp_path / "2").read_bytes()
-        other = self.TABLES | {"packing": self.TABLES["packing"] | {"seed": 4}}
-        write_data(assemble(packing_of(**other)), tmp_path / "3")
-        assert (tmp_path / "3").read_bytes() != (tmp_path / "1").read_bytes()
-
-    def test_one_is_the_default(self) -> None:
-        given, implied = (packing_of(packing={"diameter_scatter": 1e-5, **seed}) for seed in ({"seed": 1}, {}))
-        np.testing.assert_array_equal(diameters(given), diameters(implied))
-
     @pytest.mark.parametrize(
         ("distribution", "expected"),
         [
@@ -139,16 +120,14 @@ class TestSeed:
     def test_no_change_of_one_changes_another(self) -> None:
         full = assemble(packing_of(**self.TABLES)).sites
         packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
-        for left_out in ("diameter_scatter", "vacancies"):
-            fewer = packing_of(packing={k: v for k, v in packing.items() if k != left_out}, replace=[steel, small])
-            sites = assemble(fewer).sites
-            if left_out == "diameter_scatter":
-                np.testing.assert_array_equal(sites.present, full.present)
-                np.testing.assert_array_equal(sites.body, full.body)
-                np.testing.assert_array_equal(sites.nominal, full.nominal)
-            else:
-                losses = [(one.nominal - one.diameter)[full.present] for one in (sites, full)]
-                np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
+        unscattered, whole = (
+            assemble(packing_of(packing={**packing, key: 0.0}, replace=[steel, small])).sites
+            for key in ("diameter_scatter", "vacancies")
+        )
+        for name in ("present", "body", "nominal"):
+            np.testing.assert_array_equal(getattr(unscattered, name), getattr(full, name))
+        losses = [(one.nominal - one.diameter)[full.present] for one in (whole, full)]
+        np.testing.assert_allclose(*losses, rtol=0, atol=2e-17)
         one = assemble(packing_of(packing=packing, replace=[steel])).sites
         np.testing.assert_array_equal(one.body == 1, (full.body == 1) | (one.body == 1) & (full.nominal < D))
 
@@ -170,13 +149,18 @@ class TestSeed:
         few, many = (set(assemble(packing_of(packing={"vacancies": share})).ids.tolist()) for share in (0.05, 0.2))
         assert many < few
 
-    def test_what_is_random(self) -> None:
-        assert not is_random(
-            packing_of(packing={"vacancies": [1], "seed": 5}, replace=[{"index": 2, "material": "steel"}])
-        )
-        assert is_random(packing_of(packing={"diameter_scatter": 1e-6}))
-        assert is_random(packing_of(packing={"vacancies": 0.1}))
-        assert is_random(packing_of(replace=[{"share": 0.1, "material": "steel"}]))
+    @pytest.mark.parametrize(
+        ("tables", "random"),
+        [
+            ({"packing": {"vacancies": [1], "seed": 5}, "replace": [{"index": 2, "material": "steel"}]}, False),
+            ({"packing": {"diameter_scatter": 1e-6}}, True),
+            ({"packing": {"vacancies": 0.1}}, True),
+            ({"replace": [{"share": 0.1, "material": "steel"}]}, True),
+        ],
+    )
+    def test_what_is_random(self, tables: dict[str, Any], random: bool, caplog: pytest.LogCaptureFixture) -> None:
+        assert is_random(packing_of(**tables)) == random
+        assert not caplog.records  # a seed without chance is no fault
 
 
 class TestTimestep:
@@ -184,43 +168,18 @@ class TestTimestep:
         plain = auto_timestep(packing_of())
         assert auto_timestep(packing_of(packing={"diameter_scatter": 5e-6})) == pytest.approx(plain, rel=0.05)
         assert auto_timestep(packing_of(packing={"vacancies": 0.1})) == plain
+        few, many = (  # kinds that are told apart, and those near each other as one
+            packing_of("chain", (n,), replace=[{"index": k, "diameter": 0.008 + 0.002 * k / n} for k in range(1, n)])
+            for n in (40, 60)
+        )
+        assert auto_timestep(many) == pytest.approx(auto_timestep(few), rel=0.1)
 
-    def test_it_goes_with_the_smallest_sphere(self) -> None:
-        tenth = auto_timestep(packing_of(size=(3, 3, 3), packing={"diameter_scatter": 0.0049}))
-        assert 0.4 < tenth / auto_timestep(packing_of(size=(3, 3, 3))) < 0.7
-
-    def test_thousands_of_diameters_cost_nothing(self) -> None:
-        tables = {"packing": {"diameter_scatter": 4e-3}, "replace": [{"share": 0.5, "material": "steel"}]}
-        case = packing_of(size=(40, 40, 30), **tables)
-        _ = assemble(case)
+    def test_a_large_packing_with_thousands_of_diameters_takes_no_time(self) -> None:
+        packing, replaced = {"diameter_scatter": 4e-3, "vacancies": 0.01}, [{"share": 0.5, "material": "steel"}]
         start = time.process_time()
-        found = plan(case)
-        assert time.process_time() - start < 2
-        assert found.n_spheres == 48_000 and found.n_contacts == 0
-
-    def test_kinds_told_apart_or_near_each_other_give_the_same_within_a_tenth(self) -> None:
-        def of(n: int) -> float:
-            entries = [{"index": k, "diameter": 0.008 + 0.002 * k / n} for k in range(1, n)]
-            return auto_timestep(packing_of("chain", (n,), replace=entries))
-
-        assert of(60) == pytest.approx(of(40), rel=0.1)
-
-
-def test_155520_spheres_take_no_time() -> None:
-    tables = {
-        "packing": {"diameter_scatter": 5e-6, "vacancies": 0.01},
-        "replace": [{"share": 0.1, "material": "steel"}],
-    }
-    start = time.process_time()
-    case = packing_of(size=(72, 72, 30), **tables)
-    assert assemble(case).n_contacts >= 0 and len(assemble(case).positions()) == 153_965
-    assert time.process_time() - start < 2
-
-
-def test_listed_seeds_without_chance_are_no_fault(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.WARNING, logger="granwave"):
-        assert assemble(packing_of(packing={"seed": 7})).plain
-    assert not caplog.records
+        found = plan(packing_of(size=(72, 72, 30), packing=packing, replace=replaced))
+        assert time.process_time() - start < 4
+        assert found.n_spheres == 153_965 and found.n_contacts == 0
 
 
 class TestVacancies:
@@ -269,13 +228,6 @@ class TestVacancies:
         assert packing.positions[-1] == pytest.approx([4 * D, -math.sqrt(0.011**2 - D**2), 0], abs=1e-6)
         assert packing.contacts.tolist() == [[4, 73], [6, 73]]
 
-    def test_they_are_anywhere(self) -> None:
-        case = packing_of(size=(40, 40, 25), packing={"vacancies": 0.1})
-        gone = np.setdiff1d(np.arange(1, 40_001), assemble(case).ids)
-        assert len(gone) == 4000
-        assert stats.kstest(gone / 40_000, "uniform").pvalue > 1e-3
-        assert stats.chisquare(np.bincount((gone - 1) % 40, minlength=40)).pvalue > 1e-3
-
 
 class TestReplaced:
     def test_later_entries_overrule_earlier_ones(self) -> None:
@@ -292,10 +244,8 @@ class TestReplaced:
     def test_smaller_ones_leave_gaps(self) -> None:
         case = packing_of(replace=[{"index": INNER, "diameter": 0.009}])
         packing = build_packing(case)
-        assert (
-            packing.coordination[INNER - 1] == 0
-            and assemble(case).n_contacts == assemble(packing_of()).lattice.n_contacts - 12
-        )
+        assert packing.coordination[INNER - 1] == 0
+        assert assemble(case).n_contacts == assemble(packing_of()).lattice.n_contacts - 12
         assert np.sort(all_gaps(packing)[INNER - 1])[:12] == pytest.approx(0.0005, rel=1e-9)
 
     def test_larger_ones_next_to_vacancies_can_touch_beyond_neighbours(self) -> None:
@@ -319,17 +269,6 @@ class TestReplaced:
         with pytest.raises(InputError, match=r"sphere 61 of 0.018 m overlaps sphere \d+ by 0.004 m \(and 1 more"):
             packing_of("sc", packing={"vacancies": inside}, boundary=periodic, replace=ball)
 
-    @pytest.mark.parametrize("sides", ["free", "periodic"])
-    def test_next_to_small_ones_there_is_room(self, sides: str) -> None:
-        ring = {"index": around(INNER), "diameter": 0.009}
-        case = packing_of(replace=[ring, {"index": INNER, "diameter": 0.011}], boundary={"sides": sides})
-        assert build_packing(case).coordination[INNER - 1] == 12
-
-    def test_a_share_of_the_spheres_that_there_are(self) -> None:
-        case = packing_of(packing={"vacancies": 0.25}, replace=[{"share": 0.5, "material": "steel"}])
-        steel = 1 + np.flatnonzero(assemble(case).sites.body)
-        assert assemble(case).n_spheres == 252 and len(steel) == 126 and set(steel) < set(assemble(case).ids.tolist())
-
 
 def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
     """Unloading is steeper: with dents far beyond the peak overlap the balance closes as well as without."""
@@ -343,19 +282,3 @@ def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
     assert auto_timestep(small) == auto_timestep(fresh)
     assert auto_timestep(from_file) == pytest.approx(auto_timestep(one), rel=0.11)  # two digits
     assert summary["energy_balance_error"] < one.run.energy_tolerance
-
-
-@pytest.mark.parametrize(
-    ("dents", "message"),
-    [({"overlap": 1e-6, "low": [0, 0, 0.02], "high": [1, 1, 0.01]}, "expected low of a box of dents below its high"),
-     ({"overlap": 1e-6, "low": [1, 1, 1]}, r"found no contact in the box \{low = \[1.0, 1.0, 1.0\]\}, expected")],
-)  # fmt: skip
-def test_boxes_of_dents_that_hold_nothing(dents: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message) as refused:
-        load_case("fcc-small", {"contact.initial_overlap": dents})
-    assert len(refused.value.errors) == 1
-
-
-def test_pair_without_materials() -> None:
-    with pytest.raises(InputError, match=r"pair.1.materials: missing; expected the names of two"):
-        load_case("fcc-small", {"pair": [{"friction": 0.1}]})

@@ -42,6 +42,8 @@ def steps(**tables: Any) -> float:
 
 
 def test_the_reference() -> None:
+    usual = plan(make((6, 6, 4)))
+    assert usual.limit is None and not usual.slowness
     found = plan(make((72, 72, 30), run={"timestep": 1e-7}))
     assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
     assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
@@ -50,14 +52,6 @@ def test_the_reference() -> None:
     assert 1.001 < found.times.steps / hertz.times.steps < 1.5  # some contacts yield
     assert hertz.peak_overlap_yield is None
     assert plan(make((72, 72, 30), run={"timestep": 1e-7}), n_ranks=2).times.steps == found.times.steps / 2
-
-
-def test_memory() -> None:
-    check_memory(plan(make()))
-    with pytest.raises(InputError, match=r"need about .* GiB of memory, there is 0.1 GiB"):
-        check_memory(plan(make()), available=1e8)
-    with pytest.raises(InputError, match="spheres need about"):
-        check_memory(plan(make((1000, 1000, 1000))))
 
 
 def test_what_makes_a_step_longer() -> None:
@@ -141,13 +135,6 @@ def test_ranks_share_the_cores_of_this_machine(points: list[Point]) -> None:
     assert Machine(2, Profile(), 50).time(both) < 1.5 * Machine(2, Profile(), 50).time(points)
 
 
-def test_figures_of_every_point_are_planned(tmp_path: Path) -> None:
-    read = reader(tmp_path)
-    text = SMALL + "[grid]\nload.velocity = [1, 2]\n"
-    without, drawn = read(text).points[0], read("figures = true\n" + text).points[0]
-    assert drawn.plan.wall_time - without.plan.wall_time > 3
-
-
 def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     small = SMALL.replace("run.end_time = 5e-5", 'run.end_time = "auto"')
     scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
@@ -159,17 +146,19 @@ def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
 
 def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: list[float]) -> None:
     outlook = Outlook(points, Machine(2, slowness=100.0))
-    words = {}
-    for clock[0] in (101.0, 130.0):
-        words[clock[0]] = outlook.text(points, {})
-    assert words[101.0].startswith("1 s of about ") and words[130.0].startswith("30 s of about ")
-    assert words[101.0].split("about")[1] == words[130.0].split("about")[1]
+    clock[0] = 101.0
+    soon = outlook.text(points, {})
+    clock[0] = 130.0
+    assert soon.startswith("1 s of about ") and outlook.text(points, {}) == f"30{soon[1:]}"
     clock[0] = 1e6
     assert ", longer than the planned " in outlook.text(points, {}) and outlook.text([], {}).endswith("are next")
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
-    outlook, (first, *others, longest) = Outlook(points[:-1] + points[-1:], Machine(1)), points
+    fresh = Outlook(points[1:], Machine(1))
+    fresh.done(points[0], 1e6)  # of an earlier start, which does not tell
+    assert fresh.text(points[1:], {}).startswith("0 s of about ")
+    outlook, (first, *others, longest) = Outlook(points, Machine(1)), points
     clock[0] += 70
     outlook.done(first, 100 * first.plan.wall_time)
     left = 100 * (sum(point.plan.wall_time for point in others) + longest.plan.wall_time) + batches.PUBLISH
@@ -180,54 +169,45 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     assert outlook.text([], {}) == "70 s; table, figures and report are next"
 
 
-def test_points_of_an_earlier_start_do_not_tell(points: list[Point], clock: list[float]) -> None:
-    outlook = Outlook(points[1:], Machine(1))
-    outlook.done(points[0], 1e6)
-    assert outlook.text(points[1:], {}).startswith("0 s of about ")
-
-
-# ---------------------------------------------------------------------- lines of a log
-
-
 @pytest.mark.parametrize(
-    ("at_most", "words"), [(False, "[40 s, about 40 s left]"), (True, "[40 s, at most 40 s left]")]
-)
-def test_lines_say_about(at_most: bool, words: str, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    ("at_most", "updates", "said"),
+    [
+        (False, [(20, 3, ""), (20, 5, ""), (0, 6, ""), (0, 10, "60 s of about 2 min")],
+         ["50 % there [40 s, about 40 s left]", "100 % there [60 s of about 2 min]"]),
+        (True, [(20, 3, ""), (20, 5, "")], ["50 % there [40 s, at most 40 s left]"]),
+        (False, [(20, 10, "last")], ["100 % there [20 s]"]),
+        (True, [(20, 4, "last")], ["100 % there [20 s]"]),  # it settled early: nothing is left
+    ],
+)  # fmt: skip
+def test_lines_of_a_log(
+    at_most: bool, updates: list[tuple[int, int, str]], said: list[str], clock: list[float],
+    caplog: pytest.LogCaptureFixture,
+) -> None:  # fmt: skip
     caplog.set_level(logging.INFO)
     bar = Progress(10, "mine", enabled=True, at_most=at_most)
-    clock[0] += 20
-    bar.update(3, "early")
-    clock[0] += 20
-    bar.update(5, "half way")
-    bar.update(6, "soon after")
-    bar.update(10, "there", "60 s of about 2 min")
+    for seconds, done, words in updates:
+        clock[0] += seconds
+        if words == "last":
+            bar.update(done, "there", last=True)
+        else:
+            bar.update(done, "there", *filter(None, [words]))
     bar.close()
-    assert [record.getMessage() for record in caplog.records] == [
-        f"mine  50 % half way {words}",
-        "mine 100 % there [60 s of about 2 min]",
-    ]
-
-
-@pytest.mark.parametrize("settles", [False, True])
-def test_at_the_end_nothing_is_left(settles: bool, clock: list[float], caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.INFO)
-    bar = Progress(10, "mine", enabled=True, at_most=settles)
-    clock[0] += 20
-    bar.update(4 if settles else 10, "there", last=True)
-    bar.close()
-    assert [record.getMessage() for record in caplog.records] == ["mine 100 % there [20 s]"]
+    assert [" ".join(record.getMessage().split()) for record in caplog.records] == [f"mine {line}" for line in said]
 
 
 def test_memory_of_each_rank() -> None:
     """The steps are shared by the ranks; of the analysis each holds a part, and the first what it puts together."""
+    check_memory(plan(make()))
+    with pytest.raises(InputError, match=r"spheres need about .* GiB of memory, there is 0.1 GiB"):
+        check_memory(plan(make()), available=1e8)
     case = make(packing={"size": [120, 120, 60]})
     one, four = plan(case), plan(case, n_ranks=4)
-    assert one.memory == one.space.first_rank and one.disk == four.disk
-    assert four.memory == four.space.first_rank + 3 * four.space.other_rank
-    assert four.space.other_rank < min(four.space.first_rank, one.space.other_rank)
+    assert one.memory == one.first_rank and one.disk == four.disk
+    assert four.memory == four.first_rank + 3 * four.other_rank
+    assert four.other_rank < min(four.first_rank, one.other_rank)
     deep = make(packing={"size": [120, 120, 600]})
-    assert plan(deep, n_ranks=100).space.other_rank == pytest.approx(four.space.other_rank, rel=0.01)
-    assert plan(deep, n_ranks=100).space.other_rank < 1e9
+    assert plan(deep, n_ranks=100).other_rank == pytest.approx(four.other_rank, rel=0.01)
+    assert plan(deep, n_ranks=100).other_rank < 1e9
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
     assert "first rank, which puts the results together" in plan_table(case, four)
     assert "first rank" not in plan_table(case, one)
@@ -282,14 +262,6 @@ def test_what_makes_steps_short_is_told(changes: dict[str, Any], cause: str, rem
     assert cause in planned.slowness and remedy in planned.slowness
 
 
-def test_usual_steps_need_no_reason() -> None:
-    planned = plan(make((6, 6, 4)))
-    assert planned.limit is None and not planned.slowness
-
-
-@pytest.mark.parametrize("changes", [{"load": TINY | {"duration": 1e-11}}, {"contact": {"loss": {"dashpot": 1e6}}}])
-def test_too_many_steps_name_their_cause(changes: dict[str, Any]) -> None:
-    with pytest.raises(
-        InputError, match=r"are more than 2e\+09 steps; .* (load\.duration = 1e-11 s|contact\.loss) sets"
-    ):
-        plan(make((6, 6, 4), **({"run": {"end_time": 1e-3}} | changes)))
+def test_too_many_steps_name_their_cause() -> None:
+    with pytest.raises(InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s sets"):
+        plan(make((6, 6, 4), run={"end_time": 1e-3}, load=TINY | {"duration": 1e-11}))

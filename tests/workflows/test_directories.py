@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.directories import check_disk, decide, output_path, refuse_other_file, results_directory
+from granwave.lammps_inputs.directories import check_disk, decide, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear
@@ -59,19 +59,6 @@ def test_results_whose_case_is_known_to_nobody_are_not_resumed(filled):
         ask(filled, resume=True)
 
 
-@pytest.mark.parametrize("words", [{}, {"resume": True}, {"force": True}])
-def test_files_of_somebody_else_are_never_overwritten(tmp_path, words):
-    (tmp_path / "figures").mkdir()
-    for name in ("summary.json", "figures/a.png", "figures/mine.png"):
-        (tmp_path / name).write_text("mine")
-    with pytest.raises(InputError) as caught:
-        ask(tmp_path, **words)
-    assert str(caught.value) == (
-        f"{tmp_path}: summary.json, figures/a.png would be overwritten, and granwave did not write them; "
-        "move them away, or choose another directory with -o"
-    )
-
-
 @pytest.mark.parametrize(
     ("name", "message"),
     [
@@ -90,13 +77,9 @@ def test_places_that_nobody_means(name, message):
         results_directory(name)
 
 
-def test_the_present_directory_is_a_place(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert results_directory(".") == tmp_path and results_directory("new") == tmp_path / "new"
-    assert output_path("law.png") == Path("law.png")
-
-
-def test_results_behind_a_link_are_kept(filled):
+def test_results_behind_a_link_are_kept(filled, monkeypatch):
+    monkeypatch.chdir(filled)
+    assert results_directory(".") == filled and results_directory("new") == filled / "new"
     link = filled.with_name("link")
     link.symlink_to(filled)
     assert results_directory(link) == link
@@ -114,18 +97,6 @@ def test_disk_that_is_too_small(tmp_path):
         check_disk(tmp_path, 1e30, what="the points")
     with pytest.raises(InputError, match=r"the results need about 1e-06 GB and 1e\+21 GB must stay free, [\d.e+]+ GB"):
         check_disk(tmp_path, 1e3, spare=1e30)
-
-
-def test_a_single_file_of_somebody_else_is_not_overwritten(tmp_path):
-    path = tmp_path / "curve.csv"
-    refuse_other_file(path, b"own")
-    path.write_text("our own\n")
-    refuse_other_file(path, b"own")
-    path.write_text("mine")
-    with pytest.raises(InputError, match=r"curve\.csv: is there, and granwave did not write it"):
-        refuse_other_file(path, b"own")
-    with pytest.raises(InputError, match="is a directory"):
-        refuse_other_file(tmp_path, b"own")
 
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path):

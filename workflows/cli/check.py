@@ -120,7 +120,7 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows
     numbers = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in coordination["grains"].items())
     memory = f"about {plan.memory / _GIB:.2f} GiB"
     if plan.n_ranks > 1:
-        first, other = plan.space.first_rank / _GIB, plan.space.other_rank / _GIB
+        first, other = plan.first_rank / _GIB, plan.other_rank / _GIB
         memory += f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
     timestep, steps, at_most = f"{schedule.timestep:.4g} s", f"{schedule.n_steps}", ""
     if schedule.adaptive:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from granwave.lammps_inputs.case.contact import LAWS, Cohesion, parse_cohesion
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
-from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
+from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import refuse_foreign, results_in
@@ -61,7 +61,7 @@ def law(options: argparse.Namespace) -> int:
             sphere_mass(m, r)
             for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
         )
-        wall = rigid_wall_contact_of(materials[0], options.radius[0], options.law, options.variant)
+        wall = contact_of((materials[0], None), (options.radius[0], math.inf), options.law, options.variant)
         contacts = {
             "two spheres": (spheres, first * second / (first + second)),
             "sphere and rigid wall": (wall, first),

@@ -119,7 +119,7 @@ def _refuse_by_hand(directory: Path) -> None:
     """Raise InputError if LAMMPS was run on the deck by hand, as it is unknown whether that run finished."""
     marker = read_marker(directory)
     outputs = [name for name in output_names(directory) if (directory / name).is_file()]
-    if marker is not None and RECORD_FILE not in marker.files and outputs:
+    if marker.kind and RECORD_FILE not in marker.files and outputs:
         raise InputError(
             f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
             f"granwave analyse {directory}  makes the results, --force runs the case again"

@@ -75,10 +75,10 @@ def _own(
     low, high = low - _MARGIN * lattice.diameter, high + _MARGIN * lattice.diameter
     for first in range(1, n + 1, _BATCH):
         last = min(first + _BATCH - 1, n)
-        top, bottom = (assembly.lattice_positions(one, one)[0, 2] for one in (first, last))
+        top, bottom = (assembly.sites.positions(one, one)[0, 2] for one in (first, last))
         if layered and not (top < high[2] and bottom >= low[2]):
             continue
-        centres, chosen = assembly.lattice_positions(first, last), assembly.sites.present[first - 1 : last]
+        centres, chosen = assembly.sites.positions(first, last), assembly.sites.present[first - 1 : last]
         if layered:
             inside = centres.copy()
             if lattice.periodic:

@@ -174,9 +174,8 @@ def _sum(task: tuple[Path, int, tuple[int, int]]) -> int:
 
 def keep_checkpoint(directory: Path, checkpoint: dict[str, Any] | None) -> None:
     """Remove the restart files of all checkpoints but this one."""
-    marker = read_marker(directory)
     kept = (checkpoint["file"], checkpoint["file"].replace(RANK, _BASE)) if checkpoint else ()
-    clear(directory, [name for name in (marker.files if marker else ()) if _FILE.fullmatch(name) and name not in kept])
+    clear(directory, [name for name in read_marker(directory).files if _FILE.fullmatch(name) and name not in kept])
 
 
 def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:

@@ -13,7 +13,7 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis import law_table, write_law
 from granwave.analysis.contact_law.curves import restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
-from granwave.lammps_inputs.contact.law import contact_of, rigid_wall_contact_of
+from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import library
 from granwave.workflows.run.driver import run_case
@@ -116,7 +116,7 @@ def test_sphere_and_wall(lammps, velocity):
     )
     lmp.commands_string("timestep 5e-9\nrun 30000")
     assert -value(lmp, "vz[1]") / velocity == pytest.approx(
-        at(velocity, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3
+        at(velocity, contact_of((BRASS, None), (R, math.inf)), MASS), rel=1e-3
     )
 
 
@@ -145,7 +145,7 @@ def test_built_in_studies(granwave, tmp_path, study):
     if study == "two-spheres":
         assert 1 - 2 * ratio == pytest.approx(at(1.0, contact_of([BRASS], [R]), MASS / 2), rel=1e-3)
     else:
-        assert -ratio == pytest.approx(at(1.0, rigid_wall_contact_of(BRASS, R), MASS), rel=1e-3)
+        assert -ratio == pytest.approx(at(1.0, contact_of((BRASS, None), (R, math.inf)), MASS), rel=1e-3)
 
 
 def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):

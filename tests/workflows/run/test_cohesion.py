@@ -9,7 +9,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.contact.cohesion import cohesive_laws
+from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.deck.commands import pair_coefficients, wall_commands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
