@@ -48,7 +48,6 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         return
     chain, uniform, support = packing.kind == "chain", stage.kind == "uniform", boundary.bottom_support
     flat = uniform and (chain or is_plane_crystal(packing.kind))
-    end = support.bar.end if support is not None and support.bar else ""
     errors.check(
         (flat, f"{_TABLE}.kind",
          f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
@@ -61,7 +60,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         (stage.kind == "uniaxial" and packing.kind == "square", f"{_TABLE}.kind",
          'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
         (support is not None and not support.bears, "boundary.bottom.bar.end",
-         f'found {show(end)} under a precompression, expected "fixed": '
+         f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
          "such a bar gives way to a load that lasts"),
     )  # fmt: skip
 
