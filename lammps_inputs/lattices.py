@@ -65,7 +65,7 @@ class Plane:
     down_label: str = "Depth"
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Kind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its contacts.
 
@@ -312,7 +312,9 @@ class Lattice:
         period = self.rule.layer_period
         if self.n_layers > _MOST_COUNTED + 2 * period:  # each further period of layers adds as many
             few = _MOST_COUNTED + (self.n_layers - _MOST_COUNTED) % period
-            first, second = (self._with_layers(few + n * period).n_contacts for n in range(2))
+            first, second = (
+                dataclasses.replace(self, size=(*self.size[:-1], few + n * period)).n_contacts for n in range(2)
+            )
             return first + (second - first) * ((self.n_layers - few) // period)
         _, ny, nz = self.shape
         total = 0
@@ -326,10 +328,6 @@ class Lattice:
                     across = int(np.count_nonzero((j + dj >= 0) & (j + dj < ny)))
                 total += int(across * along.sum())
         return total // 2
-
-    def _with_layers(self, count: int) -> Lattice:
-        """Return the same packing with so many layers, numbered from the top."""
-        return dataclasses.replace(self, size=(*self.size[:-1], count))
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
         """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
@@ -436,37 +434,27 @@ class Lattice:
         return [(k, j, self._offsets(j, k)) for k, j in itertools.product(layers, rows)]
 
     def _offsets(self, j: int, k: int) -> list[Offset]:
-        table = _offset_table(self.kind, tuple(n > 1 for n in self.shape))
-        return table[(k + self._start) % self.rule.layer_period, j % self.rule.row_period]
+        """Return the steps in (i, j, k) from a sphere of row j and layer k to its neighbours."""
+        rows, layers, movable = self.rule.row_period, self.rule.layer_period, tuple(n > 1 for n in self.shape)
+        return _offsets(self.rule, j % rows, (k + self._start) % layers, movable)
 
 
 @cache
-def _offset_table(kind: str, movable: tuple[bool, ...]) -> dict[tuple[int, int], list[Offset]]:
-    """Return the steps in (i, j, k) to the neighbours, for each layer of the stacking and each kind of row.
+def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
+    """Return the steps in (i, j, k) from a sphere of row j and layer k of the stacking to its neighbours.
 
     Parameters
     ----------
     movable
         True for each axis along which there is more than one sphere.
     """
-    rule = KINDS[kind]
-    places = itertools.product(range(rule.layer_period), range(rule.row_period))
-    return {(k, j): _offsets(rule, j, k, movable) for k, j in places}
-
-
-def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
-    """Return the steps in (i, j, k) from a sphere of row j and layer k to its neighbours."""
-    steps = [
-        offset
-        for offset in itertools.product(*_REACH)
-        if any(offset) and all(free or step == 0 for free, step in zip(movable, offset, strict=True))
-    ]
+    steps = itertools.product(*(reach if free else (0,) for reach, free in zip(_REACH, movable, strict=True)))
     base = (6, 6 + j, 6 + k)  # a multiple of all periods, and large enough to keep stepped indices positive
     here = np.array(rule.site(*map(np.asarray, base)))
     return [
-        offset
-        for offset in steps
-        if abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, offset)))) - 1.0) <= TOUCHING
+        step
+        for step in steps
+        if any(step) and abs(math.dist(here, rule.site(*map(np.asarray, np.add(base, step)))) - 1.0) <= TOUCHING
     ]
 
 

@@ -98,13 +98,14 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     InputError
         The file cannot be read, or a table in it is not a material.
     """
-    errors = ErrorList(str(path))
-    read = {
-        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, errors)
-        for name, table in read_toml(path).items()
-    }
-    if not read and not errors.lines:
-        raise InputError(f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on")
+    errors, read = ErrorList(str(path)), dict[str, Material | None]()
+    for name, table in read_toml(path).items():
+        named = {"name": name, **table} if isinstance(table, Mapping) else table
+        read[name] = read_table(Material, named, name, errors)
+    if not read:
+        errors.lines.append(
+            f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on"
+        )
     if errors.lines:
         raise InputError(errors.lines)
     return {name: entry for name, entry in read.items() if entry is not None}
@@ -173,10 +174,10 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
             continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:
-            own_name = isinstance(table, Mapping) and "name" in table
-            found[name] = material if own_name and material.name == name else dataclasses.replace(material, name=name)
-            if own_name and material.name != name:
-                errors.add(f"{MATERIALS}.{name}.name", f"found {show(material.name)}, expected the name of the table")
+            found[name] = dataclasses.replace(material, name=name)
+            other = isinstance(table, Mapping) and table.get("name", name) != name
+            errors.check((other, f"{MATERIALS}.{name}.name",
+                          f"found {show(material.name)}, expected the name of the table"))  # fmt: skip
     return found
 
 
