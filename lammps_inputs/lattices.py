@@ -63,7 +63,7 @@ class Plane:
     down_label: str = "Depth"
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Kind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its contacts.
 

@@ -23,6 +23,7 @@ from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import dampers_of, losses_of, transmission
+from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -263,7 +264,7 @@ def steady(
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
     assembly = assemble(state.case)
     support = state.case.boundary.bottom_support
-    damping = support.damper.damping if support is not None and support.damper is not None else None
+    damping = support.damping if isinstance(support, Damper) else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
     stiffness, small = stiffness_of(state.network), state.network.n_freedoms <= ALL_UP_TO
     modes = solve_modes(stiffness, None if small else _LOWEST_MODES)

@@ -12,6 +12,7 @@ from typing import Any, Generic, TypeVar
 
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import read_material
 from granwave.lammps_inputs.case.schema import ErrorList
@@ -180,17 +181,16 @@ def bottom_label(case: Case) -> str:
     name = (material.name or "elastic") if material else "rigid"
     if support is None:
         return {"fixed": "fixed last layer", "free": "no bottom"}.get(boundary.bottom, f"{name} wall")
-    if support.plate:
-        damped = ", damped" if support.plate.damping else ""
-        return f"plate of {support.plate.mass:g} kg, {time_label(period_of(support.plate))}{damped}"
-    if support.damper:
-        return f"damper of {support.damper.damping:g} N s/m"
-    if support.half_space:
-        radius = support.half_space.radius
-        return f"{name} half-space" + (f", disc of {1e3 * radius:g} mm" if radius else "")
-    assert support.bar is not None
-    end = "" if support.bar.end == "infinite" else f", far end {support.bar.end}"
-    return f"{name} bar of {_SQUARE_CM * support.bar.area:.3g} cm²{end}"
+    if isinstance(support, Plate):
+        damped = ", damped" if support.damping else ""
+        return f"plate of {support.mass:g} kg, {time_label(period_of(support))}{damped}"
+    if isinstance(support, Damper):
+        return f"damper of {support.damping:g} N s/m"
+    if isinstance(support, HalfSpace):
+        return f"{name} half-space" + (f", disc of {1e3 * support.radius:g} mm" if support.radius else "")
+    assert isinstance(support, SupportBar)
+    end = "" if support.end == "infinite" else f", far end {support.end}"
+    return f"{name} bar of {_SQUARE_CM * support.area:.3g} cm²{end}"
 
 
 def time_label(seconds: float) -> str:

@@ -26,7 +26,7 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library
-from granwave.workflows.cli.json_schema import schema_name, schema_of
+from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.keys import CASE, FILES, Key, Table, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 
@@ -217,7 +217,7 @@ def write_schemas(app: Sphinx, error: Exception | None) -> None:
         folder.mkdir(exist_ok=True)
         for file in FILES:
             text = json.dumps(schema_of(file), indent=1) + "\n"
-            (folder / schema_name(file)).write_text(text, encoding="utf-8")
+            (folder / f"{file}.schema.json").write_text(text, encoding="utf-8")
 
 
 class LammpsLexer(TextLexer):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.material import (
     Material,
+    Shape,
     Vector,
     axis_field,
     check_shape,
@@ -50,7 +51,6 @@ _RING = (
     "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x); in place of z there may be gap = 3, "
     '[3, 5] or "all" (after which spheres of a chain), and then the radius may be "touching"'
 )
-_TOUCHING, _ALL = "touching", "all"
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
 _MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
@@ -84,22 +84,19 @@ def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
 
 
 def _parse_ring(value: Any) -> Ring:
-    if not isinstance(value, Mapping) or not {"n", "radius"} <= set(value) <= {"n", "radius", "z", "gap", "angle"}:
-        raise ValidationError(_RING)
-    touching = value["radius"] == _TOUCHING
+    schema.inner_table(value, _RING, ("n", "radius", "z", "gap", "angle"), needed=("n", "radius"))
+    touching, gaps = value["radius"] == "touching", value.get("gap", "all")
     radius = None if touching else schema.finite(value["radius"], _RING)
     schema.refuse_if(radius is not None and radius <= 0, f"{_RING}, with a radius above 0")
     if ("z" in value) == ("gap" in value) or (touching and "z" in value):
         raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
-    gap: tuple[int, ...] = ()
-    if value.get("gap", _ALL) != _ALL:
-        gap = parse_index(value["gap"])
     z = schema.finite(value["z"], _RING) if "z" in value else None
+    gap = () if gaps == "all" else parse_index(gaps)
     return Ring(schema.whole(value["n"], _RING), radius, z, gap, schema.finite(value.get("angle", 0.0), _RING))
 
 
 def _parse_repeat(value: Any) -> Repeat:
-    schema.refuse_if(not isinstance(value, Mapping) or set(value) != {"times", "step"}, _REPEAT)
+    schema.inner_table(value, _REPEAT, ("times", "step"), needed=("times", "step"))
     return Repeat(schema.whole(value["times"], _REPEAT), schema.parse_point(value["step"], _REPEAT))
 
 
@@ -237,24 +234,23 @@ def with_added_grains(
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
     before = len(errors.lines)
-    for place, entry in enumerate(added, start=1):
+    for key, entry in schema.numbered("grains", added).items():
         both, holes_of = entry.at is not None, show(entry.at) if isinstance(entry.at, str) else ""
         errors.check_first(
-            (both == (entry.ring is not None), f"grains.{place}",
+            (both == (entry.ring is not None), key,
              f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
-            (holes_of and packing.kind not in _HOLED, f"grains.{place}.at",
+            (holes_of and packing.kind not in _HOLED, f"{key}.at",
              f"found {holes_of} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places"),
-            (holes_of and entry.repeat, f"grains.{place}.repeat",
-             f"found beside at = {holes_of}, which are all such holes"),
+            (holes_of and entry.repeat, f"{key}.repeat", f"found beside at = {holes_of}, which are all such holes"),
         )  # fmt: skip
-        check_shape(entry, f"grains.{place}", errors)
+        check_shape(entry, key, errors)
     last = packing.size[0] - 1
     beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
     errors.check_first(
         (packing.gaps and packing.kind != "chain", "packing.gaps",
          f"found with packing.kind = {show(packing.kind)}, expected a chain"),
-        *((True, "packing.gaps", f"found a gap after sphere {one}, expected after one from 1 to {last}")
-          for one in beyond),
+        (beyond, "packing.gaps",
+         f"found a gap after sphere {max(beyond, default=0)}, expected after one from 1 to {last}"),
     )  # fmt: skip
     beside = "found beside [[grains]], whose packing is no lattice; take one of them out"
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
@@ -263,47 +259,53 @@ def with_added_grains(
     own, lattice, period = packing.grains, None, packing.period
     if own is None:
         lattice = packing.lattice(periodic=periodic)
-        if not check_memory_of_sites(packing, lattice.n_spheres, _MEMORY_OF_GRAIN, errors):
+        n = lattice.n_spheres
+        if not check_memory_of_sites(packing, n, _MEMORY_OF_GRAIN, errors):
             return packing
         period = lattice.lengths if periodic else None
-        n = lattice.n_spheres
-        position = lattice.positions(1, n)
+        own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
         for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
-            position[sphere:, 2] += width
-        own = Grains(
-            position, np.full(n, packing.diameter), [""] * n, [""] * n, np.zeros((n, 3)), [packing.of_grain] * n
-        )
-    centres, diameter, material, group = [own.position], [own.diameter], [*own.material], [*own.group]
-    shape = [*own.shape]
-    for place, entry in enumerate(added, start=1):
+            own.position[sphere:, 2] += width
+    parts = [own]
+    for key, entry in schema.numbered("grains", added).items():
         n = entry.most_places(len(own))
         if (needed := n * _MEMORY_OF_GRAIN) > (available := available_memory()):
             found = f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
             room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
-            key = f"grains.{place}.{'at' if entry.ring is None else 'ring'}"
-            errors.add(key, f"{found}, which need more than {room}; expected fewer")
+            what = "at" if entry.ring is None else "ring"
+            errors.add(f"{key}.{what}", f"{found}, which need more than {room}; expected fewer")
             continue
         try:
             places = entry.places(lattice, own)
         except ValueError as error:
-            errors.add(f"grains.{place}.ring", str(error))
+            errors.add(f"{key}.ring", str(error))
             continue
         if not len(places):
-            errors.add(f"grains.{place}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
-        centres.append(places)
-        diameter.append(np.full(len(places), entry.diameter))
-        material += [_name_of(entry.material, materials)] * len(places)
-        group += [entry.group or ""] * len(places)
-        shape += [shape_of(entry)] * len(places)
-    starts = np.cumsum([1, *map(len, centres)]).tolist()
-    still = np.zeros((sum(map(len, centres[1:])), 3))
+            errors.add(f"{key}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
+        name = _name_of(entry.material, materials)
+        parts.append(_grains_at(places, entry.diameter, name, entry.group or "", shape_of(entry)))
     grains = Grains(
-        np.concatenate(centres), np.concatenate(diameter), material, group, np.concatenate([own.velocity, still]), shape
+        np.concatenate([one.position for one in parts]),
+        np.concatenate([one.diameter for one in parts]),
+        [name for one in parts for name in one.material],
+        [name for one in parts for name in one.group],
+        np.concatenate([one.velocity for one in parts]),
+        [shape for one in parts for shape in one.shape],
+        file=own.file,
+        lines=own.lines,
+        added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
     )
-    grains.file, grains.lines, grains.added_from = own.file, own.lines, starts[1:-1]
     return PackingSection(
         kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period, cell=packing.cell
     )
+
+
+def _grains_at(
+    places: NDArray[np.float64], diameter: float, material: str = "", group: str = "", shape: Shape = None
+) -> Grains:
+    """Return equal grains at rest at places (m)."""
+    n = len(places)
+    return Grains(places, np.full(n, diameter), [material] * n, [group] * n, np.zeros((n, 3)), [shape] * n)
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:

@@ -14,74 +14,17 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
 BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
 PLATE_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Plate:
-    """Rigid plate on a spring and a damper."""
-
-    mass: float = schema.number("mass of the plate", hints.MASS, above=0)
-    stiffness: float = schema.number("stiffness of the spring between plate and ground", "N/m", above=0)
-    damping: float = schema.number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Damper:
-    """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
-
-    damping: float = schema.number(
-        "force on the ground, beyond the static one, over the velocity of the plate", "N s/m", above=0
-    )
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class HalfSpace:
-    """Surface of an elastic half-space under the packing, moving as a rigid disc."""
-
-    radius: float | None = schema.number(
-        "radius of the disc that moves; that of the packing's footprint by default", hints.LENGTH, above=0, default=None
-    )
-
-    def stiffness(self, material: Material, radius: float) -> float:
-        """Return the stiffness of a rigid disc of this radius (m) on the half-space, N/m."""
-        return _SPRING * _shear_modulus(material) * radius / (1 - material.poisson_ratio)
-
-    def damping(self, material: Material, radius: float) -> float:
-        """Return the radiation damping, N s/m."""
-        return (
-            _DAMPER * radius**2 * math.sqrt(material.density * _shear_modulus(material)) / (1 - material.poisson_ratio)
-        )
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class SupportBar:
-    """Elastic bar under the whole packing."""
-
-    length: float = schema.number("length of the bar", hints.LENGTH, above=0)
-    area: float = schema.number("area of its cross-section", hints.AREA, above=0)
-    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=200)
-    end: str = schema.choice(
-        "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
-    )
-
-    def mass(self, material: Material) -> float:
-        """Return the mass of the whole bar, kg."""
-        return material.density * self.area * self.length
-
-    def stiffness(self, material: Material) -> float:
-        """Return the stiffness of an element, N/m."""
-        return material.youngs_modulus * self.area * self.elements / self.length
 
 
 @dataclasses.dataclass(frozen=True)
@@ -108,25 +51,30 @@ class Backing:
     elements: int = 0
     end: float | str = "free"
 
+    def longest_timestep(self, contacts: float) -> float:
+        """Return the longest timestep that resolves its motion under contacts of this stiffness in sum (N/m), s."""
+        if not self.mass:
+            return _OF_DECAY * self.damping / contacts
+        front = self.mass / self.elements / 2 if self.elements else self.mass
+        return PLATE_OSCILLATION * math.sqrt(front / (self.stiffness + contacts))
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
+
 class Support:
-    """Support of the bottom plane: exactly one of plate, damper, half-space and bar."""
+    """Support of the bottom plane: plate, damper, half-space or bar.
 
-    plate: Plate | None = None
-    damper: Damper | None = None
-    half_space: HalfSpace | None = None
-    bar: SupportBar | None = None
+    Attributes
+    ----------
+    kind
+        Its name in the case file.
+    bears
+        True if it can bear a static load, by a spring to the ground or as a damper.
+    needs_material
+        True if its values follow from the material of the surface.
+    """
 
-    @property
-    def kind(self) -> str:
-        """Name of the support, as in the case file."""
-        return next(name for name in SUPPORTS if getattr(self, name))
-
-    @property
-    def bears(self) -> bool:
-        """True if the support can bear a static load, by a spring to the ground or as a damper."""
-        return self.bar is None or self.bar.end == "fixed"
+    kind: ClassVar[str]
+    needs_material: ClassVar[bool] = False
+    bears = True
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         """Return the mass, stiffness and damping behind the plane.
@@ -138,48 +86,83 @@ class Support:
         footprint
             Radius of the packing's footprint, m.
         """
-        if self.plate:
-            return Backing(self.plate.mass, self.plate.stiffness, self.plate.damping)
-        if self.damper:
-            return Backing(0.0, 0.0, self.damper.damping)
+        raise NotImplementedError
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Plate(Support):
+    """Rigid plate on a spring and a damper."""
+
+    kind = "plate"
+    mass: float = schema.number("mass of the plate", hints.MASS, above=0)
+    stiffness: float = schema.number("stiffness of the spring between plate and ground", "N/m", above=0)
+    damping: float = schema.number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
+
+    def backing(self, material: Material | None, footprint: float) -> Backing:
+        return Backing(self.mass, self.stiffness, self.damping)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Damper(Support):
+    """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
+
+    kind = "damper"
+    damping: float = schema.number(
+        "force on the ground, beyond the static one, over the velocity of the plate", "N s/m", above=0
+    )
+
+    def backing(self, material: Material | None, footprint: float) -> Backing:
+        return Backing(0.0, 0.0, self.damping)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class HalfSpace(Support):
+    """Surface of an elastic half-space under the packing, moving as a rigid disc."""
+
+    kind = "half_space"
+    needs_material = True
+    radius: float | None = schema.number(
+        "radius of the disc that moves; that of the packing's footprint by default", hints.LENGTH, above=0, default=None
+    )
+
+    def backing(self, material: Material | None, footprint: float) -> Backing:
         assert material is not None
-        if self.half_space:
-            radius = self.half_space.radius or footprint
-            return Backing(0.0, self.half_space.stiffness(material, radius), self.half_space.damping(material, radius))
-        assert self.bar is not None
-        impedance = self.bar.area * math.sqrt(material.youngs_modulus * material.density)
-        end = impedance if self.bar.end == "infinite" else self.bar.end
-        return Backing(self.bar.mass(material), self.bar.stiffness(material), elements=self.bar.elements, end=end)
-
-    def longest_timestep(self, material: Material | None, footprint: float, contacts: float) -> float:
-        """Return the longest timestep that resolves the motion of the support, s.
-
-        Parameters
-        ----------
-        material, footprint
-            As in `backing`.
-        contacts
-            Sum of the stiffnesses of all contacts with the plane, N/m.
-        """
-        behind = self.backing(material, footprint)
-        if not behind.mass:
-            return _OF_DECAY * behind.damping / contacts
-        front = behind.mass / behind.elements / 2 if behind.elements else behind.mass
-        oscillation = PLATE_OSCILLATION * math.sqrt(front / (behind.stiffness + contacts))
-        if self.bar is None or material is None:
-            return oscillation
-        element = self.bar.length / self.bar.elements
-        return min(BAR_COURANT_NUMBER * element * math.sqrt(material.density / material.youngs_modulus), oscillation)
+        radius, shear = self.radius or footprint, material.youngs_modulus / (2 * (1 + material.poisson_ratio))
+        stiffness = _SPRING * shear * radius / (1 - material.poisson_ratio)
+        damping = _DAMPER * radius**2 * math.sqrt(material.density * shear) / (1 - material.poisson_ratio)
+        return Backing(0.0, stiffness, damping)
 
 
-_BEARS_ITSELF = ("plate", "damper", "tube")  # need no material
-SUPPORTS: dict[str, type] = {"plate": Plate, "damper": Damper, "half_space": HalfSpace, "bar": SupportBar}
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SupportBar(Support):
+    """Elastic bar under the whole packing."""
+
+    kind = "bar"
+    needs_material = True
+    length: float = schema.number("length of the bar", hints.LENGTH, above=0)
+    area: float = schema.number("area of its cross-section", hints.AREA, above=0)
+    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=200)
+    end: str = schema.choice(
+        "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
+    )
+
+    @property
+    def bears(self) -> bool:  # type: ignore[override]
+        """True if its end is fixed."""
+        return self.end == "fixed"
+
+    def backing(self, material: Material | None, footprint: float) -> Backing:
+        assert material is not None
+        impedance = self.area * math.sqrt(material.youngs_modulus * material.density)
+        return Backing(
+            material.density * self.area * self.length,
+            material.youngs_modulus * self.area * self.elements / self.length,
+            elements=self.elements,
+            end=impedance if self.end == "infinite" else self.end,
+        )
 
 
-def _shear_modulus(material: Material) -> float:
-    return material.youngs_modulus / (2 * (1 + material.poisson_ratio))
-
-
+SUPPORTS: dict[str, type[Support]] = {one.kind: one for one in (Plate, Damper, HalfSpace, SupportBar)}
 BOTTOMS = ("wall", "fixed", "free", "periodic")
 
 
@@ -198,16 +181,14 @@ class Touched:
     group: tuple[str, ...] = ()
 
 
-_TOUCHED = 'a table such as {group = "cylinders"} or {material = ["aluminium", "steel"]}'
-
-
 def _parse_touched(value: Any) -> Touched:
-    schema.refuse_if(not isinstance(value, Mapping) or not value or set(value) - {"material", "group"}, _TOUCHED)
-    found = {name: tuple([names] if isinstance(names, str) else names) for name, names in value.items()
-             if isinstance(names, str | list | tuple)}  # fmt: skip
-    if len(found) < len(value) or not all(isinstance(one, str) and one for names in found.values() for one in names):
-        raise ValidationError(_TOUCHED)
-    return Touched(**found)
+    form = 'a table such as {group = "cylinders"} or {material = ["aluminium", "steel"]}'
+    found = {name: (names,) if isinstance(names, str) else names
+             for name, names in schema.inner_table(value, form, ("material", "group")).items()}  # fmt: skip
+    for names in found.values():
+        if not isinstance(names, list | tuple) or not all(isinstance(one, str) and one for one in names):
+            raise ValidationError(form)
+    return Touched(**{name: tuple(names) for name, names in found.items()})
 
 
 _FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "unit": hints.FRICTION}
@@ -267,46 +248,48 @@ class Boundary:
         """True if there are planes across x or y."""
         return (getattr(self, axis) or self.sides) == "wall" and self.sides_tube is None
 
+    def keys(self) -> dict[str, Any]:
+        """Return the keys of the boundary with their values, as a case file has them."""
+        keys = {field.name: getattr(self, field.name) for field in schema.key_fields(Boundary)}
+        support, tube = self.bottom_support, self.sides_tube
+        bottom = {} if support is None else {support.kind: support}
+        sides = {} if tube is None else {"tube": {"radius": tube}}
+        for name, table in (("bottom", bottom), ("sides", sides)):
+            if (material := getattr(self, f"{name}_material")) is not None:
+                table["material"] = material
+            keys |= {name: table} if table else {}
+        return keys
+
 
 def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
     """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to ``errors``."""
     before, read = len(errors.lines), dict[str, Any]()
-    if isinstance(table, Mapping):
-        for name, sections, forms in (
-            ("bottom", SUPPORTS, f', {{material = "..."}}, or one of {", ".join(SUPPORTS)}'),
-            ("sides", {"tube": Tube}, ', or {material = "..."} for a wall'),
-        ):
-            if isinstance(table.get(name), Mapping):
-                found = _read_wall(table[name], f"boundary.{name}", sections, f"a word{forms}", errors)
-                read |= {f"{name}_{what}": value for what, value in found.items()}
-                table = {**table, name: "wall"}
+    for name, sections in (("bottom", SUPPORTS), ("sides", {"tube": Tube})):
+        if isinstance(table, Mapping) and isinstance(table.get(name), Mapping):
+            read |= _read_wall(table[name], name, sections, errors)
+            table = {**table, name: "wall"}
     boundary = read_table(Boundary, table, "boundary", errors)
     return None if boundary is None or len(errors.lines) > before else dataclasses.replace(boundary, **read)
 
 
-def _read_wall(
-    table: Mapping[str, Any], key: str, sections: Mapping[str, type], expected: str, errors: ErrorList
-) -> dict[str, Any]:
-    """Read the material of a wall, and its support or the radius of its tube."""
+def _read_wall(table: Mapping[str, Any], name: str, sections: Mapping[str, type], errors: ErrorList) -> dict[str, Any]:
+    """Read the material of a wall, and its support or the radius of its tube, as fields of `Boundary`."""
+    key, chosen, found = f"boundary.{name}", [one for one in sections if one in table], dict[str, Any]()
     refuse_unknown(table, ("material", *sections), key, errors)
-    chosen = [name for name in sections if name in table]
     errors.check(
-        (not table, key, f"found {show(table)}, expected {expected}"),
+        (not table, key, f'found {{}}, expected a word, {{material = "..."}}, or {", ".join(sections)} = {{...}}'),
         (len(chosen) > 1, key, f"found {' and '.join(chosen)}, expected one of them"),
     )
-    if len(chosen) > 1:
-        return {}
-    found: dict[str, Any] = {}
     if "material" in table:
-        found["material"] = read_material(table["material"], errors, f"{key}.material")
-    for name in chosen:
-        if "material" not in table and name not in _BEARS_ITSELF:
-            errors.add(f"{key}.material", f"missing; a {name} needs it")
-        section = read_table(sections[name], table[name], f"{key}.{name}", errors)
+        found[f"{name}_material"] = read_material(table["material"], errors, f"{key}.material")
+    for one in chosen if len(chosen) == 1 else ():
+        section = read_table(sections[one], table[one], f"{key}.{one}", errors)
         if isinstance(section, Tube):
-            found["tube"] = section.radius
-        elif section is not None:
-            found["support"] = Support(**{name: section})
+            found["sides_tube"] = section.radius
+        elif isinstance(section, Support):
+            found[f"{name}_support"] = section
+        if "material" not in table and getattr(sections[one], "needs_material", False):
+            errors.add(f"{key}.material", f"missing; a {one} needs it")
     return found
 
 
@@ -341,14 +324,13 @@ class Precompression:
     @property
     def moves(self) -> dict[str, float]:
         """Distances by which walls move in, by x, y or tube, m."""
-        found = {name: getattr(self, name) for name in _WALLS}
-        return {name: distance for name, distance in found.items() if distance is not None}
+        return {name: getattr(self, name) for name in _WALLS if getattr(self, name) is not None}
 
     @property
     def presses(self) -> dict[str, float]:
         """Forces to which walls move in, by x, y or tube, N."""
-        found = {name: getattr(self, f"{name}_force") for name in _WALLS}
-        return {name: force for name, force in found.items() if force is not None}
+        forces = {name: getattr(self, f"{name}_force") for name in _WALLS}
+        return {name: force for name, force in forces.items() if force is not None}
 
     @property
     def moves_walls(self) -> bool:

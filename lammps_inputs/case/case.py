@@ -53,7 +53,6 @@ SECTIONS = {
     if "." not in (name := heading.strip("[]")) and name not in LISTS and section is not Material
 }
 OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
-WALL_KEYS = ("bottom", "sides")  # keys of [boundary] that take a material
 KNOWN = ("name", "material", MATERIALS, *SECTIONS, "pair", *LISTS)
 
 
@@ -103,6 +102,11 @@ class Case:
     bar: Bar | None = None
     incident_bar: Bar | None = None
 
+    @property
+    def contact_laws(self) -> tuple[Contact, ...]:
+        """Contact laws of the case: of ``[contact]`` and of each ``[[pair]]``."""
+        return (self.contact, *(pair.contact for pair in self.pair))
+
     def contact_between(self, first: Material | None, second: Material | None) -> Contact:
         """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``; None: a rigid wall."""
         names = [RIGID if material is None else material.name for material in (first, second)]
@@ -122,29 +126,27 @@ class Case:
     @property
     def has_friction(self) -> bool:
         """True if any contact or wall has friction, of sliding, rolling or twisting."""
-        contacts = [self.contact.friction, self.boundary.friction or 0.0, *(one.contact.friction for one in self.pair)]
-        return any(contacts) or self.has_resistance
+        return any(one.friction for one in self.contact_laws) or bool(self.boundary.friction) or self.has_resistance
 
     @property
     def has_partial_slip(self) -> bool:
         """True if any contact with friction slips in a part of its circle."""
-        contacts = (self.contact, *(pair.contact for pair in self.pair))
-        return self.has_friction and any(one.tangential == "partial_slip" for one in contacts)
+        return self.has_friction and any(one.tangential == "partial_slip" for one in self.contact_laws)
 
     @property
     def has_resistance(self) -> bool:
         """True if any contact resists rolling or twisting."""
-        return any(one.resists for one in (self.contact, *(pair.contact for pair in self.pair)))
+        return any(one.resists for one in self.contact_laws)
 
     @property
     def has_cohesion(self) -> bool:
         """True if any contact coheres."""
-        return any(one.coheres for one in (self.contact, *(pair.contact for pair in self.pair)))
+        return any(one.coheres for one in self.contact_laws)
 
     @property
     def has_loss(self) -> bool:
         """True if any contact loses energy by the rate of its overlap."""
-        return any(one.loss is not None for one in (self.contact, *(pair.contact for pair in self.pair)))
+        return any(one.loss is not None for one in self.contact_laws)
 
     @property
     def bears_along_z(self) -> bool:
@@ -201,15 +203,7 @@ class Case:
             del tables[FIGURES_TABLE]
         if self.contact.line == Contact.line:
             del tables["contact"]["line"]
-        tables["packing"] = _plain(self.packing.keys())
-        tables["load"] = _plain(self.load.keys())
-        for key in WALL_KEYS:
-            wall = tables["boundary"].pop(f"{key}_material", None)
-            others = tables["boundary"].pop(f"{key}_support", None) or {}
-            if (radius := tables["boundary"].pop(f"{key}_tube", None)) is not None:
-                others = {"tube": {"radius": radius}}
-            if wall is not None or others:
-                tables["boundary"][key] = others | ({} if wall is None else {"material": wall})
+        tables |= {name: _plain(getattr(self, name).keys()) for name in ("packing", "load", "boundary")}
         if self.materials:
             tables[MATERIALS] = {str(one.name): _plain(one) for one in self.materials}
         if self.pair:
@@ -237,7 +231,7 @@ class PartialCase(Case):
 
 def _plain(value: Any) -> Any:
     """Convert dataclasses and tuples to tables and lists; drop None, which TOML cannot express."""
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+    if dataclasses.is_dataclass(value):
         value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items() if item is not None}

@@ -23,25 +23,27 @@ _DENT_FORM = (
 def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
     if isinstance(value, str) and value:
         return value
-    if isinstance(value, Mapping | list | tuple):
-        tables = [value] if isinstance(value, Mapping) else value
-        schema.refuse_if(not tables, _DENT_FORM)
-        return tuple(_parse_dent(table) for table in tables)
+    if isinstance(value, Mapping):
+        value = [value]
+    if isinstance(value, list | tuple) and value:
+        return tuple(map(_parse_dent, value))
+    return _parse_size(value)
+
+
+def _parse_size(value: Any) -> float:
     size = schema.finite(value, _DENT_FORM)
     schema.refuse_if(size < 0, f"{_DENT_FORM}, not negative")
     return size
 
 
 def _parse_dent(table: Any) -> Dents:
-    known = {"overlap", "force", "low", "high"}
-    if not isinstance(table, Mapping) or not set(table) <= known or ("overlap" in table) == ("force" in table):
-        raise ValidationError(_DENT_FORM)
-    size = schema.finite(table.get("overlap", table.get("force")), _DENT_FORM)
-    schema.refuse_if(size < 0, f"{_DENT_FORM}, not negative")
-    low, high = (schema.parse_point(table[name], _DENT_FORM) if name in table else None for name in ("low", "high"))
-    if low is not None and high is not None and any(a > b for a, b in zip(low, high, strict=True)):
+    schema.inner_table(table, _DENT_FORM, ("overlap", "force", "low", "high"))
+    schema.refuse_if(("overlap" in table) == ("force" in table), _DENT_FORM)
+    found = {name: _parse_size(table[name]) for name in ("overlap", "force") if name in table}
+    corners = {name: schema.parse_point(table[name], _DENT_FORM) for name in ("low", "high") if name in table}
+    if len(corners) == 2 and any(a > b for a, b in zip(corners["low"], corners["high"], strict=True)):
         raise ValidationError("low of a box of dents below its high, along each axis")
-    return Dents(overlap=size, low=low, high=high) if "overlap" in table else Dents(force=size, low=low, high=high)
+    return Dents(**found, **corners)  # type: ignore[arg-type]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -92,38 +94,29 @@ class Loss:
 
 def parse_loss(value: Any) -> Loss:
     """Read a loss; raise `ValidationError` for anything but one of the three kinds."""
-    schema.refuse_if(not isinstance(value, Mapping) or not value, LOSS_FORM)
-    kinds = [name for name in _KINDS if name in value]
-    if unknown := [name for name in value if name not in (*_KINDS, "velocity")]:
-        raise ValidationError(f"{LOSS_FORM}; {unknown[0]} is unknown")
+    kinds = [name for name in _KINDS if name in schema.inner_table(value, LOSS_FORM, (*_KINDS, "velocity"))]
     schema.refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {' and '.join(kinds[:2])} exclude each other")
-    if kinds == ["restitution"] and "velocity" not in value:
-        raise ValidationError(
-            f"{LOSS_FORM}; the velocity at which the restitution holds is missing, "
-            f"and {{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
-        )
-    if kinds != ["restitution"] and "velocity" in value:
-        raise ValidationError(f"{LOSS_FORM}; a velocity belongs to a restitution")
-    if "time" in value:
-        time = schema.finite(value["time"], LOSS_FORM)
-        schema.refuse_if(time < 0, f"a loss time from 0 to {_LONGEST_TIME:g} s; {_GAIN}")
-        schema.refuse_if(time > _LONGEST_TIME, f"a loss time from 0 to {_LONGEST_TIME:g} s; {time:g} us is {time:g}e-6")
+    if kinds == ["restitution"]:
+        if "velocity" not in value:
+            of_dashpot = f"{{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
+            missing = "the velocity at which the restitution holds is missing"
+            raise ValidationError(f"{LOSS_FORM}; {missing}, and {of_dashpot}")
+        velocity = schema.finite(value["velocity"], LOSS_FORM)
+        if not POSSIBLE["m/s"][0] <= velocity <= VELOCITY.high * 1e3:
+            raise ValidationError("a velocity above 0 (m/s), at which the restitution holds")
+        return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
+    schema.refuse_if("velocity" in value, f"{LOSS_FORM}; a velocity belongs to a restitution")
+    if kinds == ["time"]:
+        time, form = schema.finite(value["time"], LOSS_FORM), f"a loss time from 0 to {_LONGEST_TIME:g} s"
+        schema.refuse_if(time < 0, f"{form}; {_GAIN}")
+        schema.refuse_if(time > _LONGEST_TIME, f"{form}; {time:g} us is {time:g}e-6")
         return Loss(time=time)
-    if "dashpot" in value:
-        return Loss(dashpot=_parse_dashpot(value["dashpot"]))
-    velocity = schema.finite(value["velocity"], LOSS_FORM)
-    if not POSSIBLE["m/s"][0] <= velocity <= VELOCITY.high * 1e3:
-        raise ValidationError("a velocity above 0 (m/s), at which the restitution holds")
-    return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
-
-
-def _parse_dashpot(value: Any) -> float | DashpotRestitution:
-    if isinstance(value, Mapping):
-        schema.refuse_if(set(value) != {"restitution"}, LOSS_FORM)
-        return DashpotRestitution(restitution=_parse_restitution(value["restitution"]))
-    factor = schema.finite(value, LOSS_FORM)
+    if isinstance(factor := value["dashpot"], Mapping):
+        schema.inner_table(factor, LOSS_FORM, ("restitution",))
+        return Loss(dashpot=DashpotRestitution(restitution=_parse_restitution(factor["restitution"])))
+    factor = schema.finite(factor, LOSS_FORM)
     schema.refuse_if(factor < 0, f"a factor of the dashpot from 0 up; {_GAIN}")
-    return factor
+    return Loss(dashpot=factor)
 
 
 def _parse_restitution(value: Any) -> float:
@@ -158,9 +151,7 @@ class Resistance:
 def _parse_resistance(value: Any, form: str) -> Resistance:
     """Read a coefficient or a table; 0 is no resistance, also where a pair takes back that of [contact]."""
     table = value if isinstance(value, Mapping) else {"coefficient": value}
-    if unknown := [name for name in table if name not in _MOST]:
-        raise ValidationError(f"{form}; {unknown[0]} is unknown")
-    schema.refuse_if("coefficient" not in table, f"{form}; the coefficient is missing")
+    table = schema.inner_table(table, form, _MOST, needed=("coefficient",))
     found = {name: schema.finite(number, form) for name, number in table.items()}
     for name, number in found.items():
         schema.refuse_if(not 0 <= number <= _MOST[name], f"{form}; {name} from 0 to {_MOST[name]:g}")
@@ -202,11 +193,7 @@ class Cohesion:
 def parse_cohesion(value: Any) -> Cohesion:
     """Read a cohesion; raise `ValidationError` for anything else."""
     form = '{kind = "jkr" or "dmt", energy = (work of adhesion, J/m^2)}'
-    schema.refuse_if(not isinstance(value, Mapping) or not value, form)
-    if unknown := [name for name in value if name not in ("kind", "energy")]:
-        raise ValidationError(f"{form}; {unknown[0]} is unknown")
-    for name in ("kind", "energy"):
-        schema.refuse_if(name not in value, f"{form}; {name} is missing")
+    schema.inner_table(value, form, ("kind", "energy"), needed=("kind", "energy"))
     kind, energy = value["kind"], schema.finite(value["energy"], form)
     schema.refuse_if(kind not in COHESIONS, f"{form}; kind = {show(kind)} is neither")
     schema.refuse_if(not 0 <= energy <= _MOST_ADHESION, f"{form}; energy from 0 to {_MOST_ADHESION:g}")
@@ -462,45 +449,31 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     Parameters
     ----------
     contact
-        The table ``[contact]``, source of the values that a pair does not give.
+        The table ``[contact]``, source of the values that a pair does not give: all but the constants of another law.
     """
     if not isinstance(tables, list | tuple):
         errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
         return ()
     common = {name: value for name, value in contact.items() if name in _KEYS} if isinstance(contact, Mapping) else {}
     found: list[Pair] = []
-    for n, table in enumerate(tables, start=1):
-        pair = _read(table, common, f"pair.{n}", errors)
-        if pair is None:
+    for key, table in schema.numbered("pair", tables).items():
+        if not isinstance(table, Mapping):
+            errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
             continue
-        if any(other.fits(*pair.materials) for other in found):
-            errors.add(f"pair.{n}.materials", f"found {show(list(pair.materials))} twice, expected each pair once")
-        found.append(pair)
+        before, names = len(errors.lines), table.get("materials")
+        refuse_unknown(table, ("materials", *_KEYS), key, errors)
+        two = isinstance(names, list | tuple) and len(names) == 2 and all(isinstance(one, str) for one in names)
+        own = {name: value for name, value in table.items() if name in _KEYS}
+        same_law = own.get("law", common.get("law")) == common.get("law")
+        shared = {name: value for name, value in common.items() if same_law or name in _OF_ANY_LAW}
+        errors.check(
+            (not two, f"{key}.materials", f"{f'found {show(names)},' if 'materials' in table else 'missing;'} "
+             'expected the names of two, such as ["steel", "brass"]'),
+            (not own, key, "changes nothing; give keys of [contact], such as friction"),
+            (two and any(other.fits(*names) for other in found), f"{key}.materials",
+             f"found {show(names)} twice, expected each pair once"),
+        )  # fmt: skip
+        law = read_table(Contact, shared | own, key, errors)
+        if law is not None and len(errors.lines) == before:
+            found.append(Pair(materials=(names[0], names[1]), contact=law))
     return tuple(found)
-
-
-def _read(table: Any, common: Mapping[str, Any], key: str, errors: ErrorList) -> Pair | None:
-    if not isinstance(table, Mapping):
-        errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
-        return None
-    before = len(errors.lines)
-    refuse_unknown(table, ("materials", *_KEYS), key, errors)
-    names, expected = table.get("materials"), 'the names of two, such as ["steel", "brass"]'
-    if "materials" not in table:
-        errors.add(f"{key}.materials", f"missing; expected {expected}")
-    elif not isinstance(names, list | tuple) or len(names) != 2 or not all(isinstance(one, str) for one in names):
-        errors.add(f"{key}.materials", f"found {show(names)}, expected {expected}")
-    own = {name: value for name, value in table.items() if name in _KEYS}
-    if not own:
-        errors.add(key, "changes nothing; give keys of [contact], such as friction")
-    contact = read_table(Contact, {**_others(common, own), **own}, key, errors)
-    if contact is None or len(errors.lines) > before or not isinstance(names, list | tuple):
-        return None
-    return Pair(materials=(names[0], names[1]), contact=contact)
-
-
-def _others(common: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values that a pair takes from ``[contact]``: all but the constants of another law."""
-    if own.get("law", common.get("law")) == common.get("law"):
-        return dict(common)
-    return {name: common[name] for name in _OF_ANY_LAW if name in common}

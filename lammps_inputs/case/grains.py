@@ -20,7 +20,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,6 @@ from granwave.lammps_inputs.case.hints import POSSIBLE, plain
 from granwave.lammps_inputs.case.material import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
 from granwave.lammps_inputs.files import csv_cell, csv_rows, read_regular, read_text
-
-if TYPE_CHECKING:
-    import ase
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
@@ -43,16 +40,6 @@ _TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE rea
 _SIZES = ("diameter", "length")
 _UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
-_FROM_ASE = {  # names of arrays
-    "diameter": ("diameter", "diameters"),
-    "radius": ("radius", "radii"),
-    "material": ("material", "materials"),
-    "group": ("group", "groups"),
-    "shape": ("shape", "shapes"),
-    "length": ("length", "lengths"),
-    "axis": ("axis",),
-    **{name: (name,) for name in AXIS_COLUMNS},
-}
 
 
 @dataclasses.dataclass(eq=False)
@@ -207,10 +194,10 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
             either = " (or radius for it)" if name == "diameter" else ""
             raise ValueError(f"line {line}: found the column {name}{either} twice")
     needed = _PLACE if diameter is not None else (*_PLACE, "diameter")
-    missing = [name for name in needed if name not in names]
-    if missing:
-        more = "" if missing != ["diameter"] else ", or packing.diameter for all grains"
-        raise ValueError(f"line {line}: found no column {missing[0]}, expected {', '.join(needed)}{more}")
+    for name in needed:
+        if name not in names:
+            more = ", or packing.diameter for all grains" if name == "diameter" else ""
+            raise ValueError(f"line {line}: found no column {name}, expected {', '.join(needed)}{more}")
     return names
 
 
@@ -245,25 +232,15 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
         first = int(np.argmin(sizes > 0))
         raise ValueError(f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0")
     for name, unit in _UNITS.items():
-        found = np.abs(np.array(values.get(name, [0.0]), dtype=np.float64))
-        low, high = POSSIBLE[unit]
-        if name not in _SIZES:
-            low = 0.0  # places may differ from 0 by rounding
-        if (odd := (found > 0) & ~((low <= found) & (found <= high))).any():
-            first = int(np.argmax(odd))
-            raise ValueError(
-                f"{places[first]}: found {values[name][first]:g} {unit} for {name}, expected a magnitude from "
-                f"{plain(low)} to {plain(high)} {unit}"
-            )
-    zeros = [0.0] * n
-    return Grains(
-        np.array([values[name] for name in _PLACE], dtype=np.float64).T.copy(),
-        sizes,
-        values.get("material", [""] * n),
-        values.get("group", [""] * n),
-        np.array([values.get(name, zeros) for name in _VELOCITY], dtype=np.float64).T.copy(),
-        read_shapes(values, places),
-    )
+        low, high = POSSIBLE[unit] if name in _SIZES else (0.0, POSSIBLE[unit][1])  # rounding may leave places off 0
+        for place, value in zip(places, values.get(name, ()), strict=False):
+            if value and not low <= abs(value) <= high:
+                expected = f"expected a magnitude from {plain(low)} to {plain(high)} {unit}"
+                raise ValueError(f"{place}: found {value:g} {unit} for {name}, {expected}")
+    position, velocity = (np.array([values.get(name, [0.0] * n) for name in names], dtype=np.float64).T.copy()
+                          for names in (_PLACE, _VELOCITY))  # fmt: skip
+    material, group = (values.get(name, [""] * n) for name in _WORDS)
+    return Grains(position, sizes, material, group, velocity, read_shapes(values, places))
 
 
 def _read_ase(path: Path) -> Any:
@@ -282,37 +259,30 @@ def _read_ase(path: Path) -> Any:
 def _from_ase(path: Path, diameter: float | None) -> Grains:
     """Read the last frame of a file by ASE, whose lengths are taken as metres."""
     atoms = _read_ase(path)
-    found = {name: next((atoms.arrays[one] for one in names if one in atoms.arrays), None)
-             for name, names in _FROM_ASE.items()}  # fmt: skip
-    sizes = found["diameter"] if found["radius"] is None else 2 * np.asarray(found["radius"])
-    if sizes is None and diameter is None:
-        raise ValueError("found no diameters, expected an array diameter or radius, or packing.diameter for all grains")
-    values: dict[str, list[Any]] = {
-        name: column.tolist() for name, column in zip(_PLACE, atoms.positions.T, strict=True)
-    }
-    if sizes is not None:
-        values["diameter"] = np.asarray(sizes, dtype=np.float64).tolist()
-    for name in ("shape", "axis", *_WORDS):
-        if (words := found[name]) is not None:
-            values[name] = [_word(str(word), f"grain {number}", name) for number, word in enumerate(words, start=1)]
-    for name in ("length", *AXIS_COLUMNS):
-        if (column := found[name]) is not None:
-            values[name] = np.asarray(column, dtype=np.float64).tolist()
     if "momenta" in atoms.arrays and atoms.get_momenta().any():
         raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
-    for name in (*_PLACE, *(one for one in ("length", *AXIS_COLUMNS) if one in values)):
-        if not np.isfinite(values[name]).all():
-            raise ValueError(f"found {name} of grain {int(np.argmin(np.isfinite(values[name]))) + 1} that is no number")
-    grains = _grains(values, [f"grain {number}" for number in range(1, len(atoms) + 1)], diameter)
-    if atoms.pbc[:2].all():
-        grains.period = _period_of(atoms)
-    return grains
-
-
-def _period_of(atoms: ase.Atoms) -> tuple[float, float] | None:
-    """Return the periods of a cell along x and y, m; None if it is no box along x, y and z."""
+    places = [f"grain {number}" for number in range(1, len(atoms) + 1)]
+    columns: dict[str, Any] = dict(zip(_PLACE, atoms.positions.T, strict=True))
+    for name in ("diameter", _RADIUS, "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS):
+        for one in ("radii" if name == _RADIUS else f"{name}s", name):
+            if one in atoms.arrays:
+                columns[name] = atoms.arrays[one]
+    if _RADIUS in columns:
+        columns["diameter"] = 2 * np.asarray(columns.pop(_RADIUS))
+    if "diameter" not in columns and diameter is None:
+        raise ValueError("found no diameters, expected an array diameter or radius, or packing.diameter for all grains")
+    values: dict[str, list[Any]] = {}
+    for name, column in columns.items():
+        if name not in _NUMBERS:
+            values[name] = [_word(str(word), place, name) for place, word in zip(places, column, strict=True)]
+            continue
+        values[name] = np.asarray(column, dtype=np.float64).tolist()
+        if name != "diameter" and not np.isfinite(values[name]).all():
+            first = int(np.argmin(np.isfinite(values[name])))
+            raise ValueError(f"found {name} of {places[first]} that is no number")
+    grains = _grains(values, places, diameter)
     cell = np.asarray(atoms.cell)
-    slant = cell - np.diag(np.diag(cell))
-    if np.abs(slant).max() > _STRAIGHT * np.abs(cell).max() or min(cell[0, 0], cell[1, 1]) <= 0:
-        return None
-    return float(cell[0, 0]), float(cell[1, 1])
+    slant = np.abs(cell - np.diag(np.diag(cell))).max()
+    if atoms.pbc[:2].all() and slant <= _STRAIGHT * np.abs(cell).max() and min(cell[0, 0], cell[1, 1]) > 0:
+        grains.period = float(cell[0, 0]), float(cell[1, 1])  # a box along x, y and z
+    return grains

@@ -24,7 +24,6 @@ Time functions of forces and displacements, with amplitude A, duration T and fre
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import math
 from collections.abc import Mapping
 from itertools import pairwise
@@ -55,13 +54,13 @@ def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
 
 def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
     """Read the two columns of a file of a load; raise ValueError with the fault."""
-    form = f"two columns of numbers, {_TABLE_FORM}"
+    form, rows = f"two columns of numbers, {_TABLE_FORM}", []
     try:
-        lines = [line.partition("#")[0].split() for line in read_text(path).splitlines()]
+        text = read_text(path)
     except ValueError as error:
         raise ValueError(f"{error}; expected {form}") from None
-    rows = []
-    for n, words in enumerate(lines, start=1):
+    for n, line in enumerate(text.splitlines(), start=1):
+        words = line.partition("#")[0].split()
         try:
             rows += [[float(time), float(size)] for time, size in ([words] if words else [])]
         except ValueError:
@@ -214,7 +213,7 @@ class Load:
     @property
     def first_time(self) -> float:
         """Time at which a table leaves zero, s; 0 for all other loads."""
-        return next((before for (before, _), (_, size) in itertools.pairwise(self.table or ()) if size), 0.0)
+        return next((before for (before, _), (_, size) in pairwise(self.table or ()) if size), 0.0)
 
     @property
     def largest(self) -> float:
@@ -242,21 +241,18 @@ class Load:
     @property
     def rise(self) -> float:
         """Ramp of a harmonic load, of a sweep or of noise, s."""
-        if self.ramp is None:
-            return _SHARE_OF_RAMP * (self.duration or 0.0)
-        return self.ramp
+        return _SHARE_OF_RAMP * (self.duration or 0.0) if self.ramp is None else self.ramp
 
     @property
     def numbers(self) -> list[float]:
         """Numbers of the shape, as fix gran/load takes them; empty for a table."""
         if self.shape is None or self.table:
             return []
-        values = {name: getattr(self, name) for name in _OF_SHAPES}
-        values |= {"ramp": self.rise, "seed": _SEED if self.seed is None else self.seed}
-        if self.shape == "harmonic" and not self.rise:
-            values["ramp"] = None
-        needed, possible = _SHAPES[self.shape]
-        return [values[name] for name in (*needed, *possible) if values[name] is not None]
+        ramp = None if self.shape == "harmonic" and not self.rise else self.rise
+        defaults = {"ramp": ramp, "seed": _SEED if self.seed is None else self.seed}
+        names = [name for needed_or_not in _SHAPES[self.shape] for name in needed_or_not]
+        values = [defaults.get(name, getattr(self, name)) for name in names]
+        return [value for value in values if value is not None]
 
     def at(self, time: Array) -> Array:
         """Return the force, N, or the displacement, m, at some times, s: (n_times,)."""

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,13 +98,14 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     InputError
         The file cannot be read, or a table in it is not a material.
     """
-    errors = ErrorList(str(path))
-    read = {
-        name: read_table(Material, {"name": name, **table} if isinstance(table, Mapping) else table, name, errors)
-        for name, table in read_toml(path).items()
-    }
-    if not read and not errors.lines:
-        raise InputError(f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on")
+    errors, read = ErrorList(str(path)), dict[str, Material | None]()
+    for name, table in read_toml(path).items():
+        named = {"name": name, **table} if isinstance(table, Mapping) else table
+        read[name] = read_table(Material, named, name, errors)
+    if not read:
+        errors.lines.append(
+            f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on"
+        )
     if errors.lines:
         raise InputError(errors.lines)
     return {name: entry for name, entry in read.items() if entry is not None}
@@ -173,10 +174,10 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
             continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:
-            own_name = isinstance(table, Mapping) and "name" in table
-            found[name] = material if own_name and material.name == name else dataclasses.replace(material, name=name)
-            if own_name and material.name != name:
-                errors.add(f"{MATERIALS}.{name}.name", f"found {show(material.name)}, expected the name of the table")
+            found[name] = dataclasses.replace(material, name=name)
+            other = isinstance(table, Mapping) and table.get("name", name) != name
+            errors.check((other, f"{MATERIALS}.{name}.name",
+                          f"found {show(material.name)}, expected the name of the table"))  # fmt: skip
     return found
 
 
@@ -195,7 +196,7 @@ def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
 
 SHAPES = ("sphere", "cylinder")
 AXIS_FORM = '"x", "y", "z" or a direction [ax, ay, az]'
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _UNIT = 1e-12  # largest error of the length of a direction that counts as a unit vector already
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -236,8 +237,8 @@ def direction(values: Sequence[float]) -> Vector:
 
 def parse_axis(value: Any) -> Vector:
     """Read a direction of a case file; raise `ValidationError` if it is none."""
-    if isinstance(value, str) and value in _AXES:
-        return _AXES[value]
+    if isinstance(value, str) and value in AXES:
+        return AXES[value]
     schema.refuse_if(not isinstance(value, list | tuple) or len(value) != 3, AXIS_FORM)
     try:
         return direction([schema.finite(one, AXIS_FORM) for one in value])
@@ -260,38 +261,22 @@ def axis_field() -> Any:
     return schema.custom("direction of the axis of cylinders", parse_axis, default=None)
 
 
-class HasShape(Protocol):
-    """Table with the keys of a shape."""
-
-    @property
-    def shape(self) -> str | None:
-        """``sphere``, ``cylinder``, or None for the usual one, a sphere."""
-
-    @property
-    def length(self) -> float | None:
-        """Length of cylinders, m."""
-
-    @property
-    def axis(self) -> Vector | None:
-        """Direction of their axis."""
-
-
-def shape_of(table: HasShape, axis: Vector = _AXES["y"]) -> Shape:
-    """Return the shape of a table that `check_shape` found right; ``axis`` is the usual direction."""
+def shape_of(table: Any, axis: Vector = AXES["y"]) -> Shape:
+    """Return the shape of a table with the keys shape, length and axis; ``axis`` is the usual direction."""
     if table.shape != "cylinder" or table.length is None:
         return None
     return Cylinder(table.length, table.axis or axis)
 
 
-def check_shape(table: HasShape, key: str, errors: ErrorList) -> None:
+def check_shape(table: Any, key: str, errors: ErrorList) -> None:
     """Check that cylinders have a length, and spheres neither length nor axis."""
-    if table.shape == "cylinder":
-        if table.length is None:
-            errors.add(f"{key}.length", 'missing; a cylinder (shape = "cylinder") has a length, m')
-        return
-    for name in ("length", "axis"):
-        if getattr(table, name) is not None:
-            errors.add(f"{key}.{name}", 'found without shape = "cylinder"; give that, or take it out')
+    cylinder = table.shape == "cylinder"
+    errors.check(
+        (cylinder and table.length is None, f"{key}.length",
+         'missing; a cylinder (shape = "cylinder") has a length, m'),
+        *((not cylinder and getattr(table, name) is not None, f"{key}.{name}",
+           'found without shape = "cylinder"; give that, or take it out') for name in ("length", "axis")),
+    )  # fmt: skip
 
 
 def mass_of(material: Material, radius: float, shape: Shape) -> float:
@@ -350,11 +335,11 @@ def _axes_of(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> NDAr
     if both := [name for name in AXIS_COLUMNS if name in values]:
         raise ValueError(f"found the columns axis and {both[0]}, expected one way to give axes")
     for place, letter in zip(places, letters, strict=True):
-        if letter not in ("", *_AXES):
+        if letter not in ("", *AXES):
             raise ValueError(
                 f"{place}: found the axis {letter!r}, expected x, y or z; axis_x, axis_y, axis_z take others"
             )
-    return np.array([_AXES[letter or "y"] for letter in letters], dtype=np.float64).reshape(-1, 3)
+    return np.array([AXES[letter or "y"] for letter in letters], dtype=np.float64).reshape(-1, 3)
 
 
 def shape_columns(shapes: Sequence[Shape]) -> dict[str, list[str]]:

@@ -173,17 +173,12 @@ class PackingSection:
         """Return the keys of the packing, as a case file has them."""
         keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         if self.grains is not None:
-            own = {"kind": self.kind, "diameter": self.diameter, "grains": self.grains.text}
-            own |= {} if self.period is None else {"period": self.period}
-            return own | ({} if self.cell is None else {"cell": self.cell})
-        del keys["cell"]
-        if not self.gaps:
-            del keys["gaps"]
-        if not is_plane_crystal(self.kind):
-            del keys["top_row"]
-        if self.shape == "sphere":
-            del keys["shape"]
-        return keys | {"size": self.size[0] if len(self.size) == 1 else self.size}
+            own = {name: keys[name] for name in ("kind", "diameter", "grains", "period", "cell")}
+            return {name: value for name, value in (own | {"grains": self.grains.text}).items() if value is not None}
+        unused = {"cell": True, "gaps": not self.gaps, "top_row": not is_plane_crystal(self.kind),
+                  "shape": self.shape == "sphere"}  # fmt: skip
+        size = self.size[0] if len(self.size) == 1 else self.size
+        return {name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)}
 
 
 def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
@@ -194,22 +189,25 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     kind, before = table.get("kind"), len(errors.lines)
-    of_file, in_plane = kind == FILE, [name for name in KINDS if is_plane_crystal(name)]
-    text = 'does not belong to packing.kind = "file", whose grains are all in the file'
-    foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
-    if not of_file:  # a cell may come with [[grains]]: see `parse_case`
+    if kind == FILE:
+        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+        foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
+    else:  # a cell may come with [[grains]]: see `parse_case`
         foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
-        if kind in list(KINDS) and kind not in in_plane:
-            able = " or ".join(map(show, in_plane))
+        if kind in list(KINDS) and not is_plane_crystal(kind):
+            able = " or ".join(show(name) for name in KINDS if is_plane_crystal(name))
             foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
     rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
-    if not of_file:
-        return _with_shape(read_table(PackingSection, rest, "packing", errors), errors)
+    if kind != FILE:
+        found, before = read_table(PackingSection, rest, "packing", errors), len(errors.lines)
+        if found is not None:
+            _check_cylinders(found, errors)
+        return found if len(errors.lines) == before else None
     if "grains" not in table:
-        rest["grains"] = found = _from_file(table, errors)
-        if found is not None and found.period is not None:
-            rest.setdefault("period", found.period)
+        rest["grains"] = grains = _from_file(table, errors)
+        if grains is not None and grains.period is not None:
+            rest.setdefault("period", grains.period)
     elif "file" in table:
         errors.add("packing.file", "found beside packing.grains; give one of them")
     if len(errors.lines) > before:
@@ -224,31 +222,29 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
 
 
-def _with_shape(packing: PackingSection | None, errors: ErrorList) -> PackingSection | None:
-    """Check the shape of the grains of a lattice; return the packing, or None if it is wrong."""
-    if packing is None:
-        return None
-    before = len(errors.lines)
+def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
+    """Check the shape of the grains of a lattice: cylinders lie in a plane, with contacts across their axes."""
     check_shape(packing, "packing", errors)
-    if len(errors.lines) == before and (shape := packing.of_grain) is not None:
-        along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
-        flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
-        errors.check_first(
-            (packing.kind not in flat, "packing.shape",
-             f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}'),
-            (along > _ACROSS, "packing.axis",
-             f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}"),
-        )  # fmt: skip
-    return packing if len(errors.lines) == before else None
+    if (shape := packing.of_grain) is None:
+        return
+    along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
+    flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
+    errors.check_first(
+        (packing.kind not in flat, "packing.shape",
+         f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}'),
+        (along > _ACROSS, "packing.axis",
+         f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}"),
+    )  # fmt: skip
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
-    name, diameter = table.get("file"), table.get("diameter")
+    diameter = table.get("diameter")
     if "file" not in table:
         errors.add("packing.file", f'missing; packing.kind = "file" needs {_FORM_OF_FILE}')
         return None
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
+    name = table["file"]
     grains = schema.read_named("packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors)
     if grains and (odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)):
         errors.notes.append(f"packing.file: {name}: diameter: {odd}")
@@ -260,27 +256,20 @@ _KEY = "packing.size"
 
 def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     """Check that a packing has a size of its kind; return True if it has, or if its grains come from a file."""
-    axes = kind_of(packing.kind).axes
-    if packing.grains is not None:
-        return True
-    if len(packing.size) != len(axes):
-        form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
-        errors.add(_KEY, f"found {show(packing.size)}, expected {form} for {packing.kind}")
-        return False
-    if is_plane_crystal(packing.kind) and packing.top_row != "equal" and packing.size[0] <= 1:
-        errors.add(_KEY, f"found {show(packing.size)}: the short rows would be empty; expected 2 or more in a row")
-        return False
-    return True
+    axes, size, in_rows = kind_of(packing.kind).axes, show(packing.size), is_plane_crystal(packing.kind)
+    form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+    return packing.grains is not None or errors.check_first(
+        (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
+        (in_rows and packing.top_row != "equal" and packing.size[0] <= 1, _KEY,
+         f"found {size}: the short rows would be empty; expected 2 or more in a row"),
+    )  # fmt: skip
 
 
 def check_memory_of_sites(packing: PackingSection, n_sites: int, bytes_of_site: float, errors: ErrorList) -> bool:
     """Check that the memory suffices for arrays over so many sites of a lattice; return True if it does."""
     needed, available = n_sites * bytes_of_site, available_memory()
-    if needed <= available:
-        return True
-    errors.add(
-        _KEY,
-        f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB of "
-        f"memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine",
-    )
-    return False
+    return errors.check_first(
+        (needed > available, _KEY,
+         f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB "
+         f"of memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine"),
+    )  # fmt: skip

@@ -174,20 +174,15 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
 def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
     """Return the precompression, which a negative gap at the sides implies."""
     given: Precompression | None = parts.get(PRECOMPRESSION)
-    boundary: Boundary | None = parts.get("boundary")
+    boundary, packing = parts.get("boundary"), parts.get("packing")
     if boundary is None or boundary.gap >= 0:
         return given
-    axes = [axis for axis in "xy" if boundary.has_planes(axis)]
-    if (packing := parts.get("packing")) is not None and is_plane_crystal(packing.kind) and boundary.y is None:
-        axes = [axis for axis in axes if axis != "y"]
-    moves = {axis: -boundary.gap for axis in axes}
-    implied = Precompression(kind="walls", x=moves.get("x"), y=moves.get("y"))
-    if given is not None and given != implied:
-        errors.add(
-            "boundary.side_gap",
-            f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out",
-        )
-    return implied if axes else given
+    flat = packing is not None and is_plane_crystal(packing.kind) and boundary.y is None
+    moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
+    implied = Precompression(kind="walls", **moves)
+    found = f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
+    errors.check((given is not None and given != implied, "boundary.side_gap", found))
+    return implied if moves else given
 
 
 def read_parts(
@@ -240,20 +235,21 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     These are strikers as the load, the axis of strikers, a bar for a bottom, and frames of a film.
     """
     data = dict(data)
-    if "striker" in data and "load" not in data:
-        data["load"] = {"kind": "striker"}
-    packing, strikers = data.get("packing"), data.get("striker")
-    if isinstance(packing, Mapping) and isinstance(strikers, list | tuple) and packing.get("shape") == "cylinder":
-        axis = packing.get("axis", "z" if packing.get("kind") == "square" else None)  # rows of a square are along y
-        implied = {} if axis is None else {"axis": axis}
+    packing, boundary, figures, run = (
+        data.get(name, {}) if isinstance(data.get(name, {}), Mapping) else None
+        for name in ("packing", "boundary", FIGURES_TABLE, "run")
+    )
+    if "striker" in data:
+        data.setdefault("load", {"kind": "striker"})
+    if packing and packing.get("shape") == "cylinder" and isinstance(data.get("striker"), list | tuple):
+        usual = {"axis": "z"} if packing.get("kind") == "square" else {}  # rows of a square are along y
+        axis = {"axis": packing["axis"]} if "axis" in packing else usual
         data["striker"] = [
-            implied | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
-            for one in strikers
+            axis | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
+            for one in data["striker"]
         ]
-    boundary = data.get("boundary", {})
-    if "bar" in data and isinstance(boundary, Mapping) and "bottom" not in boundary:
-        data["boundary"] = {**boundary, "bottom": "free"}
-    figures, run = data.get(FIGURES_TABLE, {}), data.get("run", {})
-    if isinstance(figures, Mapping) and isinstance(run, Mapping) and figures.get("film", "none") != "none":
+    if "bar" in data and boundary is not None:
+        data["boundary"] = {"bottom": "free", **boundary}
+    if figures and run is not None and figures.get("film", "none") != "none":
         data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data

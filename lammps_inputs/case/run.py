@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import INTERVAL, TIME
+from granwave.lammps_inputs.case.material import AXES
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
@@ -26,13 +27,10 @@ def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
     )
     if not isinstance(value, list | tuple):
         return schema.whole(value, expected, at_most=schema.NO_LIMIT)
-    words = [one for one in value if isinstance(one, str)]
-    schema.refuse_if(words and len(words) != len(value), expected)
-    times = tuple(parse_share(word, expected) for word in words) or tuple(
-        schema.finite(time, expected) for time in value
-    )
+    words = all(isinstance(one, str) for one in value)
+    times = [parse_share(one, expected) if words else schema.finite(one, expected) for one in value]
     schema.refuse_if(not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)), expected)
-    return tuple(words) or times
+    return tuple(value) if words else tuple(times)
 
 
 def parse_share(text: str, expected: str) -> float:
@@ -184,7 +182,6 @@ FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
 FRAMES_OF_A_FILM = 60  # default of `run.frames` where a film is asked for: ten seconds at six pictures a second
 _LIMITS = schema.numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
-_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -218,10 +215,9 @@ def _parse_plane(value: Any) -> CutPlane:
         '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
         "with a point in m"
     )
-    if isinstance(value, str) and value in _AXES:
-        return CutPlane(_AXES[value])
-    if not isinstance(value, Mapping) or "normal" not in value or not set(value) <= {"normal", "through"}:
-        raise ValidationError(expected)
+    if isinstance(value, str) and value in AXES:
+        return CutPlane(AXES[value])
+    value = schema.inner_table(value, expected, ("normal", "through"), needed=("normal",))
     normal = schema.parse_point(value["normal"], expected)
     schema.refuse_if(not any(normal), "a normal that is not [0, 0, 0]")
     return CutPlane(normal, schema.parse_point(value["through"], expected) if "through" in value else None)

@@ -246,6 +246,16 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def inner_table(value: Any, form: str, known: Collection[str], needed: Collection[str] = ()) -> Mapping[str, Any]:
+    """Return ``value`` if it is a table of known keys, with the needed ones; raise `ValidationError` otherwise."""
+    refuse_if(not isinstance(value, Mapping) or not value, form)
+    for name in value:
+        refuse_if(name not in known, f"{form}; {name} is unknown")
+    for name in needed:
+        refuse_if(name not in value, f"{form}; {name} is missing")
+    return value  # type: ignore[no-any-return]
+
+
 def or_word(word: str, parse: Parse) -> Parse:
     """Make a parser that accepts a word beside what ``parse`` accepts."""
     return lambda value: value if value == word else parse(value)

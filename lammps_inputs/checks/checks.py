@@ -12,9 +12,10 @@ from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import Material, check_shape
 from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
+from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
@@ -36,16 +37,14 @@ Check = Callable[[Case, ErrorList], None]
 
 def check_together(case: Case, errors: ErrorList) -> None:
     """Check keys of different tables against each other, as far as the tables are right."""
-    _fit(
-        case, errors,
-        packing.check_pairs, packing.check_contact, _check_times, _check_probe_interval, _check_resolution,
-    )  # fmt: skip
+    _fit(case, errors, packing.check_pairs, packing.check_contact, _check_times, _check_probe_interval,
+         _check_resolution)  # fmt: skip
     if not _fit(case, errors, _check_size):
         return
     _fit(
         case, errors,
-        grains.check_columns, grains.check_places, grains.check_velocities, grains.check_loaded, grains.check_held,
-        _check_strikers, _check_sensors, _check_records,
+        grains.check_columns, grains.check_places, grains.check_loaded, grains.check_held,
+        _check_ids, _check_strikers, _check_history,
     )  # fmt: skip
     if _fit(case, errors, _check_boundary):
         _fit(
@@ -80,18 +79,15 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         errors.add("striker", str(error))
         return None
     grains.check_lines(assembly, errors)
-    precompression.check_plates(assembly, errors)
-    _check_struck(assembly, errors)
-    precompression.check_first_yield(assembly, errors)
-    loads.check_absorbing(assembly, errors)
+    for check in (precompression.check_plates, _check_struck, precompression.check_first_yield, loads.check_absorbing):
+        check(assembly, errors)
     if not errors.lines:
         loads.check_driving(assembly, errors)
-    packing.check_dents(assembly, errors)
-    packing.check_losses(assembly, errors)
-    packing.check_rates(assembly, errors)
-    packing.check_cohesion(assembly, errors)
-    _check_below(assembly, errors)
-    _check_held_strikers(assembly, errors)
+    if fault := error_in_dents(assembly):
+        errors.add(KEY, fault)
+    for check in (packing.check_losses, packing.check_rates, packing.check_cohesion, _check_below,
+                  _check_held_strikers):  # fmt: skip
+        check(assembly, errors)
     return assembly
 
 
@@ -104,42 +100,45 @@ def _check_size(case: Case, errors: ErrorList) -> None:
     check_memory_of_sites(case.packing, nx * ny * (nz if unlike else 1), _MEMORY_OF_SITE, errors)
 
 
-def _check_strikers(case: Case, errors: ErrorList) -> None:
-    for n, (key, striker) in enumerate(numbered("striker", case.striker).items()):
-        check_shape(striker, key, errors)
-        known, moves = case.packing.n_spheres + n, any(striker.velocity)
-        beyond = [sphere for sphere in striker.touches if sphere > known]
-        no_effect = "a striker starts in contact, so that a shift along its way has no effect"
-        errors.check(
-            *((True, f"{key}.touches",
-               f"found {one}, expected ids from 1 to {known}: spheres of the packing, and earlier strikers")
-              for one in beyond[:1]),
-            *((any(shift) and moves and not np.cross(shift, striker.velocity).any(), f"{key}.{name}",
-               f"found {show(shift)} along its way, expected a part across it: {no_effect}")
-              for name, shift in (("offset", striker.offset), ("misalignment", striker.misalignment))),
-        )  # fmt: skip
-
-
-def _check_sensors(case: Case, errors: ErrorList) -> None:
-    last = case.packing.n_spheres + len(case.striker)
-    for key, sensor in numbered("sensor", case.sensor).items():
-        errors.check((sensor.id > last, f"{key}.id", f"found {sensor.id}, expected an id from 1 to {last}"))
+def _check_ids(case: Case, errors: ErrorList) -> None:
+    """Check that ids are those of grains of the packing, or also of strikers, and names those of one sensor alone."""
+    n, known = case.packing.n_spheres, vars(case)
+    last, lists = n + len(case.striker), ("replace", "hold", "guide", "absorb")
+    entries = [item for name in lists for item in numbered(name, getattr(case, name)).items()]
+    probes = case.output.probes if "output" in known else ()
+    named = [
+        ("load.index", case.load.index or () if "load" in known else (), n),
+        *((f"{key}.index", entry.index or (), n) for key, entry in entries),
+        *((f"striker.{k}.touches", striker.touches, n + k - 1) for k, striker in enumerate(case.striker, start=1)),
+        *((f"{key}.id", (sensor.id,), last) for key, sensor in numbered("sensor", case.sensor).items()),
+        *(("output.probes", probe.spheres, last) for probe in probes),
+        *((f"{key}.index", line.index if isinstance(line.index, tuple) else (), last)
+          for key, line in numbered("line", case.line).items()),
+        *((f"{key}.start", (line.start or 1,), last) for key, line in numbered("line", case.line).items()),
+    ]  # fmt: skip
+    errors.check(
+        *((max(ids, default=0) > most, key, f"found {max(ids, default=0)}, expected ids from 1 to {most}, "
+           + ("the end of the packing" if most == n else "strikers included")) for key, ids, most in named),
+        *((len(set(probe.spheres)) < len(probe.spheres), "output.probes",
+           f"found contact {show(probe.contact)}, expected two different spheres") for probe in probes),
+    )  # fmt: skip
     errors.check_names(numbered("sensor", case.sensor))
 
 
-def _check_records(case: Case, errors: ErrorList) -> None:
-    output, last = case.output, case.packing.n_spheres + len(case.striker)
-    for probe in output.probes:
-        errors.check(
-            *((one > last, "output.probes", f"found sphere {one}, expected an id from 1 to {last}")
-              for one in probe.spheres),
-            (len(set(probe.spheres)) < len(probe.spheres), "output.probes",
-             f"found contact {show(probe.contact)}, expected two different spheres"),
-        )  # fmt: skip
-    errors.check(
-        (case.packing.kind != "chain" and not case.line and output.history not in (0, "auto"), "output.history",
-         f"found {output.history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"),
-    )  # fmt: skip
+def _check_strikers(case: Case, errors: ErrorList) -> None:
+    no_effect = "a striker starts in contact, so that a shift along its way has no effect"
+    for key, striker in numbered("striker", case.striker).items():
+        check_shape(striker, key, errors)
+        for name, shift in (("offset", striker.offset), ("misalignment", striker.misalignment)):
+            along = any(striker.velocity) and any(shift) and not np.cross(shift, striker.velocity).any()
+            found = f"found {show(shift)} along its way, expected a part across it: {no_effect}"
+            errors.check((along, f"{key}.{name}", found))
+
+
+def _check_history(case: Case, errors: ErrorList) -> None:
+    history, has_one = case.output.history, case.packing.kind == "chain" or case.line
+    found = f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
+    errors.check((not has_one and history not in (0, "auto"), "output.history", found))
 
 
 def _check_boundary(case: Case, errors: ErrorList) -> None:
@@ -186,12 +185,11 @@ def _check_struck_spheres(case: Case, errors: ErrorList) -> None:
 
 
 def _check_bars(case: Case, errors: ErrorList) -> None:
-    longest = _LONGEST_ELEMENT * case.packing.diameter
+    longest, kind = _LONGEST_ELEMENT * case.packing.diameter, case.packing.kind
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
-                (case.packing.kind != "chain", name,
-                 f"found with packing.kind = {show(case.packing.kind)}, expected a chain"),
+                (kind != "chain", name, f"found with packing.kind = {show(kind)}, expected a chain"),
                 (bar.length > longest * bar.elements, f"{name}.elements",
                  f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
                  f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),
@@ -201,11 +199,12 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
          f'found {show(case.boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
         (case.incident_bar and case.striker, "striker", "found beside [incident_bar]; take one of them out"),
     )  # fmt: skip
+    load = case.load
     errors.check(
-        (case.incident_bar and case.load.kind != "force", "load.kind",
-         f"found {show(case.load.kind)}, expected a force: it acts on the free end of the incident_bar"),
-        ((case.bar or case.incident_bar) and any(case.load.way[:2]), "load.direction",
-         f"found {show(case.load.direction)} beside a bar, which moves along z alone; expected [0, 0, 1]"),
+        (case.incident_bar and load.kind != "force", "load.kind",
+         f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"),
+        ((case.bar or case.incident_bar) and any(load.way[:2]), "load.direction",
+         f"found {show(load.direction)} beside a bar, which moves along z alone; expected [0, 0, 1]"),
     )  # fmt: skip
 
 
@@ -228,10 +227,8 @@ def _check_times(case: Case, errors: ErrorList) -> None:
     step = 0.0 if isinstance(run.timestep, str) else run.timestep
     last = run.frame_times[-1] if run.frame_times else 0.0
     no_end = isinstance(run.frames, tuple) and isinstance(run.frames[0], str) and isinstance(run.end_time, str)
-    given = {name: value for name in ("smallest_timestep", "largest_timestep", "energy_tolerance")
-             if not isinstance(value := getattr(run, name), str)}  # fmt: skip
-    if run.energy_tolerance == ENERGY_TOLERANCE:
-        del given["energy_tolerance"]
+    names = ("smallest_timestep", "largest_timestep", "energy_tolerance")
+    given = {name: getattr(run, name) for name in names if getattr(run, name) != getattr(Run, name)}
     least, most = given.get("smallest_timestep", 0.0), given.get("largest_timestep", math.inf)
     errors.check(
         (step > end, "run.timestep", f"found {step:g} s, expected at most {ends}"),
@@ -275,8 +272,8 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
     moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
     struck = set(struck_of(assembly))
     for key, hold in case.held.items():
-        held = sorted(struck & set(held_ids(case, hold)))
-        if held and (along := sorted(moved & set(hold.axes))):
+        held, along = sorted(struck & set(held_ids(case, hold))), sorted(moved & set(hold.axes))
+        if held and along:
             errors.add(key, f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; leave it "
                        f"out of [[{key.partition('.')[0]}]], or strike another (load.index)")  # fmt: skip
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
@@ -336,24 +333,23 @@ def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log warnings about values that are valid but may not be meant."""
-    case, warnings = assembly.case, []
-    ratio, n = case.material.poisson_ratio, assembly.lattice.n_spheres
-    if case.contact.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
+    case, warnings = assembly.case, list[str]()
+    ratio, n, law, end = case.material.poisson_ratio, assembly.lattice.n_spheres, case.contact, case.run.longest
+    if law.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
         warnings.append(
             f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, found {ratio:g}; its "
             f"exact Hertz-von Mises yield factor is C = {hertz_von_mises_yield_factor(ratio):.4f} "
-            f"(contact.yield_factor is {case.contact.yield_factor:g}); "
-            'law = "elastoplastic-fe" holds for ratios of 0 to 0.45'
+            f'(contact.yield_factor is {law.yield_factor:g}); law = "elastoplastic-fe" holds for ratios of 0 to 0.45'
         )
     materials = {id(one.material): one.material for one in assembly.species}.values()
-    if case.contact.takes("hardening"):
-        warnings += [text for one in materials if (text := outside_fit(one))]
+    if law.takes("hardening"):
+        warnings += filter(None, map(outside_fit, materials))
     elif any(one.hardening for one in materials):
         text = "expected law elastoplastic-fe for a material with hardening, which others leave out"
-        warnings.append(f"contact.law: found {case.contact.law}, {text}")
-    if case.contact.yields and assembly.has_cylinders:
+        warnings.append(f"contact.law: found {law.law}, {text}")
+    if law.yields and assembly.has_cylinders:
         text = "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: contact.law ="
-        warnings.append(f"{text} {case.contact.law} holds for the others")
+        warnings.append(f"{text} {law.law} holds for the others")
     for wall, grain, depth in untouched(assembly):
         text = f"grain {grain} reaches {depth:.3g} m into the wall {wall}, which does not act on it:"
         warnings.append(f"{text} boundary.sides_touch")
@@ -363,19 +359,17 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         if (low, high) not in near:
             warnings.append(f"the spheres of the probed contact {contact} do not touch at the start")
     for name, echo in echoes(assembly.bars).items():
-        if case.run.longest > echo:
+        if end > echo:
             text = f"an echo of the end of the {name} can reach the chain after {echo:.3g} s, the run lasts"
-            warnings.append(f"{text} {case.run.longest:.3g} s: make the bar longer, or the run shorter")
-    if case.contact.initial_overlap and case.precompression and case.boundary.forget_gap < _SMALL_GAP:
+            warnings.append(f"{text} {end:.3g} s: make the bar longer, or the run shorter")
+    if law.initial_overlap and case.precompression and case.boundary.forget_gap < _SMALL_GAP:
         gap = case.boundary.forget_gap * case.packing.diameter
-        warnings.append(
-            f"boundary.forget_gap: dents from before the run are forgotten beyond gaps of {gap:.3g} m, so that the "
-            f"packing may never come to rest under its static load; give {_SMALL_GAP:g} or more"
-        )
-    if case.load.first_time >= case.run.longest:
+        text = f"boundary.forget_gap: dents from before the run are forgotten beyond gaps of {gap:.3g} m, so that the"
+        warnings.append(f"{text} packing may never come to rest under its static load; give {_SMALL_GAP:g} or more")
+    if case.load.first_time >= end:
         text = f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
         warnings.append(f"{text} give run.end_time a later time")
-    if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
+    if case.run.end_time == "auto" and not law.yields and not case.has_cohesion:
         warnings.append('a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us')
     for text in warnings:
         _LOG.warning("%s: %s", case.name, text)

@@ -7,7 +7,6 @@ from itertools import combinations
 
 import numpy as np
 
-from granwave.lammps_inputs.case.bodies import Hold
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import presets
@@ -44,10 +43,11 @@ def check_columns(case: Case, errors: ErrorList) -> None:
          '"uniaxial" or "gravity"'),
     )  # fmt: skip
     known = {"", *presets(), *(one.name for one in (case.material, *case.materials))}
-    for name in (one for one in dict.fromkeys(grains.material) if one not in known):
-        first = grains.material.index(name) + 1
-        text = f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
-        _add(errors, grains, [first], f"{text}[materials.{name}]")
+    for name in dict.fromkeys(grains.material):
+        if name not in known:
+            first = grains.material.index(name) + 1
+            text = f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
+            _add(errors, grains, [first], f"{text}[materials.{name}]")
 
 
 def check_places(case: Case, errors: ErrorList) -> None:
@@ -100,21 +100,6 @@ def check_places(case: Case, errors: ErrorList) -> None:
     _add_pair(errors, grains, pairs[0].tolist(), text, len(pairs))
 
 
-def check_velocities(case: Case, errors: ErrorList) -> None:
-    """Check that grains of a file move if they are the load, and that one that is struck does not."""
-    grains, load = case.packing.grains, case.load
-    if grains is None:
-        return
-    struck = load.index or () if load.kind == "impact" else ()
-    moving = [one for one in struck if one <= len(grains) and grains.velocity[one - 1].any()]
-    errors.check(
-        (load.kind == "grains" and not grains.velocity.any(), "load.kind",
-         'found "grains", but no grain has a velocity; give columns vx, vy, vz'),
-        *((True, "load.index", f"found grain {one}, which has a velocity in the file; give one of them")
-          for one in moving[:1]),
-    )  # fmt: skip
-
-
 def check_cylinders(case: Case, errors: ErrorList) -> None:
     """Check that nothing is asked of cylinders that only spheres have, and that they lie along or across walls."""
     packed = case.packing.grains
@@ -162,45 +147,42 @@ def _add_pair(errors: ErrorList, grains: Grains, pair: Sequence[int], message: s
 
 
 def check_loaded(case: Case, errors: ErrorList) -> None:
-    """Check the ids of ``load.index``, and that a load of moving grains is one of a file."""
-    n, packing = case.packing.n_spheres, case.packing
-    beyond = sorted(one for one in case.load.index or () if one > n)
+    """Check that grains of a file move if they are the load, and that one that is struck does not."""
+    grains, load = case.packing.grains, case.load
+    struck = load.index or () if load.kind == "impact" and grains is not None else ()
+    moving = [one for one in struck if grains and one <= len(grains) and grains.velocity[one - 1].any()]
     errors.check(
-        *((True, "load.index", f"found {one}, expected an id from 1 to {n}, the end of the packing")
-          for one in beyond[:1]),
-        (case.load.kind == "grains" and packing.grains is None, "load.kind",
-         f'found "grains" with packing.kind = {show(packing.kind)}, expected it with "file"'),
+        (load.kind == "grains" and grains is None, "load.kind",
+         f'found "grains" with packing.kind = {show(case.packing.kind)}, expected it with "file"'),
+        (load.kind == "grains" and grains is not None and not grains.velocity.any(), "load.kind",
+         'found "grains", but no grain has a velocity; give columns vx, vy, vz'),
+        *((True, "load.index", f"found grain {one}, which has a velocity in the file; give one of them")
+          for one in moving[:1]),
     )  # fmt: skip
 
 
 def check_held(case: Case, errors: ErrorList) -> None:
     """Check the grains of ``[[hold]]`` and ``[[guide]]``."""
-    for key, hold in case.held.items():
-        _check_hold(case.packing.grains, case.packing.n_spheres, hold, key, errors)
-
-
-def _check_hold(grains: Grains | None, n: int, hold: Hold, key: str, errors: ErrorList) -> None:
+    grains, n = case.packing.grains, case.packing.n_spheres
     groups = sorted(set(grains.group) - {""}) if grains is not None else []
     there = f"one of {', '.join(map(show, groups))}" if groups else "index: no grain has a group"
-    of_group = hold.group is not None and hold.group not in groups
-    if of_group and hold.index is None and any(one in line for line in errors.lines for one in _PLACED):
-        return  # the grains of the group could not be placed, which has its own error
-    fits = errors.check_first(
-        ((hold.index is None) == (hold.group is None), key,
-         f"found {'both index and group' if hold.index else 'neither index nor group'}, expected one of them"),
-        (of_group, f"{key}.group", f"found {show(hold.group)}, expected {there}"),
-        (max(hold.index or (0,)) > n, f"{key}.index",
-         f"found {max(hold.index or (0,))}, expected ids from 1 to {n}, the end of the packing"),
-    )  # fmt: skip
-    if not fits:
-        return
-    errors.check((not hold.axes and not hold.rotation, key, "holds nothing; give directions, or rotation = true"))
-    if grains is not None:
-        rows = np.array(hold.index or grains.of_group(hold.group or "")) - 1
-        moving = {letter: rows[grains.velocity[rows, "xyz".index(letter)] != 0] for letter in hold.axes}
+    for key, hold in case.held.items():
+        of_group = hold.group is not None and hold.group not in groups
+        if of_group and hold.index is None and any(one in line for line in errors.lines for one in _PLACED):
+            continue  # the grains of the group could not be placed, which has its own error
+        fits = errors.check_first(
+            ((hold.index is None) == (hold.group is None), key,
+             f"found {'both index and group' if hold.index else 'neither index nor group'}, expected one of them"),
+            (of_group, f"{key}.group", f"found {show(hold.group)}, expected {there}"),
+        )  # fmt: skip
+        if not fits or max(hold.index or (0,)) > n:
+            continue
+        errors.check((not hold.axes and not hold.rotation, key, "holds nothing; give directions, or rotation = true"))
+        rows = np.array(hold.index or (grains.of_group(hold.group or "") if grains else ())) - 1
+        moving = {letter: rows[grains.velocity[rows, "xyz".index(letter)] != 0] for letter in hold.axes if grains}
         errors.check_first(
-            *((True, key, f"holds grain {grain[0] + 1} along {letter}, along which the file gives it a velocity")
-              for letter, grain in moving.items() if len(grain)),
+            *((len(there), key, f"holds grain {there[0] + 1} along {letter}, along which the file gives it a velocity")
+              for letter, there in moving.items() if len(there)),
         )  # fmt: skip
 
 
@@ -251,7 +233,7 @@ def check_tube(case: Case, errors: ErrorList) -> None:
 
 def check_lines(assembly: Assembly, errors: ErrorList) -> None:
     """Check names, ids and grains of the lines of a case."""
-    lines, last = numbered("line", assembly.case.line), assembly.last_sphere
+    lines = numbered("line", assembly.case.line)
     errors.check_names(lines)
     for key, line in lines.items():
         index = line.index if isinstance(line.index, tuple) else ()
@@ -259,7 +241,6 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
         vacant = np.setdiff1d([one for _, one in named], assembly.ids)
         fits = errors.check_first(
             (line.index is not None and line.start is not None, f"{key}.index", "found beside start; give one of them"),
-            *((one > last, f"{key}.{name}", f"found {one}, expected ids from 1 to {last}") for name, one in named),
             *((one in vacant, f"{key}.{name}", f"found {one}, a vacant site; expected a grain that is there")
               for name, one in named),
             (len(set(index)) < len(index), f"{key}.index", f"found {show(list(index))}, expected each id once"),

@@ -12,7 +12,6 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
-from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_constants, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import vacant_sites
@@ -57,18 +56,15 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
 
 
 def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> None:
-    n, scatter = case.packing.n_spheres, case.packing.diameter_scatter
+    scatter = case.packing.diameter_scatter
     ways = {"index": entry.index, "a box": entry.low or entry.high, "share": entry.share}
     found = [name for name, value in ways.items() if value is not None]
-    beyond = [sphere for sphere in entry.index or () if sphere > n]
     low, high, one_way = entry.low, entry.high, len(found) == 1
     errors.check(
         (entry.diameter is None and entry.material is None, key, "changes nothing; give a material, or a diameter"),
         (entry.diameter is not None and scatter >= entry.diameter / 2, f"{key}.diameter",
          f"found {entry.diameter or 0.0:g}, expected more than twice packing.diameter_scatter, {scatter:g} m"),
         (not one_way, key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}"),
-        *((one_way, f"{key}.index", f"found {one}, expected an id from 1 to {n}, the end of the packing")
-          for one in beyond[:1]),
         (one_way and (low is None) != (high is None), f"{key}.{'low' if low is None else 'high'}",
          "missing; a box has both corners"),
         (one_way and low and high and (np.array(low) > high).any(), f"{key}.high",
@@ -195,22 +191,18 @@ def check_contact(case: Case, errors: ErrorList) -> None:
 
 
 def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorList) -> None:
-    if (
-        material is not None
-        and material.yield_strength is None
-        and (law := case.contact_between(material, material)).yields
-    ):
-        give = (
-            f'{material.name} has none, write material = {{preset = "{material.name}", yield_strength = (Pa)}}'
-            if material.name in presets()
-            else "give a number in Pa"
-        )
-        text = f'missing; the {law.law} law needs it: {give}, or set contact.law = "hertz"'
-        errors.add(f"{key}.yield_strength", text)
+    """Check that a material has a yield strength if its contacts yield."""
+    if material is None or material.yield_strength is not None:
+        return
+    law, name, give = case.contact_between(material, material), material.name, "give a number in Pa"
+    if name in presets():
+        give = f'{name} has none, write material = {{preset = "{name}", yield_strength = (Pa)}}'
+    errors.check((law.yields, f"{key}.yield_strength",
+                  f'missing; the {law.law} law needs it: {give}, or set contact.law = "hertz"'))  # fmt: skip
 
 
 def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the constants that it takes, and no others."""
+    """Check that a law has the constants that it takes, and no others, and that it can cohere and resist twisting."""
     for name in ("constant", "exponent"):
         value, takes = getattr(contact, name), contact.takes(name)
         errors.check(
@@ -219,10 +211,16 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
             (value is not None and not takes, f"{key}.{name}",
              f'found {value or 0.0:g} with law = "{contact.law}"; it belongs to law = "power"'),
         )  # fmt: skip
-    if contact.twisting == MARSHALL and not contact.friction:
-        found = f'found "{MARSHALL}" with friction = 0'
-        errors.add(f"{key}.twisting", f"{found}, expected friction above 0, by which it resists")
-    _check_cohesion(contact, key, errors)
+    kind = contact.cohesion.kind if contact.cohesion is not None and contact.coheres else ""
+    found = f'found "{kind}" with law = "{contact.law}"'
+    errors.check(
+        (contact.twisting == MARSHALL and not contact.friction, f"{key}.twisting",
+         f'found "{MARSHALL}" with friction = 0, expected friction above 0, by which it resists'),
+        (kind and contact.entry.is_power, f"{key}.cohesion",
+         f"{found}, which has no contact circle; expected a law of two materials"),
+        (kind == "jkr" and contact.yields, f"{key}.cohesion",
+         f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
+    )  # fmt: skip
     names = list(contact.constants)
     if names and (not contact.takes("constants") or contact.variant != "continuous"):
         found = f"found {contact.law}, {contact.variant}"
@@ -231,19 +229,6 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
     elif names and (fault := error_in_constants(contact)):
         key, found = (f"{key}.{names[0]}", "") if len(names) == 1 else (key, f"{', '.join(names)}: ")
         errors.add(key, f"{found}no passive law: {fault}")
-
-
-def _check_cohesion(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law can cohere."""
-    if contact.cohesion is None or not contact.coheres:
-        return
-    found = f'found "{contact.cohesion.kind}" with law = "{contact.law}"'
-    errors.check(
-        (contact.entry.is_power, f"{key}.cohesion",
-         f"{found}, which has no contact circle; expected a law of two materials"),
-        (contact.cohesion.kind == "jkr" and contact.yields, f"{key}.cohesion",
-         f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
-    )  # fmt: skip
 
 
 _MOST_SUNKEN = 0.05  # overlap by cohesion over the radius of a sphere, up to which contacts are small
@@ -281,12 +266,6 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
          f"the work of adhesion presses spheres of radius {radius:g} m into each other by {sunken:.3g} m; expected "
          f"less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
     )  # fmt: skip
-
-
-def check_dents(assembly: Assembly, errors: ErrorList) -> None:
-    """Check initial dents that are given by value."""
-    if fault := error_in_dents(assembly):
-        errors.add(KEY, fault)
 
 
 def check_losses(assembly: Assembly, errors: ErrorList) -> None:

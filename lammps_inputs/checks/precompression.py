@@ -7,6 +7,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.boundary import Precompression
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.packing import PackingSection
@@ -35,20 +36,17 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
             errors.add(_TABLE, f"found beside [{name}], whose far end nothing holds; take one of them out")
             return
     _check_size(stage, packing, errors)
-    lattice = packing.grains is None
-    if stage.takes_overlaps and lattice:
-        errors.add(
-            f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
-            f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
-            "[[grains]]): spheres of a lattice just touch",
-        )
+    lattice, chain, uniform = packing.grains is None, packing.kind == "chain", stage.kind == "uniform"
+    errors.check(
+        (stage.takes_overlaps and lattice, f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
+         f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
+         "[[grains]]): spheres of a lattice just touch"),
+    )  # fmt: skip
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
         return
-    chain, uniform, support = packing.kind == "chain", stage.kind == "uniform", boundary.bottom_support
-    flat = uniform and (chain or is_plane_crystal(packing.kind))
-    end = support.bar.end if support is not None and support.bar else ""
+    flat, support = uniform and (chain or is_plane_crystal(packing.kind)), boundary.bottom_support
     errors.check(
         (flat, f"{_TABLE}.kind",
          f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
@@ -61,7 +59,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         (stage.kind == "uniaxial" and packing.kind == "square", f"{_TABLE}.kind",
          'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
         (support is not None and not support.bears, "boundary.bottom.bar.end",
-         f'found {show(end)} under a precompression, expected "fixed": '
+         f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
          "such a bar gives way to a load that lasts"),
     )  # fmt: skip
 
@@ -76,31 +74,36 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
         _check_yield_by_walls(assembly, stage, errors)
     if stage.moves_walls or isinstance(assembly.lattice, Places):
         if case.packing.cell is None or case.bears_along_z:  # else it is a load on an endless packing, for bands
-            _check_top(assembly, errors)
-        _check_presses(assembly, errors)
+            _check_top(assembly, stage, errors)
+        _check_presses(assembly, stage, errors)
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
         name, unit = "acceleration", "m/s^2"
     law, largest = sphere_contact(case), force_of_contact(assembly)
     least = largest / (assembly.lattice.shape[2] if stage.kind == "gravity" else 1)  # on contacts of the top layer
-    deepest = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
-    fault, force, limit = "", largest, deepest
+    deepest = _force_at_largest_overlap(law)
     # contacts with initial dents stay elastic beyond first yield
-    has_elastic_range = contact.yields and law.elastic_limit > 0
-    if has_elastic_range and not case.contact.initial_overlap and least >= law.yield_force:
-        force, limit = least, law.yield_force
-        fault = f"would yield every contact: about {force:.3g} N on each, first yield at {limit:.3g} N"
+    elastic_range = contact.yields and law.elastic_limit > 0 and not case.contact.initial_overlap
+    if elastic_range and least >= law.yield_force:
+        most = getattr(stage, name) * law.yield_force / least
+        fault = f"would yield every contact: about {least:.3g} N on each, first yield at {law.yield_force:.3g} N"
+        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {most:.3g} {unit}")
     elif largest > deepest:
-        fault = f"would press contacts with {force:.3g} N, the law holds up to {limit:.3g} N ({LARGEST} R*)"
-    if fault:
-        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {getattr(stage, name) * limit / force:.3g} {unit}")
-    elif _spreads(assembly):
+        most = getattr(stage, name) * deepest / largest
+        fault = f"would press contacts with {largest:.3g} N, the law holds up to {deepest:.3g} N ({LARGEST} R*)"
+        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {most:.3g} {unit}")
+    elif _spreads(case, stage, assembly.lattice.shape):
         errors.add(
             "boundary.sides",
             f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
             'spreads without friction, also between walls; expected "periodic", or precompression.kind = "uniform"',
         )
+
+
+def _force_at_largest_overlap(law: ContactLaw) -> float:
+    """Return the force at the largest overlap at which contact laws hold, N."""
+    return float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
 
 
 def check_plates(assembly: Assembly, errors: ErrorList) -> None:
@@ -117,17 +120,14 @@ def check_plates(assembly: Assembly, errors: ErrorList) -> None:
                       f"{found} spheres of {names}, expected a {layer} layer of one material"))  # fmt: skip
 
 
-def _spreads(assembly: Assembly) -> bool:
+def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> bool:
     """Return True if the load would push the spheres of a layer apart: no friction, pressure or period holds them."""
-    case = assembly.case
-    stage, packing, boundary = case.precompression, case.packing, case.boundary
-    nx, ny, nz = assembly.lattice.shape
+    (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
     if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
-    held = boundary.sides == "periodic" or boundary.bottom == "fixed"
-    free = stage is not None and stage.kind != "uniform" and not held
-    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1 and not isinstance(packing.vacancies, tuple)
-    return free and layers
+    held = stage.kind == "uniform" or boundary.sides == "periodic" or boundary.bottom == "fixed"
+    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1
+    return layers and not held and not isinstance(packing.vacancies, tuple)
 
 
 def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
@@ -171,68 +171,59 @@ def _wall_key(name: str) -> str:
     return f'boundary.{name} = "wall"' if name != "tube" else "boundary.sides = {tube = {radius = ...}}"
 
 
-def _check_top(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a force on the top of grains acts on some that can move, and stays in the range of their law."""
+def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
+    """Check that a force on the top of grains acts on some that can move, and that something bears it."""
     case, top, key = assembly.case, set(assembly.lattice.top_layer.tolist()), f"{_TABLE}.force"
-    assert case.precompression is not None
-    if case.precompression.pressure is not None:
-        errors.add(f"{_TABLE}.pressure", "found for grains at places of their own, which have no face; give a force")
-    elif case.precompression.force is not None:
-        held = [min(grains) for hold in case.holds.values()
-                if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
-        errors.check_first(
-            *((True, key, f"acts on grain {one}, the uppermost, which is held along z") for one in held),
-            (not case.bears_along_z, key,
-             "found a force on the top, which nothing bears; hold a grain along z, or give a boundary.bottom"),
-        )  # fmt: skip
+    held = [min(grains) for hold in case.holds.values()
+            if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
+    errors.check_first(
+        (stage.pressure is not None, f"{_TABLE}.pressure",
+         "found for grains at places of their own, which have no face; give a force"),
+        *((stage.force is not None, key, f"acts on grain {one}, the uppermost, which is held along z")
+          for one in held),
+        (stage.force is not None and not case.bears_along_z, key,
+         "found a force on the top, which nothing bears; hold a grain along z, or give a boundary.bottom"),
+    )  # fmt: skip
 
 
-def _check_presses(assembly: Assembly, errors: ErrorList) -> None:
+def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
     """Check that walls that move to a force do not yield the spheres that they press, nor exceed their law."""
-    stage = assembly.case.precompression
-    assert stage is not None
     for name, force in stage.presses.items():
         wall = next((wall for wall in walls(assembly) if wall.name.startswith(name)), None)
         grains = [] if wall is None else grains_at_wall(assembly, wall).tolist()
-        for grain in grains[:1]:
-            if assembly.shape_of(grain) is not None:
-                continue  # a cylinder stays elastic
-            law, share = flat_contact(assembly, grain, wall.material if wall else None), force / len(grains)
-            limit = float(law.loading_force(np.array([LARGEST * law.effective_radius]))[0])
-            what = f"the law holds up to {limit:.3g} N"
-            if assembly.case.contact.yields and 0 < law.yield_force < limit:
-                limit, what = law.yield_force, f"first yield is at {law.yield_force:.3g} N"
-            if share > limit:
-                found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
-                hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
-                errors.add(f"{_TABLE}.{name}_force", f"{found}; {hint}")
+        if not grains or assembly.shape_of(grains[0]) is not None:  # a cylinder stays elastic
+            continue
+        law, share = flat_contact(assembly, grains[0], wall.material if wall else None), force / len(grains)
+        limit = _force_at_largest_overlap(law)
+        what = f"the law holds up to {limit:.3g} N"
+        if assembly.case.contact.yields and 0 < law.yield_force < limit:
+            limit, what = law.yield_force, f"first yield is at {law.yield_force:.3g} N"
+        if share > limit:
+            found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
+            hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
+            errors.add(f"{_TABLE}.{name}_force", f"{found}; {hint}")
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
     """Refuse walls that move farther than any row of contacts, from wall to wall or axis, can give way elastically."""
-    case = assembly.case
+    case, n, grains = assembly.case, assembly.lattice.n_spheres, assembly.case.packing.grains
     contact = case.contact_between(case.material, case.material)
     if errors.lines or not contact.yields or case.contact.initial_overlap:
         return
-    n = assembly.lattice.n_spheres
-    grains = case.packing.grains
     kinds = {(assembly.diameter_of(k), assembly.material_of(k).name): k for k in range(1, (n if grains else 1) + 1)}
-    ids = list(kinds.values())
+    ids, smallest = list(kinds.values()), min(diameter for diameter, _ in kinds)
     laws = [pair_contact(assembly, first, second) for first, second in combinations_with_replacement(ids, 2)]
     laws += [flat_contact(assembly, sphere, case.boundary.sides_material) for sphere in ids]
     most = max(law.yield_overlap for law in laws)
-    places = (grains.position if grains else assembly.lattice.positions(1, n))[:, :2]
-    smallest = min(diameter for diameter, _ in kinds)
+    places = grains.position if grains else assembly.lattice.positions(1, n)
+    across = {"tube": case.boundary.sides_tube or 0.0, "x": np.ptp(places[:, 0]) / 2, "y": np.ptp(places[:, 1]) / 2}
     for name, distance in stage.moves.items():
-        tube = case.boundary.sides_tube
-        across = tube if name == "tube" and tube else float(np.ptp(places[:, 0 if name == "x" else 1])) / 2
-        limit = _INCLINED * (math.ceil(across / smallest) + 1) * most
-        if distance > limit:
-            errors.add(
-                f"{_TABLE}.{name}",
-                f"found {distance:g} m, by which contacts yield before the load: together they give way by less than "
-                f'{limit:.3g} m elastically; give less, a higher yield_strength, or contact.law = "hertz"',
-            )
+        limit = _INCLINED * (math.ceil(across[name] / smallest) + 1) * most
+        errors.check(
+            (distance > limit, f"{_TABLE}.{name}",
+             f"found {distance:g} m, by which contacts yield before the load: together they give way by less than "
+             f'{limit:.3g} m elastically; give less, a higher yield_strength, or contact.law = "hertz"'),
+        )  # fmt: skip
 
 
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:

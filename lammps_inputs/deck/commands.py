@@ -7,6 +7,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
+from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
@@ -337,8 +338,8 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
     if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
         return []
     behind = wall.support.backing(wall.material, footprint_radius(assembly))
-    if wall.support.damper:
-        return ["support", "damper", num(wall.support.damper.damping)]
+    if isinstance(wall.support, Damper):
+        return ["support", "damper", num(behind.damping)]
     if not behind.elements:
         return ["support", *map(num, (behind.mass, behind.stiffness, behind.damping))]
     end = behind.end if isinstance(behind.end, str) else num(behind.end)

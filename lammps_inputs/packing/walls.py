@@ -237,10 +237,11 @@ def support_timestep(assembly: Assembly, stiffness: float) -> float:
     stiffness
         Stiffness of one contact with the bottom, N/m.
     """
-    support, material = assembly.case.boundary.bottom_support, assembly.case.boundary.bottom_material
-    if support is None:
+    boundary = assembly.case.boundary
+    if boundary.bottom_support is None:
         return math.inf
-    return support.longest_timestep(material, footprint_radius(assembly), len(assembly.lattice.last_layer) * stiffness)
+    behind = boundary.bottom_support.backing(boundary.bottom_material, footprint_radius(assembly))
+    return behind.longest_timestep(len(assembly.lattice.last_layer) * stiffness)
 
 
 def footprint_radius(assembly: Assembly) -> float:

@@ -112,7 +112,10 @@ def run_with_a_markup_name(folder: Path) -> None:
 
 def edited_case(folder: Path) -> None:
     """Write ``run/case.toml`` with another velocity."""
-    _edit(folder / "run" / "case.toml", "velocity = 5.0", "velocity = 6.0")
+    path = folder / "run" / "case.toml"
+    text = path.read_text(encoding="utf-8")
+    assert "velocity = 5.0" in text
+    path.write_text(text.replace("velocity = 5.0", "velocity = 6.0"), encoding="utf-8")
 
 
 def noise_for_spheres(folder: Path) -> None:
@@ -120,25 +123,21 @@ def noise_for_spheres(folder: Path) -> None:
     (folder / "run" / "dumps" / "spheres.bin").write_bytes(bytes(range(256)) * 100)
 
 
+def _change_last_contact(folder: Path, words: dict[int, str]) -> None:
+    path = folder / "run" / "dumps" / "contacts.dump"
+    *rows, last = path.read_text(encoding="utf-8").splitlines()
+    last = " ".join(words.get(k, word) for k, word in enumerate(last.split()))
+    path.write_text("\n".join([*rows, last]) + "\n", encoding="utf-8")
+
+
 def nan_in_contacts(folder: Path) -> None:
     """Make the first value of the last contact invalid."""
-    _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: [*words[:2], "nan", *words[3:]])
+    _change_last_contact(folder, {2: "nan"})
 
 
 def strangers_in_contacts(folder: Path) -> None:
     """Make the last contact one of two spheres that do not exist."""
-    _change_last_row(folder / "run" / "dumps" / "contacts.dump", lambda words: ["1000", "1001", *words[2:]])
-
-
-def _edit(path: Path, old: str, new: str) -> None:
-    text = path.read_text(encoding="utf-8")
-    assert old in text, f"{path} lacks {old!r}"
-    path.write_text(text.replace(old, new), encoding="utf-8")
-
-
-def _change_last_row(path: Path, change: Callable[[list[str]], list[str]]) -> None:
-    *rows, last = path.read_text(encoding="utf-8").splitlines()
-    path.write_text("\n".join([*rows, " ".join(change(last.split()))]) + "\n", encoding="utf-8")
+    _change_last_contact(folder, {0: "1000", 1: "1001"})
 
 
 def deep_nesting(folder: Path) -> None:
@@ -158,14 +157,10 @@ PLACES: Mapping[str, Callable[[Path], None]] = {
 _HELD: list[Any] = []  # open locks
 
 
-def release() -> None:
-    """Release the locks, and make all files removable."""
+def release(folder: Path) -> None:
+    """Release the locks, and make all files below ``folder`` removable."""
     while _HELD:
         _HELD.pop().close()
-
-
-def make_removable(folder: Path) -> None:
-    """Restore read permission for all files below ``folder``."""
     for place in folder.iterdir():
         if place.is_dir() and not place.is_symlink():
             place.chmod(0o755)

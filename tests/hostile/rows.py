@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import dataclasses
 import os
 import re
@@ -13,7 +14,7 @@ import signal
 import subprocess
 import tomllib
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,6 @@ import pytest
 
 from tests.conftest import BIN, PLAIN
 from tests.helpers.command import command
-from tests.hostile.powers import without_power_over_files
 
 TABLE = Path(__file__).with_name("inputs.toml")
 SECONDS, MEMORY = 20.0, 2**30  # limits of a row: s, and bytes in addition to those used by the tests
@@ -31,10 +31,12 @@ LONGEST_ID = 100  # characters in the name of a test
 LONGEST_LINE = 1500  # characters; messages must be readable
 OURS = re.compile(r"granwave( \w+)?: ")  # prefix of every line for the user
 INNARDS = re.compile(r"Traceback|\b[A-Z]\w*Error\b|\bErrno\b|NoneType|<class '| object at 0x|\bPosixPath\b")
+_OVER_FILES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE and CAP_DAC_READ_SEARCH
 REPEATED = re.compile(r"<(\d+)\*(.)>")
 USAGE = re.compile(r"usage: .*\n(?: .*\n)*")
 
 Entries = dict[str, tuple[int, ...]]
+Answer = subprocess.CompletedProcess[str]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -62,22 +64,6 @@ class Row:
     lacks: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     slow: bool = False
 
-    @property
-    def n_faults(self) -> int:
-        """Number of expected error lines."""
-        if self.faults is not None:
-            return self.faults
-        return 1 if self.status else 0
-
-
-@dataclasses.dataclass(frozen=True)
-class Answer:
-    """Exit status and output of a command."""
-
-    status: int
-    out: str
-    err: str
-
 
 def read_rows(path: Path = TABLE) -> tuple[dict[str, str], list[Row]]:
     """Read the table.
@@ -89,21 +75,17 @@ def read_rows(path: Path = TABLE) -> tuple[dict[str, str], list[Row]]:
     rows
         Rows in the order of the table; one for each command of a row that has several.
     """
-    tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    return tables["folder"], [
-        row for kind, entries in tables["inputs"].items() for entry in entries for row in _rows(kind, entry)
-    ]
-
-
-def _rows(kind: str, entry: dict[str, Any]) -> Iterator[Row]:
-    entry = {name: _with_repeats(value) for name, value in entry.items()}
-    for name in ("prepared", "lose", "cut", "says", "prints", "writes", "keeps"):
-        if isinstance(entry.get(name), str):
-            entry[name] = [entry[name]]
-    commands = entry.pop("granwave", "")
-    for line in [commands] if isinstance(commands, str) else commands:
-        what = entry["what"] if isinstance(commands, str) else f"{entry['what']}: {line}"
-        yield Row(kind=kind, **{**entry, "what": what, "granwave": line})
+    tables, rows = tomllib.loads(path.read_text(encoding="utf-8")), []
+    for kind, entry in (
+        (kind, _with_repeats(entry)) for kind, entries in tables["inputs"].items() for entry in entries
+    ):
+        lists = ("prepared", "lose", "cut", "says", "prints", "writes", "keeps")
+        entry |= {name: [entry[name]] for name in lists if isinstance(entry.get(name), str)}
+        commands, what = entry.pop("granwave", ""), entry.pop("what")
+        for line in [commands] if isinstance(commands, str) else commands:
+            more = "" if isinstance(commands, str) else f": {line}"
+            rows.append(Row(kind=kind, what=what + more, granwave=line, **entry))
+    return tables["folder"], rows
 
 
 def _with_repeats(value: Any) -> Any:
@@ -119,11 +101,8 @@ def _with_repeats(value: Any) -> Any:
 
 def parameters(rows: Sequence[Row]) -> list[Any]:
     """Rows as parameters of a test, with their marks."""
-    found = []
-    for row in rows:
-        marks: list[pytest.MarkDecorator] = [pytest.mark.validation] if row.slow else []
-        found.append(pytest.param(row, id=f"{row.kind}: {row.what}"[:LONGEST_ID], marks=marks))
-    return found
+    return [pytest.param(row, id=f"{row.kind}: {row.what}"[:LONGEST_ID], marks=[pytest.mark.validation] * row.slow)
+            for row in rows]  # fmt: skip
 
 
 # ---------------------------------------------------------------------- running
@@ -162,31 +141,41 @@ def run_here(
     with pytest.MonkeyPatch.context() as patch, _within_bounds(seconds), without_power_over_files():
         for name, value in env.items():
             patch.setenv(name, value)
-        done = command(words, folder, capfd)
-    return Answer(done.returncode, done.stdout, done.stderr)
-
-
-def run_shell(line: str, folder: Path, env: Mapping[str, str]) -> Answer:
-    """Run a shell command line with the command ``granwave``, and return the exit status of granwave."""
-    paths = os.pathsep.join([str(BIN), os.environ.get("PATH", "")])
-    done = subprocess.run(
-        ["/bin/bash", "-o", "pipefail", "-c", line],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=PROCESS_SECONDS,
-        env={**PLAIN, "PATH": paths, **env},
-    )
-    return Answer(done.returncode, done.stdout, done.stderr)
+        return command(words, folder, capfd)
 
 
 def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer:
-    """Run the command of the row in its folder."""
-    if row.shell:
-        return run_shell(row.shell, folder, row.env)
-    seconds = PROCESS_SECONDS if row.slow else SECONDS
-    return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
+    """Run the command of the row in its folder; a line of a shell in a process, with the command ``granwave``."""
+    if not row.shell:
+        seconds = PROCESS_SECONDS if row.slow else SECONDS
+        return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
+    paths = os.pathsep.join([str(BIN), os.environ.get("PATH", "")])
+    return subprocess.run(
+        ["/bin/bash", "-o", "pipefail", "-c", row.shell], cwd=folder, capture_output=True, text=True, errors="replace",
+        timeout=PROCESS_SECONDS, env={**PLAIN, "PATH": paths, **row.env},
+    )  # fmt: skip
+
+
+@contextlib.contextmanager
+def without_power_over_files() -> Iterator[None]:
+    """Enforce the read and write permissions of files for all users, including root."""
+    libc = ctypes.CDLL(None, use_errno=True)
+    # the version of the kernel's interface, two words of 32 bits for each set, and this process
+    header, sets = (ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)()
+
+    def call(function: Callable[..., int]) -> None:
+        if function(header, sets):
+            raise OSError(ctypes.get_errno(), "capabilities")
+
+    call(libc.capget)
+    before = sets[0]  # the effective ones
+    sets[0] = before & ~_OVER_FILES
+    call(libc.capset)
+    try:
+        yield
+    finally:
+        sets[0] = before
+        call(libc.capset)
 
 
 class OverTime(BaseException):
@@ -237,12 +226,10 @@ def entries_of(folder: Path) -> Entries:
 def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entries) -> None:
     """Assert that the output is the one expected by the row."""
     shown = f"\n{shown_answer(row.shell or row.granwave, answer)}"
-    assert answer.status == row.status, shown
-    assert len(faults_in(answer.err)) == row.n_faults, shown
-    for fragment in row.says:
-        assert fragment in answer.err, f"{fragment!r} is not said{shown}"
-    for fragment in row.prints:
-        assert fragment in answer.out, f"{fragment!r} is not printed{shown}"
+    assert answer.returncode == row.status, shown
+    assert len(faults_in(answer.stderr)) == (bool(row.status) if row.faults is None else row.faults), shown
+    for fragments, text in ((row.says, answer.stderr), (row.prints, answer.stdout)):
+        assert not [one for one in fragments if one not in text], f"not all of {fragments} are said{shown}"
     changed = sorted(name for name in {*before, *after} if before.get(name) != after.get(name))
     places = [os.path.normpath(f"{folder.name}/{place}") for place in row.writes]
     # the list of files written by granwave, to which a file is added before it is rewritten
@@ -255,18 +242,16 @@ def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entrie
         assert f"{folder.name}/{name}" in before and f"{folder.name}/{name}" not in changed, (
             f"{name} was not kept{shown}"
         )
-    for name, fragments in row.holds.items():
-        text = (folder / name).read_text(encoding="utf-8")
-        assert not [one for one in fragments if one not in text], f"{name} lacks some of {fragments}"
-    for name, fragments in row.lacks.items():
-        text = (folder / name).read_text(encoding="utf-8")
-        assert not [one for one in fragments if one in text], f"{name} holds some of {fragments}"
+    for wanted, files in ((True, row.holds), (False, row.lacks)):
+        for name, fragments in files.items():
+            text = (folder / name).read_text(encoding="utf-8")
+            assert all((one in text) == wanted for one in fragments), f"{fragments} in {name}: expected {wanted}"
 
 
 def shown_answer(command: str, answer: Answer) -> str:
     """Output for the message of a failed test; asserts that it contains no traceback or the like."""
-    shown = f"{command}\nstatus {answer.status}\n{answer.out}{answer.err}"
-    assert not INNARDS.search(answer.out + answer.err), shown
+    shown = f"{command}\nstatus {answer.returncode}\n{answer.stdout}{answer.stderr}"
+    assert not INNARDS.search(answer.stdout + answer.stderr), shown
     return shown
 
 

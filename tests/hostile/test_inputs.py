@@ -62,8 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder.mkdir()
     write_folder(folder)
     yield folder
-    places.release()
-    places.make_removable(folder)
+    places.release(folder)
 
 
 def test_the_table_is_long_enough_and_every_row_has_a_name_of_its_own() -> None:

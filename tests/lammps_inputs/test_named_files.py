@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import write_csv
@@ -117,20 +118,17 @@ def test_dents_of_an_earlier_run(places: tuple[Path, Path]) -> None:
     assert case_from_dict(load_case(folder / "my.toml").to_dict()) == load_case(folder / "my.toml")
 
 
-def test_links_lead_to_one_path(tmp_path: Path) -> None:
-    (tmp_path / "real").mkdir()
-    (tmp_path / "link").symlink_to("real")
-    for directory in ("real", "link"):
-        found = with_absolute_paths({"contact": {"initial_overlap": "x"}}, tmp_path / directory)
-        assert found == {"contact": {"initial_overlap": str(tmp_path / "real" / "x")}}
-
-
 def test_only_text_under_keys_of_files_is_a_path(tmp_path: Path) -> None:
     tables = {"name": "file", "initial_overlap": [{"overlap": 1e-6}], "file": 3, "material": {"file": ""}, "x": ["a"],
               "load.file": ["a", 2], "odd": {"file": "a\0b"}}  # fmt: skip
     assert with_absolute_paths(tables, tmp_path) == tables | {"load.file": [str(tmp_path / "a"), 2]}
     assert with_short_paths({"file": str(tmp_path / "a")}, tmp_path) == {"file": "a"}
     assert with_short_paths({"file": "/usr"}, tmp_path) == {"file": "/usr"}
+    (tmp_path / "real").mkdir()
+    (tmp_path / "link").symlink_to("real")
+    for directory in ("real", "link"):  # links lead to one path
+        found = with_absolute_paths({"contact": {"initial_overlap": "x"}}, tmp_path / directory)
+        assert found == {"contact": {"initial_overlap": str(tmp_path / "real" / "x")}}
 
 
 # ---------------------------------------------------------------------- scans
@@ -143,15 +141,18 @@ def _scan(folder: Path, tables: str, case: str = "my.toml") -> Path:
     return path
 
 
+MINE_THERE = '{preset = "mine", file = "mine.toml"}'
+
+
 @pytest.mark.parametrize(
     "tables",
     [
-        '[set]\nmaterial = {preset = "mine", file = "mine.toml"}\n[grid]\nload.velocity = [1]\n',
-        '[grid]\nmaterial = [{preset = "mine", file = "mine.toml"}]\n',
+        f"[set]\nmaterial = {MINE_THERE}\n[grid]\nload.velocity = [1]\n",
+        f"[grid]\nmaterial = [{MINE_THERE}]\n",
         '[set]\nmaterial.preset = "mine"\n[grid]\nmaterial.file = ["mine.toml"]\n',
         '[grid]\n"material.file" = ["mine.toml"]\n"material.preset" = ["mine"]\n',
-        '[[zip]]\nmaterial = [{preset = "mine", file = "mine.toml"}]\nload.velocity = [1]\n',
-        '[[points]]\nmaterial = {preset = "mine", file = "mine.toml"}\n',
+        f"[[zip]]\nmaterial = [{MINE_THERE}]\nload.velocity = [1]\n",
+        f"[[points]]\nmaterial = {MINE_THERE}\n",
         '[[points]]\n"material.file" = "mine.toml"\n"material.preset" = "mine"\n',
     ],
 )
@@ -166,9 +167,8 @@ def test_files_of_a_scan_are_beside_it(places: tuple[Path, Path], tables: str, m
 
 
 def test_files_set_from_outside_a_scan_are_here(places: tuple[Path, Path]) -> None:
-    folder, _ = places
-    path = _scan(folder, "[grid]\nload.velocity = [1]\n")
-    for overrides in (['material={preset="mine",file="mine.toml"}'], {"material": MATERIAL}):
+    path = _scan(places[0], "[grid]\nload.velocity = [1]\n")
+    for overrides in ([f"material={MINE_THERE}"], {"material": MATERIAL}):
         assert load_scan(path, overrides).points[0].case.material.youngs_modulus == 1e11
 
 
@@ -177,7 +177,7 @@ def test_labels_of_paths_are_as_seen_from_the_scan(places: tuple[Path, Path]) ->
     (folder / "other.toml").write_text(MINE.format(modulus="3e11"), encoding="utf-8")
     path = _scan(folder, '[set]\nmaterial.preset = "mine"\n[grid]\nmaterial.file = ["mine.toml", "other.toml"]\n')
     assert [point.labels["material.file"] for point in load_scan(path).points] == ["mine.toml", "other.toml"]
-    path = _scan(folder, '[grid]\nmaterial = [{preset = "mine", file = "mine.toml"}]\n')
+    path = _scan(folder, f"[grid]\nmaterial = [{MINE_THERE}]\n")
     assert load_scan(path).points[0].labels["material"] == "mine file=mine.toml"
 
 
@@ -215,63 +215,44 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "first"
 
 
-def _words(tmp_path: Path, folder: Path) -> list[list[str]]:
-    """All commands that read the case, or a scan of it, find the file."""
-    (folder / "scan.toml").write_text('case = "my.toml"\n[grid]\nload.velocity = [1, 2]\n', encoding="utf-8")
-    return [
-        ["check", str(folder / "my.toml")],
-        ["write", str(folder / "my.toml"), "-o", str(tmp_path / "out")],
-        ["scan", str(folder / "scan.toml"), "-o", str(tmp_path / "out")],
-    ]
+#: Damages of a result.h5: a data set, and what is written in its place; and the message.
+DAMAGES: dict[str, tuple[str, Any, str]] = {
+    "rows": ("contacts/i", [1, 2], "contacts: found columns of 2 and"),
+    "nan": (
+        "contacts/peak_overlap",
+        float("nan"),
+        "contacts/peak_overlap: found values that are not finite, or negative",
+    ),
+    "words": ("spheres/id", ["a"] * 18, "is not the result.h5 of a run"),
+    "group": ("wall_contacts/wall", None, "is not the result.h5 of a run"),
+    "shape": ("spheres/position", [0.0] * 18, "spheres/position: found the shape (18,)"),
+    "cut": ("", None, "is not the result.h5 of a run"),
+    "missing": ("", None, "there is no such file; expected the result.h5 of a run"),
+    "other packing": ("", None, "is of another packing: found 18 spheres, expected 27"),
+}
 
 
-def _damage(path: Path, kind: str) -> None:
-    if kind == "cut":
-        path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-        return
-    with h5py.File(path, "r+") as file:
-        peaks = file["contacts/peak_overlap"][()]
-        if kind == "rows":
-            del file["contacts/i"]
-            file["contacts/i"] = [1, 2]
-        elif kind == "nan":
-            peaks[0] = float("nan")
-            file["contacts/peak_overlap"][...] = peaks
-        elif kind == "words":
-            del file["spheres/id"]
-            file["spheres/id"] = ["a"] * 18
-        elif kind == "group":
-            del file["wall_contacts/wall"]
-            file.create_group("wall_contacts/wall")
-        elif kind == "shape":
-            del file["spheres/position"]
-            file["spheres/position"] = [0.0] * 18
-
-
-@pytest.mark.parametrize(
-    ("kind", "expected"),
-    [
-        ("cut", "is not the result.h5 of a run"),
-        ("rows", "contacts: found columns of 2 and"),
-        ("nan", "contacts/peak_overlap: found values that are not finite, or negative"),
-        ("words", "is not the result.h5 of a run"),
-        ("group", "is not the result.h5 of a run"),
-        ("shape", "spheres/position: found the shape (18,)"),
-        ("missing", "there is no such file; expected the result.h5 of a run"),
-        ("other packing", "is of another packing: found 18 spheres, expected 27"),
-    ],
-)
+@pytest.mark.parametrize("kind", DAMAGES)
 def test_all_words_refuse_dents_that_cannot_be_had(
-    first: Path, tmp_path: Path, kind: str, expected: str, capsys: pytest.CaptureFixture[str]
+    first: Path, tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    result = tmp_path / "result.h5"
+    result, content, (name, value, expected) = tmp_path / "result.h5", (first / "result.h5").read_bytes(), DAMAGES[kind]
     if kind != "missing":
-        result.write_bytes((first / "result.h5").read_bytes())
-        _damage(result, kind)
+        result.write_bytes(content[: len(content) // 2] if kind == "cut" else content)
+    if name:
+        with h5py.File(result, "r+") as file:
+            value = np.append(value, file[name][1:]) if kind == "nan" else value
+            del file[name]
+            if value is None:
+                file.create_group(name)
+            else:
+                file[name] = value
     text = SMALL.replace("[3, 3, 2]", "[3, 3, 3]") if kind == "other packing" else SMALL
     (tmp_path / "my.toml").write_text(text + '[contact]\ninitial_overlap = "result.h5"\n', encoding="utf-8")
-    for words in _words(tmp_path, tmp_path):
-        assert main(words) == 2, words
+    scan = tmp_path / "scan.toml"
+    scan.write_text('case = "my.toml"\n[grid]\nload.velocity = [1, 2]\n', encoding="utf-8")
+    for words in (["check", "my.toml"], ["write", "my.toml", "-o", "out"], ["scan", "scan.toml", "-o", "out"]):
+        assert main([word if word in ("-o", words[0]) else str(tmp_path / word) for word in words]) == 2, words
         error = capsys.readouterr().err
         assert error.count("\n") == 1 and f"contact.initial_overlap: {result}: " in error and expected in error, words
         assert not (tmp_path / "out").exists()
@@ -326,18 +307,14 @@ def test_case_of_a_results_directory_runs_from_anywhere(
     assert main(["check", str(here / "deck" / "case.toml")]) == 0
 
 
-@pytest.mark.parametrize("text", ["=1+1", "+cmd|calc", "-2+3", "@SUM(A1)", "\t=1", '=HYPERLINK("a")'])
-def test_text_is_no_formula(text):
-    file = io.StringIO()
-    write_csv_rows(file, [[text]])
-    assert next(csv.reader([file.getvalue()])) == [f"'{text}"]
-
-
 @pytest.mark.parametrize("cell", ["-1.5e-3", "+7", "-inf", "-", "", "a=1", "brass"])
 def test_numbers_and_other_text_stay(cell):
     file = io.StringIO()
     write_csv_rows(file, [[cell, -2.5, None]])
     assert file.getvalue() == f"{cell},-2.5,\n"
+    for formula in ("=1+1", "+cmd|calc", "-2+3", "@SUM(A1)", "\t=1", '=HYPERLINK("a")'):
+        write_csv_rows(file := io.StringIO(), [[formula]])
+        assert next(csv.reader([file.getvalue()])) == [f"'{formula}"]
 
 
 def test_columns_named_by_the_user(tmp_path):

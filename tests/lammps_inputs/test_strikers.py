@@ -100,13 +100,10 @@ def test_a_striker_rests_on_three_of_four_scattered_spheres() -> None:
         assert len(found.striker_contacts) == 4
         # no place with three contacts is deeper, and the one at rest stays above
         assert found.centre_of(31)[2] < 0
+    tilted, plain = (assemble(square(EDGE, more)) for more in ({"tilt": [1, 1]}, {}))
+    np.testing.assert_array_equal(tilted.positions(), plain.positions())  # without scatter a tilt changes nothing
     two = assemble(square(EDGE, SCATTERED))
     np.testing.assert_allclose(gaps(two, 31, [11, 16]), 0.0, atol=1e-12)  # two spheres always hold one in their plane
-
-
-def test_without_scatter_a_tilt_changes_nothing() -> None:
-    tilted, plain = (assemble(square(EDGE, more)) for more in ({"tilt": [1, 1]}, {}))
-    np.testing.assert_array_equal(tilted.positions(), plain.positions())
 
 
 CHAIN = {"kind": "chain", "size": 3, "diameter": 0.01}

@@ -20,7 +20,7 @@ from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn
 from granwave.workflows.counterpart import Inputs, continuum_of, inputs_of_continuum, inputs_of_packing, packing_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, Cost, solver_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 Rows = Iterable[tuple[str, str]]
 
@@ -44,7 +44,10 @@ def check(options: argparse.Namespace) -> int:
         inputs, counterpart, waves = inputs_of_packing(case), continuum_of(case), small_waves(case)
     elif kind is CONTINUUM:
         inputs, counterpart = inputs_of_continuum(case), packing_of(case)
-    warnings = _warnings(expected)
+    warnings: list[str] = []
+    if isinstance(expected, Plan):
+        slow = f"the run takes about {duration(expected.wall_time)}: {expected.slowness}" if expected.slowness else ""
+        warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
     if options.json:
         kind.check(case, expected, Path(case.name).absolute())
         found: dict[str, Any] = {"name": case.name, "command": kind.verb, f"n_{kind.parts}": kind.size(case)}
@@ -67,7 +70,14 @@ def check(options: argparse.Namespace) -> int:
     if kind is GRANULAR:
         print(plan_table(case, expected, inputs, wave_rows(waves)))
     else:
-        print(_continuum_table(case.name, kind.size(case), expected, inputs))
+        print(table([
+            ("case", case.name),
+            ("elements", f"about {kind.size(case)}"),
+            *_inputs(inputs),
+            ("memory", f"about {expected.memory / _GIB:.2f} GiB"),
+            ("disk", f"about {expected.disk / 1e9:.3g} GB"),
+            ("expected time", f"about {duration(expected.wall_time)}"),
+        ]))  # fmt: skip
     if counterpart is not None:
         what = "continuum" if kind is GRANULAR else "packing"
         print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
@@ -78,12 +88,75 @@ def check(options: argparse.Namespace) -> int:
     return 0
 
 
-def _warnings(expected: Cost) -> list[str]:
-    """Return what to think of before this run."""
-    if not isinstance(expected, Plan):
-        return []
-    slow = f"the run takes about {duration(expected.wall_time)}: {expected.slowness}" if expected.slowness else ""
-    return [one for one in (slow, expected_cut(expected.zone)) if one]
+def table(rows: Rows) -> str:
+    """Return a table of the rows that have a text."""
+    return lines([(label, text) for label, text in rows if text])
+
+
+def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows = ()) -> str:
+    """Return the table of a planned run; ``waves`` are rows on small waves."""
+    return table(_plan_rows(case, plan, inputs, waves))
+
+
+def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Rows:
+    schedule, times, values, assembly = plan.schedule, plan.times, packing_values(case, plan), assemble(case)
+    grains = f"{plan.n_spheres}"
+    if assembly.grains_called == GRAINS:
+        grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
+    yield "case", plan.name
+    yield assembly.grains_called, grains
+    yield "contacts at the start", f"{plan.n_contacts}"
+    across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
+    yield "packing", f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high, {across} m wide"
+    if (struck := values["struck"]) is not None:
+        aside = f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
+        below = f"{struck['below_m']:.3g} m below the top" if struck["below_m"] else ""
+        yield "struck", ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below]))
+    if (found := values["coordination"]) is not None:
+        numbers = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items())
+        yield "contacts of a grain", f"{found['mean']:.3g} in the mean: {numbers}"
+    yield "precompression", _static(case)
+    yield from waves
+    yield from _inputs(inputs, at_most="at most " * _is_bound(case))
+    memory = f"about {plan.memory / _GIB:.2f} GiB"
+    if plan.n_ranks > 1:
+        first, other = plan.first_rank / _GIB, plan.other_rank / _GIB
+        memory += f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
+    yield "memory", memory
+    yield "disk", f"about {plan.disk / 1e9:.3g} GB"
+    timestep, steps = f"{schedule.timestep:.4g} s", f"{schedule.n_steps}"
+    if schedule.adaptive:
+        timestep = f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "
+        timestep += f"energy balance to {schedule.energy_tolerance:g} of the input"
+        steps = f"{schedule.n_steps // schedule.first_step} if all were as long as the first"
+    at_most = "at most " if schedule.block_steps else ""  # such a run ends by itself
+    yield "timestep", timestep
+    yield "", f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s" if plan.limit else ""
+    yield "steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"
+    yield "snapshots", f"{at_most}{schedule.n_frames}"
+    parts = {name: getattr(times, part) for name, part in _TIMES.items()}
+    longer = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5)
+    usual, most = duration(times.total), duration(times.longest)
+    yield "expected time", f"about {usual}: {longer}"
+    yield "", f"at most {most}" if at_most and most != usual else ""
+    yield "static stage", static_stage_note([times]) if times.most_static > times.static else ""
+    yield "output", "a file from each rank (output.parts)" if values["output_in_parts"] else ""
+    if held := values["held_by_first_rank"]:
+        yield "held by the first rank", f"all sites at once, for {' and '.join(held)}"
+    overlap = f"up to {plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
+    if plan.peak_overlap_yield is not None:
+        overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
+    if values["peak_overlap_beyond_law"]:
+        overlap += " - beyond 0.2 R*, where the contact law ends"
+    yield "largest overlap", overlap
+    if (rate := values["rate"]) is not None:
+        first, last = rate["factor_at_yield"], rate["factor_at_largest_overlap"]
+        at = f"at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
+        yield "yield strength", f"times {first:.4g} {at}"
+    for name, loss in (values["loss"] or {}).items():
+        yield "loss", f"time {loss:.4g} s" if name == "time_s" else f"dashpot {loss:.4g}"
+    yield "outermost yield", _outermost_yield(plan.zone)
+    yield from (("no peak reduction", reason) for reason in values["nulls"].values())
 
 
 def _is_bound(case: Case) -> bool:
@@ -91,115 +164,21 @@ def _is_bound(case: Case) -> bool:
     return case.load.kind == "force"
 
 
-def table(rows: Rows) -> str:
-    """Return a table of the rows that have a text."""
-    return lines([(label, text) for label, text in rows if text])
-
-
-def _continuum_table(name: str, n_elements: int, cost: Cost, inputs: Inputs | None) -> str:
-    return table(
-        [
-            ("case", name),
-            ("elements", f"about {n_elements}"),
-            *_inputs(inputs),
-            ("memory", f"about {cost.memory / _GIB:.2f} GiB"),
-            ("disk", f"about {cost.disk / 1e9:.3g} GB"),
-            ("expected time", f"about {duration(cost.wall_time)}"),
-        ]
-    )
-
-
-def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows = ()) -> str:
-    """Return the table of a planned run; ``waves`` are rows on small waves."""
-    schedule, times, values, assembly = plan.schedule, plan.times, packing_values(case, plan), assemble(case)
-    usual, most = duration(times.total), duration(times.longest)
-    grains = f"{plan.n_spheres}"
-    if assembly.grains_called == GRAINS:
-        grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
-    coordination = values["coordination"] or {"mean": 0.0, "grains": {}}
-    numbers = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in coordination["grains"].items())
-    memory = f"about {plan.memory / _GIB:.2f} GiB"
-    if plan.n_ranks > 1:
-        first, other = plan.first_rank / _GIB, plan.other_rank / _GIB
-        memory += f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
-    timestep, steps, at_most = f"{schedule.timestep:.4g} s", f"{schedule.n_steps}", ""
-    if schedule.adaptive:
-        timestep = f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "
-        timestep += f"energy balance to {schedule.energy_tolerance:g} of the input"
-        steps = f"{schedule.n_steps // schedule.first_step} if all were as long as the first"
-    if schedule.block_steps:  # the run ends by itself
-        at_most = "at most "
-    limit = f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s" if plan.limit else ""
-    parts = {name: getattr(times, part) for name, part in _TIMES.items()}
-    longer = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5)
-    overlap = f"up to {plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
-    if plan.peak_overlap_yield is not None:
-        overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
-    if values["peak_overlap_beyond_law"]:
-        overlap += " - beyond 0.2 R*, where the contact law ends"
-    held, loss = values["held_by_first_rank"], values["loss"] or {}
-    return table(
-        [
-            ("case", plan.name),
-            (assembly.grains_called, grains),
-            ("contacts at the start", f"{plan.n_contacts}"),
-            *_size(values),
-            ("contacts of a grain", f"{coordination['mean']:.3g} in the mean: {numbers}" if numbers else ""),
-            ("precompression", _static(case)),
-            *waves,
-            *_inputs(inputs, at_most="at most " * _is_bound(case)),
-            ("memory", memory),
-            ("disk", f"about {plan.disk / 1e9:.3g} GB"),
-            ("timestep", timestep),
-            ("", limit),
-            ("steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"),
-            ("snapshots", f"{at_most}{schedule.n_frames}"),
-            ("expected time", f"about {usual}: {longer}"),
-            ("", f"at most {most}" if at_most and most != usual else ""),
-            ("static stage", static_stage_note([times]) if times.most_static > times.static else ""),
-            ("output", "a file from each rank (output.parts)" if values["output_in_parts"] else ""),
-            ("held by the first rank", f"all sites at once, for {' and '.join(held)}" if held else ""),
-            ("largest overlap", overlap),
-            ("yield strength", _rate(values["rate"])),
-            ("loss", f"time {loss['time_s']:.4g} s" if "time_s" in loss else ""),
-            ("loss", f"dashpot {loss['dashpot']:.4g}" if "dashpot" in loss else ""),
-            ("outermost yield", _outermost_yield(plan.zone)),
-            *(("no peak reduction", reason) for reason in values["nulls"].values()),
-        ]
-    )  # fmt: skip
-
-
-def _inputs(inputs: Inputs | None, at_most: str = "") -> list[tuple[str, str]]:
+def _inputs(inputs: Inputs | None, at_most: str = "") -> Rows:
     """Return rows of energy and velocity, as far as they apply."""
     if inputs is None or not inputs.energy:
-        return []
-    rows = [("energy in", f"{at_most}{inputs.energy:.6g} J")]
+        return
+    yield "energy in", f"{at_most}{inputs.energy:.6g} J"
+    label = "energy normalised"
     for value, unit in (
         (inputs.energy_normalised, "F_y alpha_y of a contact"),
         (inputs.energy_continuum, "sigma_y^2 D^3/E, as in the continuum"),
     ):
         if value is not None:
-            rows.append(("energy normalised" * (len(rows) == 1), f"{at_most}{value:.6g} {unit}"))
-    velocity = inputs.velocity_normalised
-    return [*rows, ("velocity normalised", "" if velocity is None else f"{velocity:.6g}")]
-
-
-def _size(values: Mapping[str, Any]) -> Rows:
-    """Return mass and extent of the packing, and what the load hits."""
-    struck, across = values["struck"], " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
-    yield "packing", f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high, {across} m wide"
-    if struck is not None:
-        aside = f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
-        below = f"{struck['below_m']:.3g} m below the top" if struck["below_m"] else ""
-        yield "struck", ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below]))
-
-
-def _rate(rate: Mapping[str, float] | None) -> str:
-    """Return the factor of the yield strength by the strain rate; empty if there is none."""
-    if rate is None:
-        return ""
-    first, last = rate["factor_at_yield"], rate["factor_at_largest_overlap"]
-    return f"times {first:.4g} at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
+            yield label, f"{at_most}{value:.6g} {unit}"
+            label = ""
+    if inputs.velocity_normalised is not None:
+        yield "velocity normalised", f"{inputs.velocity_normalised:.6g}"
 
 
 def _static(case: Case) -> str:

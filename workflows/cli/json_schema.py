@@ -7,6 +7,7 @@ description name.
 
 from __future__ import annotations
 
+import contextlib
 import re
 import tomllib
 from functools import cache
@@ -26,11 +27,6 @@ _MAY_BE_MISSING = (*OPTIONAL, "partner", "ranks", "uncertainty", "search", "slur
 _NOT_ALWAYS = re.compile(r"(material|partner)\..*|packing\.(size|diameter)")
 
 Schema = dict[str, Any]
-
-
-def schema_name(file: str) -> str:
-    """Return the name of the file that holds the schema of a kind of files."""
-    return f"{file}.schema.json"
 
 
 @cache
@@ -100,21 +96,16 @@ def _of_key(key: Key) -> Schema:
     if key.name == "material" and "table" in key.accepts:
         return dict(_MATERIAL)
     unit = f", {key.unit}" if key.unit else ""
-    words = {"description": f"{key.description}{unit}; {key.accepts}", "examples": [_value(key.example)]}
-    if "type" not in key.json or isinstance(key.json["type"], list):
+    found: Schema = {"description": f"{key.description}{unit}; {key.accepts}", "examples": [_value(key.example)]}
+    found |= key.json
+    if not isinstance(key.json.get("type"), str):
         told = [_SIGNS, *([] if key.json else [_WORDS])]
         wide = {kind for signs in told for kind, words in signs.items() if any(word in key.accepts for word in words)}
-        wide |= {type_of(_value(key.example)), *key.json.get("type", ())}
-        fixed = {name: value for name, value in key.json.items() if name != "type"}
-        return words | (fixed or {"type": sorted(wide)}) | _default(key)
-    return words | dict(key.json) | _default(key)
-
-
-def _default(key: Key) -> Schema:
-    try:
-        return {"default": _value(f"{key.name} = {key.default}")} if key.default else {}
-    except tomllib.TOMLDecodeError:  # in words
-        return {}
+        wide |= {type_of(_value(key.example)), *found.pop("type", ())}
+        found |= {} if key.json.keys() - {"type"} else {"type": sorted(wide)}
+    with contextlib.suppress(tomllib.TOMLDecodeError):  # of defaults in words
+        found |= {"default": _value(f"{key.name} = {key.default}")} if key.default else {}
+    return found
 
 
 def _value(written: str) -> Any:

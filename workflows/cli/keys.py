@@ -149,21 +149,14 @@ def find(*words: str) -> list[Table]:
             for entry in table.keys
             if entry.name == key and table.name in (table_name or table.file,)
         ]
-    found = found or (_search(words) if wanted else [])
+    if not found and wanted:
+        patterns = [re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words]
+        for table in tables():
+            texts = {key: f"{key.name} {key.description} {key.accepts}" for key in table.keys}
+            keys = tuple(key for key, text in texts.items() if all(one.search(text) for one in patterns))
+            found += [dataclasses.replace(table, keys=keys)] if keys else []
     if not found:
         raise InputError(f"{show(name)[1:-1] or '(empty)'}: no such table or key; {_hint(wanted)}")
-    return found
-
-
-def _search(words: Sequence[str]) -> list[Table]:
-    """Return the tables with those keys in whose names, choices or descriptions all words stand."""
-    patterns = [re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words]
-    found = []
-    for table in tables():
-        texts = {key: f"{key.name} {key.description} {key.accepts}" for key in table.keys}
-        keys = tuple(key for key, text in texts.items() if all(one.search(text) for one in patterns))
-        if keys:
-            found.append(dataclasses.replace(table, keys=keys))
     return found
 
 
@@ -174,12 +167,8 @@ def overview() -> str:
     for file in FILES:
         rows = [f"  {table.name:{width}}  {table.description}" for table in tables() if table.file == file]
         parts.append("\n".join([TITLES[file], *rows]))
-    return "\n\n".join(
-        [
-            *parts,
-            "granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands.",
-        ]
-    )
+    parts.append("granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands.")
+    return "\n\n".join(parts)
 
 
 def as_text(table: Table) -> str:
@@ -201,31 +190,32 @@ def state(key: Key) -> str:
 
 
 def _of_section(file: str, heading: str, section: type, description: str = "") -> Table:
+    """Return the table of a section, with the keys that are read by code of their own."""
     name = heading.strip("[]") or file
-    found = [
-        Key(
-            name=field.name,
-            description=field.metadata["description"],
-            accepts=accepted(field) + _ALSO.get((file, f"{name}.{field.name}"), ""),
-            unit=field.metadata["unit"],
-            default=_default(field),
-            required=field.default is REQUIRED and field.default_factory is REQUIRED,
-            usual=_usual(field.metadata["usual"]),
-            json=_json_of(field),
+    found = []
+    for field in key_fields(section):
+        given, unit, usual = field.metadata, field.metadata["unit"], field.metadata["usual"]
+        none, default = field.default in (REQUIRED, None, ""), field.default
+        default = dataclasses.asdict(default) if dataclasses.is_dataclass(default) else default  # type: ignore[arg-type]
+        json = given["json"]
+        if json is None:  # a reader of its own: the types of values that it accepts
+            types = {type_of(value) for value in _PROBES if _accepts(given["parse"], value)}
+            json = {"type": sorted(types)} if types else {}
+        found.append(
+            Key(
+                name=field.name,
+                description=given["description"],
+                accepts=accepted(field) + _ALSO.get((file, f"{name}.{field.name}"), ""),
+                unit=unit,
+                default="" if none else _written(default),
+                required=field.default is REQUIRED and field.default_factory is REQUIRED,
+                usual="" if usual is None else _usual(usual),
+                json=json,
+            )
         )
-        for field in key_fields(section)
-    ]
     if any("read" in field.metadata for field in dataclasses.fields(section)):
         found.append(Key("material", "material of this body; that of the case by default", _MATERIAL))
     return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
-
-
-def _json_of(field: dataclasses.Field[Any]) -> Mapping[str, Any]:
-    """Return the JSON Schema of a field; of one with a reader of its own the types of values that this accepts."""
-    if field.metadata["json"] is not None:
-        return field.metadata["json"]  # type: ignore[no-any-return]
-    found = {type_of(value) for value in _PROBES if _accepts(field.metadata["parse"], value)}
-    return {"type": sorted(found)} if found else {}
 
 
 def _accepts(parse: Callable[[Any], Any], value: Any) -> bool:
@@ -278,16 +268,7 @@ def _written(value: Any) -> str:
     return f"{value / 10.0**power:.10g}e{power}"
 
 
-def _default(field: dataclasses.Field[Any]) -> str:
-    if field.default is REQUIRED or field.default is None or field.default == "":
-        return ""
-    value = dataclasses.asdict(field.default) if dataclasses.is_dataclass(field.default) else field.default  # type: ignore[arg-type]
-    return _written(value)
-
-
-def _usual(usual: Usual | None) -> str:
-    if usual is None:
-        return ""
+def _usual(usual: Usual) -> str:
     of_unit = f" {usual.unit}" if usual.unit else ""
     text = f"usual: {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     if usual.beyond == 1:
@@ -320,14 +301,10 @@ def _hint(wanted: str) -> str:
 
 
 _TOP = (
-    Key(
-        "name",
-        "name of the case, and of the directory of its results",
-        "a plain name, as of a directory",
-        default="that of the file",
-    ),
+    Key("name", "name of the case, and of the directory of its results", "a plain name, as of a directory",
+        default="that of the file"),
     Key("material", "material of all bodies that have none of their own", _MATERIAL, required=True),
-)
+)  # fmt: skip
 #: Values that a key accepts besides those of its validator, read by code of their own.
 _ALSO = {
     (CASE, "boundary.bottom"): (

@@ -25,20 +25,6 @@ _MOST_GAPS = 3
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
-def _coordination(case: Case) -> dict[str, Any] | None:
-    """Return the contacts found at the start in a file of grains or a plane crystal; None for other lattices.
-
-    They are the mean of a grain, and the numbers of grains by contacts.
-    """
-    if case.packing.grains is None and not is_plane_crystal(case.packing.kind):
-        return None
-    assembly = assemble(case)
-    found = Counter(assembly.contacts().ravel().tolist())
-    grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
-    mean = sum(found.values()) / assembly.n_spheres
-    return {"mean": mean, "grains": {number: n for number, n in sorted(grains.items()) if n}}
-
-
 def _size(assembly: Assembly) -> dict[str, Any]:
     """Return mass, height and widths along x and y of a packing as its grains are placed; without strikers and bars."""
     case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
@@ -71,51 +57,51 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     if sphere not in top:
         below = float(place[2] - at_top[:, 2].min())
         return {"sphere": sphere, "aside_m": 0.0, "below_m": below, "where": ""}
-    across = [axis for axis in (0, 1) if np.ptp(at_top[:, axis]) > lattice.diameter / 2]
-    ends = 0
-    for axis in across:
-        bounds = np.array([at_top[:, axis].min(), at_top[:, axis].max()])
-        ends += bool(np.abs(place[axis] - bounds).min() < lattice.diameter / 2)
+    low, high, near = at_top[:, :2].min(axis=0), at_top[:, :2].max(axis=0), lattice.diameter / 2
+    wide = high - low > near
+    ends = np.count_nonzero(wide & (np.minimum(place[:2] - low, high - place[:2]) < near))
     aside = float(np.linalg.norm(place[:2] - at_top[:, :2].mean(axis=0)))
-    where = ("", "at an edge of the top" if len(across) > 1 else "at an end of the top", "at a corner of the top")
-    return {
-        "sphere": sphere,
-        "aside_m": aside if aside > lattice.diameter else 0.0,
-        "below_m": 0.0,
-        "where": where[ends],
-    }
-
-
-def _rate(assembly: Assembly) -> dict[str, float] | None:
-    """Return the factor of the yield strength in the fastest collision, at first yield and at its largest overlap.
-
-    The contact approaches there with the velocity of the collision. None: it depends on no rate.
-    """
-    if not assembly.has_rate:
-        return None
-    found = [(math.sqrt(4 * one.energy / one.mass), one) for one in encounters(assembly)]
-    if not found:
-        return None
-    velocity, fastest = max(found, key=lambda one: one[0])
-    law, largest = fastest.law, max(fastest.overlap, fastest.law.yield_overlap)
-    first, last = law.rate_factor(np.array([law.yield_overlap, largest]), velocity).tolist()
-    return {"velocity_m_s": velocity, "factor_at_yield": first, "factor_at_largest_overlap": last}
+    where = ("", "at an edge of the top" if wide.all() else "at an end of the top", "at a corner of the top")[ends]
+    return {"sphere": sphere, "aside_m": aside if aside > lattice.diameter else 0.0, "below_m": 0.0, "where": where}
 
 
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
-    assembly, schedule, zone, no_reduction = assemble(case), plan.schedule, plan.zone, no_bare_target(case)
+    assembly, schedule, zone, stage = assemble(case), plan.schedule, plan.zone, case.precompression
+    no_reduction, coordination, rate = no_bare_target(case), None, None
     held = {"unlike or missing spheres": not assembly.sites.uniform, "strikers": bool(assembly.strikers)}
     # a restitution that is asked for is found
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
+    if case.packing.grains is not None or is_plane_crystal(case.packing.kind):  # contacts of other lattices are known
+        found = Counter(assembly.contacts().ravel().tolist())
+        grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
+        numbers = {number: n for number, n in sorted(grains.items()) if n}
+        coordination = {"mean": sum(found.values()) / assembly.n_spheres, "grains": numbers}
+    if assembly.has_rate and (hits := encounters(assembly)):
+        # factor of the yield strength in the fastest collision, with whose velocity the contact approaches
+        velocity, fastest = max(((math.sqrt(4 * one.energy / one.mass), one) for one in hits), key=lambda hit: hit[0])
+        law = fastest.law
+        overlaps = np.array([law.yield_overlap, max(fastest.overlap, law.yield_overlap)])
+        first, last = law.rate_factor(overlaps, velocity).tolist()
+        rate = {"velocity_m_s": velocity, "factor_at_yield": first, "factor_at_largest_overlap": last}
     return {
         **_size(assembly),
         "struck": _struck(assembly),
         "nulls": {"peak_reduction": no_reduction} if no_reduction else {},
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
-        "coordination": _coordination(case),
-        "precompression": _static_load(case),
+        "coordination": coordination,
+        "precompression": None
+        if stage is None
+        else {
+            "kind": stage.kind,
+            "moves_m": stage.moves,
+            "presses_N": stage.presses,
+            "pressure_Pa": stage.pressure,
+            "force_N": stage.force,
+            "acceleration_m_s2": stage.acceleration if stage.kind == "gravity" else None,
+            "takes_overlaps": stage.takes_overlaps,
+        },
         "n_ranks": plan.n_ranks,
         "memory_first_rank_bytes": plan.first_rank,
         "memory_other_rank_bytes": plan.other_rank if plan.n_ranks > 1 else None,
@@ -137,7 +123,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "peak_overlap_over_radius": plan.peak_overlap_radius,
         "peak_overlap_beyond_law": case.contact.entry.fitted and plan.peak_overlap_radius > _LARGEST_OF_LAW,
         "loss": None if loss is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
-        "rate": _rate(assembly),
+        "rate": rate,
         "zone": None
         if zone is None
         else {
@@ -150,22 +136,6 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
             "reaches": list(zone.reaches),
             "may_reach": list(zone.may_reach),
         },
-    }
-
-
-def _static_load(case: Case) -> dict[str, Any] | None:
-    """Return the load before the impact."""
-    stage = case.precompression
-    if stage is None:
-        return None
-    return {
-        "kind": stage.kind,
-        "moves_m": stage.moves,
-        "presses_N": stage.presses,
-        "pressure_Pa": stage.pressure,
-        "force_N": stage.force,
-        "acceleration_m_s2": stage.acceleration if stage.kind == "gravity" else None,
-        "takes_overlaps": stage.takes_overlaps,
     }
 
 

@@ -10,7 +10,7 @@ from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Row
-from granwave.lammps_inputs.case.boundary import Boundary, Plate
+from granwave.lammps_inputs.case.boundary import Boundary, HalfSpace, Plate, SupportBar
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after a short "
@@ -80,10 +80,11 @@ def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[floa
     support, material = boundary.bottom_support, boundary.bottom_material
     if support is None or material is None:
         return None
-    if support.half_space and (radius := support.half_space.radius) is not None:
-        spring, damping = support.half_space.stiffness(material, radius), support.half_space.damping(material, radius)
-    elif support.bar and support.bar.end == "infinite":
-        spring, damping = 0.0, support.bar.area * math.sqrt(material.youngs_modulus * material.density)
+    if isinstance(support, HalfSpace) and support.radius is not None:
+        behind = support.backing(material, support.radius)
+        spring, damping = behind.stiffness, behind.damping
+    elif isinstance(support, SupportBar) and support.end == "infinite":
+        spring, damping = 0.0, support.area * math.sqrt(material.youngs_modulus * material.density)
     else:
         return None
     if impact.mass > _SLIGHT * (damping + spring * impact.duration) * impact.duration:

@@ -68,7 +68,7 @@ class TargetRun(FinishedRun):
     def plate(self) -> Plate | None:
         """The bottom, if it is a plate on a spring."""
         support = self.case.boundary.bottom_support
-        return support.plate if support else None
+        return support if isinstance(support, Plate) else None
 
     @property
     def bottom(self) -> str:
