@@ -59,7 +59,8 @@ def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
 
 def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "run.timestep=1e-6")
-    assert done.returncode == 1 and "energy balance" in done.stderr
+    assert done.returncode == 1 and "the energy balance was refused: it misses by" in done.stderr
+    assert "leave out run.timestep" in done.stderr
     assert summary(tmp_path / "r")["end_reason"] == "energy balance refused"
 
 
@@ -101,7 +102,6 @@ def test_show_gives_a_case_that_runs(granwave, tmp_path):
     done = granwave("show", "fcc-small")
     (tmp_path / "mine.toml").write_text(done.stdout)
     assert granwave("check", "mine.toml", cwd=tmp_path).returncode == 0
-    assert "fcc-small" in granwave("cases").stdout
 
 
 def test_check_tells_what_it_would_be(granwave):

@@ -19,18 +19,8 @@ LONG += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
 
 
 def start(directory, *arguments, sets=LONG, name="fcc-small"):
-    command = [
-        sys.executable,
-        "-m",
-        "granwave.workflows",
-        "run",
-        name,
-        "-o",
-        str(directory),
-        *sets,
-        "--no-figures",
-        *arguments,
-    ]
+    words = ["run", name, "-o", str(directory), *sets, "--no-figures", *arguments]
+    command = [sys.executable, "-m", "granwave.workflows", *words]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
 
 
@@ -58,13 +48,8 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
     """On one processor, whether it was begun on one or two."""
     directory = tmp_path / "killed"
     process = start(directory, "--checkpoint", "0.2", "--np", str(ranks))
-    wait_for(
-        lambda: (
-            len(list(directory.glob("checkpoint-*.restart")))
-            and (directory / "dumps" / "spheres.bin").stat().st_size > 2e5
-        ),
-        beside=process,
-    )
+    snapshots = directory / "dumps" / "spheres.bin"
+    wait_for(lambda: list(directory.glob("checkpoint-*.restart")) and snapshots.stat().st_size > 2e5, beside=process)
     time.sleep(0.3)
     if ranks == 1:
         process.send_signal(signal.SIGKILL)
@@ -81,12 +66,8 @@ def test_killed_run_goes_on_from_its_checkpoint(uninterrupted, granwave, tmp_pat
 def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, granwave, tmp_path):
     directory = tmp_path / "stopped"
     process = start(directory)
-    wait_for(
-        lambda: (
-            (directory / "dumps" / "energy.txt").exists() and (directory / "dumps" / "energy.txt").stat().st_size > 5000
-        ),
-        beside=process,
-    )
+    ledger = directory / "dumps" / "energy.txt"
+    wait_for(lambda: ledger.exists() and ledger.stat().st_size > 5000, beside=process)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 130, errors
