@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
-import subprocess
-import sys
+import runpy
 import tomllib
 from collections.abc import Collection
 from pathlib import Path
 
+import matplotlib
+import matplotlib.pyplot as plt
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
@@ -25,7 +26,6 @@ from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.python.api import __all__ as PYTHON_NAMES
 from granwave.workflows.scanning.suite import load_suite
-from tests.conftest import PLAIN
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
 
 PAGES = pages()
@@ -48,15 +48,16 @@ def test_the_readme_is_short():
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
-def test_python(page, tmp_path):
+def test_python(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
     (tmp_path / "page.py").write_text(
         "\n".join(block.text for block in blocks(page) if block.language == "python" and not block.caption)
     )
-    environment = PLAIN | {"MPLBACKEND": "agg"}
-    done = subprocess.run([sys.executable, "page.py"], cwd=tmp_path, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+    with matplotlib.rc_context({"backend": "agg"}):
+        runpy.run_path("page.py", run_name="__main__")
+        plt.close("all")
+    assert capsys.readouterr().out
 
 
 def test_names_of_python():

@@ -9,6 +9,7 @@ import pty
 import subprocess
 import sys
 import tomllib
+from types import SimpleNamespace
 
 import pytest
 from argcomplete.finders import CompletionFinder
@@ -24,7 +25,7 @@ from granwave.workflows.cli import keys, package
 from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.cli.terminal import SHELLS, SWITCH_ON
+from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.run.lammps_engine import Engine
@@ -34,10 +35,10 @@ from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
 
 
-def on_terminal(*words: str, **variables: str) -> str:
+def on_terminal(*words: str) -> str:
     """Output of a command that writes to a terminal."""
     ours, theirs = pty.openpty()
-    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {"TERM": "xterm"} | variables
+    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {"TERM": "xterm"}
     process = subprocess.Popen([BIN / "granwave", *words], stdout=theirs, stderr=theirs, env=environment)
     os.close(theirs)
     found = b""
@@ -84,12 +85,15 @@ def test_help_in_groups(capsys):
     assert "did you mean film?" in capsys.readouterr().err
 
 
-def test_colours_on_terminals_alone():
-    assert "\033[1mPackings:\033[0m" in on_terminal("cases")
+def test_colours_on_terminals_alone(granwave, monkeypatch):
     assert "\033[31mgranwave:\033[0m" in on_terminal("show", "no-such-case")
-    assert "\033[" not in on_terminal("cases", NO_COLOR="1") + on_terminal("cases", TERM="dumb")
-    done = subprocess.run([BIN / "granwave", "cases"], capture_output=True, text=True, env=PLAIN)
-    assert "\033[" not in done.stdout
+    assert "\033[" not in granwave("cases").stdout
+    terminal = SimpleNamespace(isatty=lambda: True)
+    for name, value, shown in (("TERM", "xterm", "\033[1mx\033[0m"), ("NO_COLOR", "1", "x"), ("TERM", "dumb", "x")):
+        with monkeypatch.context() as patch:
+            patch.delenv("NO_COLOR", raising=False)
+            patch.setenv(name, value)
+            assert coloured("x", BOLD, terminal) == shown
 
 
 SCRIPT = """

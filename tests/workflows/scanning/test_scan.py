@@ -195,7 +195,7 @@ def test_resume_does_what_is_missing_and_force_replaces_all(finished, granwave, 
     (places[1] / "case.toml").write_text("")
     places[1].rename(out / "unfinished" / places[1].name)
     before = {name: mark for name, mark in marks(out).items() if places[4].name in name}
-    good = POINTS.replace("1000", "3") + "[[points]]\npacking.size = [8, 8, 4]\nload.velocity = 2\n"
+    good = POINTS.replace("1000", "3") + "[[points]]\npacking.size = [6, 6, 4]\nload.velocity = 4\n"
     (tmp_path / "my.toml").write_text(HEAD + good)
     words = ("scan", "my.toml", "-o", "out")
 
