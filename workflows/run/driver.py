@@ -239,7 +239,7 @@ class _Run:
 
         deck = shared(self.comm, write)
         if not go_on:
-            fresh = {"checkpoint": None, "n_steps": 0, "end_time_s": 0.0, "wall_time_s": 0.0}
+            fresh: dict[str, Any] = {"checkpoint": None, "n_steps": 0, "end_time_s": 0.0, "wall_time_s": 0.0}
             self.record = dataclasses.replace(self.record, versions=record.versions(), **fresh)
         self.record.n_ranks, self.record.nodes = self.comm.size, nodes(self.comm)
         self.record.timestep_s = deck.schedule.first_timestep

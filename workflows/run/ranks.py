@@ -101,6 +101,7 @@ def _serve(comm: Intracomm) -> None:
         if (found := comm.recv(source=0, tag=0)) is None:
             return
         work, task = found
+        answer: tuple[Any, Exception | None]
         try:
             answer = work(task), None
         except Exception as error:

@@ -84,19 +84,15 @@ def _values_of(value: Any) -> list[Any]:
         It is neither, or the list is empty.
     """
     expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
-    if isinstance(value, Mapping):
-        if len(value) != 1 or not set(value) <= set(_SHAPES):
-            raise ValidationError(expected)
-        ((shape, limits),) = value.items()
-        return _range(shape, limits)
-    if not isinstance(value, list):
+    if isinstance(value, list):
+        if not value:
+            raise ValidationError("at least one value")
+        return value
+    if not isinstance(value, Mapping):
         raise ValidationError(f"{expected}; a value that holds for all points belongs under [set]")
-    if not value:
-        raise ValidationError("at least one value")
-    return value
-
-
-def _range(shape: str, limits: Any) -> list[float]:
+    if len(value) != 1 or not set(value) <= set(_SHAPES):
+        raise ValidationError(expected)
+    ((shape, limits),) = value.items()
     expected = f"{{{shape} = [first, last, how many]}}"
     numbers = limits if isinstance(limits, list) else []
     if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
