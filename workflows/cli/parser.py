@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import difflib
 import importlib
 import inspect
 import re
@@ -16,7 +15,7 @@ from typing import Any, NoReturn
 from granwave import __version__
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.case.schema import printable, show
+from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS, FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
@@ -386,8 +385,7 @@ class _Parser(argparse.ArgumentParser):
         if choice:
             name, found, listed = choice.groups()
             options = re.findall(r"[\w-]+", listed)
-            near = difflib.get_close_matches(found.lower(), options, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
+            hint = did_you_mean(found, options)
             message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
         elif message.startswith("unrecognized arguments: "):
             message += _meant(message.split()[2].partition("=")[0])
@@ -410,5 +408,4 @@ def _meant(unknown: str) -> str:
     ]
     if having := [command for name, command in options if name == unknown]:
         return keys * (unknown != "--set") + f"; it is an option of {', '.join(having)}"
-    near = difflib.get_close_matches(unknown, [name for name, _ in options], n=1, cutoff=0.8)
-    return f"; did you mean {near[0]}?" if near else keys
+    return did_you_mean(unknown, [name for name, _ in options], cutoff=0.8) or keys

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -15,6 +14,7 @@ from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_o
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
+from granwave.lammps_inputs.case.schema import did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
@@ -126,8 +126,7 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 
 def _executor(options: argparse.Namespace) -> Profile | None:
     if options.executor not in EXECUTORS:
-        near = difflib.get_close_matches(options.executor, EXECUTORS, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(options.executor, EXECUTORS)
         raise InputError(f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}")
     if options.executor == LOCAL:
         if options.profile:

@@ -16,7 +16,6 @@ import json
 import os
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -182,10 +181,7 @@ class _Worker:
         stop.unlink(missing_ok=True)
         self.rank_stop = stop
         command = mpi.command(self.batch["ranks"], words, self.batch["launcher"])
-        environment = {**os.environ, mpi.STOP_FILE: str(stop), mpi.EXPECTED_RANKS: str(self.batch["ranks"])}
-        ranks = subprocess.Popen(
-            command, env=environment, stdout=log, stderr=log, start_new_session=True, preexec_fn=mpi.end_with_parent
-        )
+        ranks = mpi.start(command, self.batch["ranks"], stop, log, log)
         if self.stopping.is_set():
             self.stop()
         status = ranks.wait()
@@ -223,9 +219,7 @@ def _reason(status: int, log: Path, begin: int) -> str:
         with log.open("rb") as stream:
             stream.seek(begin)
             lines = stream.read().decode("utf-8", "replace").strip().splitlines()
-        messages = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
-        errors = [line for line in messages if not line.startswith("warning: ")]
-        if errors:
+        if errors := mpi.errors_in(lines):
             return errors[-1]
         died = [match[1] for line in lines if (match := _RANK_DIED.search(line))]
         if died:

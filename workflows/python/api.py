@@ -296,16 +296,13 @@ def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, pr
         file.write_text(found.to_toml(), encoding="utf-8")
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]
-        with (Path(scratch) / "stderr").open("w+b") as stream:
-            shown = progress and os.isatty(2)  # the bar of the first rank
-            stderr = None if shown else stream.fileno()
-            status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL, stderr=stderr)
-            stream.seek(0)
-            text = stream.read().decode("utf-8", "replace")
+        if progress and os.isatty(2):  # the bar of the first rank
+            status, lines = mpi.launch(ranks, words, stdout=subprocess.DEVNULL), []
+        else:
+            status, lines = mpi.launch_unseen(ranks, words)
     if status == 130:
         raise KeyboardInterrupt(_STOPPED.format(place))
-    said = [line.removeprefix("granwave: ") for line in text.splitlines() if line.startswith("granwave: ")]
-    errors = [line for line in said if not line.startswith("warning: ")]
+    errors = mpi.errors_in(lines)
     if status == 2:
         raise InputError(errors or f"{place}: the ranks refused their input")
     state = record.read(place)

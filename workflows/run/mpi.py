@@ -17,7 +17,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
@@ -177,6 +177,14 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
+def start(words: Sequence[str], n_ranks: int, stop: Path, stdout: int, stderr: int) -> subprocess.Popen[bytes]:
+    """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or this process ends."""
+    environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
+    return subprocess.Popen(
+        words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=end_with_parent
+    )
+
+
 def launch(
     n_ranks: int,
     arguments: Sequence[str],
@@ -219,12 +227,9 @@ def launch(
 
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
-        environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
         ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
-        ranks = subprocess.Popen(
-            words, env=environment, stdout=ways[0], stderr=ways[1], start_new_session=True, preexec_fn=end_with_parent
-        )
+        ranks = start(words, n_ranks, stop, *ways)
         readers = [
             threading.Thread(target=pass_on, args=(stream, number), daemon=True)
             for number, stream in ((1, ranks.stdout), (2, ranks.stderr))
@@ -240,6 +245,20 @@ def launch(
         print(f"granwave: the ranks were killed (status {status}); {remedy}", file=sys.stderr)
         return 1
     return status
+
+
+def launch_unseen(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> tuple[int, list[str]]:
+    """Run ranks as `launch` does without showing what they print; return exit status and lines of standard error."""
+    with tempfile.TemporaryFile() as said:
+        status = launch(n_ranks, arguments, launcher, stdout=subprocess.DEVNULL, stderr=said.fileno())
+        said.seek(0)
+        return status, said.read().decode("utf-8", "replace").strip().splitlines()
+
+
+def errors_in(lines: Iterable[str]) -> list[str]:
+    """Return the errors among the lines that granwave has printed, without its name."""
+    ours = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+    return [line for line in ours if not line.startswith("warning: ")]
 
 
 def check_cores(n_ranks: int) -> None:

@@ -48,6 +48,9 @@ def dents(text: str) -> dict[tuple[str, int], float]:
     return {(first, int(second)): float(peak) for first, second, peak in rows}
 
 
+UPPER = {"overlap": 5e-6}
+
+
 class TestTable:
     def test_a_value_is_for_all_that_touch(self) -> None:
         case = case_of(contact={"initial_overlap": 5e-6})
@@ -74,36 +77,34 @@ class TestTable:
             assert float(law.loading_force(np.array([peak]))[0]) == pytest.approx(300.0, rel=1e-9)
         assert found["1", 2] != found["3", 4]
 
-    def test_regions_are_of_contact_points_and_the_later_overrules(self) -> None:
-        regions = [
-            {"overlap": 5e-6, "high": [1, 1, 1.4e-2]},
-            {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]},
-        ]
-        found = dents(dents_table(assemble(case_of("chain", 4, contact={"initial_overlap": regions}))))
-        assert found == {("1", 2): 9e-6}  # at z = 5, 15, 25 and, with the wall, 35 mm
-        regions = [{"overlap": 5e-6, "high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}]
-        case = case_of("chain", 4, contact={"initial_overlap": regions})
-        assert dents(dents_table(assemble(case))) == {("2", 3): 5e-6}
+    @pytest.mark.parametrize(
+        ("size", "given", "sections", "expected"),
+        [
+            # contacts at z = 5, 15, 25 and, with the wall, 35 mm; the later region overrules
+            (4, [UPPER | {"high": [1, 1, 1.4e-2]}, {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]}], {},
+             {("1", 2): 9e-6}),
+            (4, [UPPER | {"high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}], {}, {("2", 3): 5e-6}),
+            # what never yields has none; nor has what is below first yield
+            (3, 5e-6, {"replace": [{"index": 2, "material": "steel"}],
+                       "pair": [{"materials": ["brass", "steel"], "law": "hertz"}]}, {("bottom", 3): 5e-6}),
+            (3, 5e-7, {}, {}),
+            # faces of bars
+            (2, 5e-6, {"bar": {"length": 0.1, "area": 1e-4, "elements": 10}}, {("1", 2): 5e-6, ("3", 2): 5e-6}),
+        ],
+    )  # fmt: skip
+    def test_in_a_chain(self, size: int, given: Any, sections: dict, expected: dict) -> None:
+        case = case_of("chain", size, contact={"initial_overlap": given}, **sections)
+        assert dents(dents_table(assemble(case))) == expected
         assert case_from_dict(tomllib.loads(case.to_toml())) == case
+        if "bar" in sections:
+            places = [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))]
+            assert places == pytest.approx([0.005, 0.015])
 
     def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
         case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
         found = dents(dents_table(assemble(case)))
         assert len(found) == assemble(case).n_neighbours + 25
         assert not any(first == "19" or second == 19 for first, second in found)
-
-    def test_what_never_yields_has_none(self) -> None:
-        case = case_of("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
-                    pair=[{"materials": ["brass", "steel"], "law": "hertz"}])  # fmt: skip
-        assert set(dents(dents_table(assemble(case)))) == {("bottom", 3)}
-        assert not dents(
-            dents_table(assemble(case_of("chain", 3, contact={"initial_overlap": 5e-07})))
-        )  # below first yield
-
-    def test_faces_of_bars(self) -> None:
-        case = case_of("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
-        assert set(dents(dents_table(assemble(case)))) == {("1", 2), ("3", 2)}
-        assert [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))] == pytest.approx([0.005, 0.015])
 
 
 @pytest.fixture(scope="module")

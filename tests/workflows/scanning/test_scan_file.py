@@ -51,7 +51,8 @@ SCATTERED = SMALL + "packing.diameter_scatter = 1e-6\n"
         ),
         pytest.param(
             SMALL.replace("run.end_time = 5e-5\n", "") + VELOCITIES
-            + "[[zip]]\npacking.diameter = [0.005, 0.010]\nrun.end_time = [1e-5, 2e-5]\n[[zip]]\nload.spheres = [1, 3, 7]\n",
+            + "[[zip]]\npacking.diameter = [0.005, 0.010]\nrun.end_time = [1e-5, 2e-5]\n"
+            + "[[zip]]\nload.spheres = [1, 3, 7]\n",
             ("load.velocity", "packing.diameter", "run.end_time", "load.spheres"),
             [(v, *pair, n) for v in (1, 2) for pair in ((0.005, 1e-5), (0.010, 2e-5)) for n in (1, 3, 7)],
             id="zipped keys vary together",
@@ -121,16 +122,14 @@ SIZES = "[grid]\npacking.size = [[6, 6, 4], [6, 6, 8], [12, 12, 8]]\n"
         (SMALL + KINDS, SMALL + '[grid]\nload = {velocity = [1, 2]}\npacking.kind = ["fcc", "hcp"]\n'),
         (SMALL + KINDS, SMALL + '[grid.load]\nvelocity = [1, 2]\n[grid.packing]\nkind = ["fcc", "hcp"]\n'),
         (SMALL + KINDS, SMALL + '[grid]\nload.velocity = {linear = [1, 2, 2]}\n"packing.kind" = ["fcc", "hcp"]\n'),
-        (SMALL + VELOCITIES, 'case = "fcc-small"\n[set]\n"packing.size" = [6, 6, 4]\n"run.end_time" = 5e-5\n' + VELOCITIES),
-        (SMALL + VELOCITIES, 'case = "fcc-small"\n[set.packing]\nsize = [6, 6, 4]\n[set.run]\nend_time = 5e-5\n' + VELOCITIES),
-        (SMALL + VELOCITIES, 'case = "fcc-small"\nset = {packing = {size = [6, 6, 4]}, run.end_time = 5e-5}\n' + VELOCITIES),
-        (SMALL + VELOCITIES, "replicates = 1\n" + SMALL + VELOCITIES),
-        (SMALL + VELOCITIES, 'name = "Stöße 衝撃"\n' + SMALL + VELOCITIES),
-        (f'case = "fcc-small"\n{SIZES}', f'ranks = 2\ncase = "fcc-small"\n{SIZES}'),
-        *((SMALL + VELOCITIES, SMALL + change + VELOCITIES) for change in (
-            'name = "called-otherwise"\n', "load.spheres = 1\n", 'material = {preset = "brass"}\n',
-            'material.preset = "brass"\n',
+        *((SMALL + VELOCITIES, text + VELOCITIES) for text in (
+            'case = "fcc-small"\n[set]\n"packing.size" = [6, 6, 4]\n"run.end_time" = 5e-5\n',
+            'case = "fcc-small"\n[set.packing]\nsize = [6, 6, 4]\n[set.run]\nend_time = 5e-5\n',
+            'case = "fcc-small"\nset = {packing = {size = [6, 6, 4]}, run.end_time = 5e-5}\n',
+            "replicates = 1\n" + SMALL, 'name = "Stöße 衝撃"\n' + SMALL, 'name = "called-otherwise"\n' + SMALL,
+            SMALL + "load.spheres = 1\n", SMALL + 'material = {preset = "brass"}\n', SMALL + 'material.preset = "brass"\n',
         )),
+        (f'case = "fcc-small"\n{SIZES}', f'ranks = 2\ncase = "fcc-small"\n{SIZES}'),
     ],
 )  # fmt: skip
 def test_ids_follow_the_resolved_case_however_it_is_written(load: Load, usual: str, written: str) -> None:
