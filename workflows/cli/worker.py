@@ -119,7 +119,7 @@ class _Worker:
             job = seen.get("job", "")
             reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
             reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
-            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": reason, "asked": job})
+            layout.change_state(self.directory, point["id"], state=layout.FAILED, reason=reason, asked=job)
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
         note |= {"case": case_digest(point["case"]), "job": os.environ.get("SLURM_JOB_ID", "")}

@@ -296,8 +296,9 @@ def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, pr
         file.write_text(found.to_toml(), encoding="utf-8")
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]
+        lines: list[str] = []
         if progress and os.isatty(2):  # the bar of the first rank
-            status, lines = mpi.launch(ranks, words, stdout=subprocess.DEVNULL), []
+            status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL)
         else:
             status, lines = mpi.launch_unseen(ranks, words)
     if status == 130:

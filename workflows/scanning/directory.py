@@ -140,6 +140,4 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
         state = layout.state(directory, point)
         begun = state.get("attempts") or state.get("state") == layout.FAILED
         if begun and point not in adopted:  # it failed, or was killed with its job: another chance
-            layout.write_state(
-                layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
-            )
+            layout.change_state(directory, point, state=layout.INTERRUPTED, attempts=0)

@@ -7,6 +7,7 @@ import dataclasses
 import logging
 import os
 import time
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -138,7 +139,7 @@ class _ScanRun:
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
-        self.finished: set[str] = set()  # ids of the points that are done
+        self.n_done = 0  # points
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, machine)
 
@@ -212,7 +213,7 @@ class _ScanRun:
     def _look(self, note: str = "") -> None:
         """Update the bar and, at intervals, table and figures."""
         self._update_points()
-        failed = self._closed() - len(self.finished)
+        failed = self._closed() - self.n_done
         parts = [note, f"{failed} failed" if failed else ""]
         if self.running:
             shown = [self.scan.distinct[name] for name in self.running][:_MOST_SHOWN]
@@ -236,7 +237,7 @@ class _ScanRun:
             state = {} if done else layout.state(self.directory, name)
             if done or state.get("state") == layout.FAILED:
                 del self.open[name]
-                self.finished |= {name} if done else set()
+                self.n_done += done
                 self.changed = True
                 if done and (taken := layout.seconds(self.directory, name)):
                     self.outlook.done(point, taken)
@@ -249,8 +250,8 @@ class _ScanRun:
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""
         # one point may have several rows in the table
-        status = {point.id: point.status for point in ScanResult(self.directory).points}
-        done, failed, missing = (sum(one == what for one in status.values()) for what in ("done", "failed", "missing"))
+        counts = Counter({point.id: point.status for point in ScanResult(self.directory).points}.values())
+        done, failed, missing = counts["done"], counts["failed"], counts["missing"]
         if not failed and not missing:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()

@@ -200,8 +200,7 @@ _REMEDIES = {
 def note_refused(directory: Path, points: Iterable[str], reason: str) -> None:
     """Mark points whose jobs could not be submitted as failed, for this reason."""
     for point in points:
-        record = {"state": layout.FAILED, "reason": f"Slurm did not run the job: {reason}"}
-        layout.write_state(layout.unfinished(directory, point), **{**layout.state(directory, point), **record})
+        layout.change_state(directory, point, state=layout.FAILED, reason=f"Slurm did not run the job: {reason}")
 
 
 def note_ended(directory: Path, points: Iterable[str]) -> None:
@@ -215,12 +214,10 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
             if not left or not (reason := end_of(directory, job)):
                 continue
             in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
-            record = {
-                "state": layout.FAILED if in_work and last else state.get("state"),
-                "reason": reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
-                "asked": job,
-            }
-            layout.write_state(layout.unfinished(directory, point), **{**state, **record})
+            layout.change_state(
+                directory, point, asked=job, state=layout.FAILED if in_work and last else state.get("state"),
+                reason=reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
+            )  # fmt: skip
 
 
 def end_of(directory: Path, job: str) -> str:
