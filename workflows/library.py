@@ -155,20 +155,17 @@ class Entry(NamedTuple):
 
 def entries() -> list[Entry]:
     """Return all built-in studies, in the order of `GROUPS`."""
-    found = [
-        Entry(_WHAT[kind], name, _group(read_toml(_folder(kind) / f"{name}{_SUFFIX}")), title(name))
-        for kind in _WHAT
-        for name in names(kind)
-    ]
+    found = []
+    for kind, name in [(one, name) for one in _WHAT for name in names(one)]:
+        tables = read_toml(_folder(kind) / f"{name}{_SUFFIX}")
+        if kind == SCANS:
+            group = _SUITES if "scans" in tables else _SCANS
+        elif "packing" in tables:
+            group = _CHAINS if tables["packing"]["kind"] == "chain" else _PACKINGS
+        else:
+            group = _ELEMENTS
+        found.append(Entry(_WHAT[kind], name, group, title(name)))
     return sorted(found, key=lambda entry: GROUPS.index(entry.group))
-
-
-def _group(tables: Mapping[str, Any]) -> str:
-    if "scans" in tables:
-        return _SUITES
-    if "packing" not in tables:
-        return _SCANS if any(name in tables for name in _OF_SCAN) else _ELEMENTS
-    return _CHAINS if tables["packing"]["kind"] == "chain" else _PACKINGS
 
 
 def text(name: str) -> str:

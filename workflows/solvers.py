@@ -72,7 +72,8 @@ class Kind:
         Function that raises InputError if a case of this cost cannot be run; parameters as in
         `granwave.lammps_inputs.planning.plan.check_run`.
     run
-        Function that runs a case of finite elements into a directory, as `run_continuum`.
+        Function that runs a case of finite elements into a directory, as `run_continuum`; None for those
+        that `granwave.workflows.run.driver.run_case` runs.
     parallel
         True if cases can run on several ranks.
     """
@@ -84,7 +85,7 @@ class Kind:
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
     check: Callable[..., None]
-    run: Callable[..., dict[str, Any]]
+    run: Callable[..., dict[str, Any]] | None = None
     parallel: bool = False
 
     def load(self, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Any:
@@ -129,10 +130,6 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
     )
 
 
-def _by_the_driver(*_: Any, **__: Any) -> dict[str, Any]:
-    raise NotImplementedError("`granwave.workflows.run.driver.run_case` runs these cases")
-
-
 GRANULAR = Kind(
     verb="run",
     parts="spheres",
@@ -141,7 +138,6 @@ GRANULAR = Kind(
     size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check=check_run,
-    run=_by_the_driver,
     parallel=True,
 )
 CONTINUUM = _continuum_kind("punch", "ContinuumCase", "run_continuum")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import re
 import shlex
+import sys
 from pathlib import Path
+from types import ModuleType
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -70,3 +73,12 @@ def write_files(page: Path, folder: Path) -> None:
     for block in blocks(page):
         if block.caption:
             (folder / block.caption).write_text(block.text, encoding="utf-8")
+
+
+def extension(name: str) -> ModuleType:
+    """Load a module of the site's extensions."""
+    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    assert specification and specification.loader
+    module = sys.modules[name] = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module

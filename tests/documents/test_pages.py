@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
-import subprocess
-import sys
+import runpy
 import tomllib
 from collections.abc import Collection
 from pathlib import Path
 
+import matplotlib
+import matplotlib.pyplot as plt
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
@@ -25,7 +26,6 @@ from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.python.api import __all__ as PYTHON_NAMES
 from granwave.workflows.scanning.suite import load_suite
-from tests.conftest import PLAIN
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
 
 PAGES = pages()
@@ -48,21 +48,16 @@ def test_the_readme_is_short():
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
-def test_python(page, tmp_path):
+def test_python(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
     (tmp_path / "page.py").write_text(
         "\n".join(block.text for block in blocks(page) if block.language == "python" and not block.caption)
     )
-    done = subprocess.run(
-        [sys.executable, "page.py"],
-        cwd=tmp_path,
-        env=PLAIN | {"MPLBACKEND": "agg"},
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+    with matplotlib.rc_context({"backend": "agg"}):
+        runpy.run_path("page.py", run_name="__main__")
+        plt.close("all")
+    assert capsys.readouterr().out
 
 
 def test_names_of_python():
@@ -79,14 +74,8 @@ def load(block: Block, folder: Path) -> None:
     if "variables" in data:
         load_problem(path)
     elif "uncertainty" in data:
-        load_problem(
-            {
-                "base": "protected-target",
-                "variables": {"material": ["steel"]},
-                "objective": {"minimise": ["mass_kg"]},
-                **data,
-            }
-        )
+        load_problem({"base": "protected-target", "variables": {"material": ["steel"]},
+                      "objective": {"minimise": ["mass_kg"]}} | data)  # fmt: skip
     elif "slurm" in data:
         load_profile(path)
     elif "scans" in data:
@@ -97,9 +86,7 @@ def load(block: Block, folder: Path) -> None:
         read_infer_case(path)
     elif "packing" in data and "material" in data:
         load_case(path)
-    elif (
-        all("youngs_modulus" in table for table in data.values() if isinstance(table, dict)) and "material" not in data
-    ):
+    elif "material" not in data and all("youngs_modulus" in one for one in data.values() if isinstance(one, dict)):
         load_materials(path)
     else:
         case_from_dict({**BASE, **data}, path)
@@ -226,73 +213,53 @@ def test_overrides_in_text_are_keys():
 
 
 HOWTO = ROOT / "docs" / "howto"
-PAGE, MORE_PAGE = HOWTO / "questions.md", HOWTO / "more-questions.md"
-# words of the question, words that its answer must have, and the page that tells more
+#: By page: words of each question, words that its answer must have, and the page that tells more, if that is asked for.
 QUESTIONS = {
-    "my own material": (["youngs_modulus", "granwave run mine.toml"], "tutorials/material-and-tolerances.md"),
-    "my own packing file": (['kind = "file"', "granwave run row.toml"], "howto/own-places.md"),
-    "only a chain": (['kind = "chain"', "granwave run"], "tutorials/chain.md"),
-    "reaches a plate": (["peak_reduction", "granwave run protected-target"], "howto/target.md"),
-    "energy balance poor": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),
-    "How big must my packing be": (["granwave check", "zone_cut"], "howto/packing-size.md"),
-    "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
-    "restart": (["--resume"], "howto/stop-and-resume.md"),
-    "its own MPI": (["launcher", "slurm"], "howto/own-lammps.md"),
-    "contact law differs": (["granwave fit", "thornton"], "howto/fit-a-law.md"),
-}
-# of the second page: words of the question, and words that its answer must have
-MORE = {
-    "units": ["SI units", "granwave keys", "peak_force_N"],
-    "into pandas": ["run.contact_forces", "run.contacts", "granwave export", "output.contact_forces"],
-    "Which id": ["run.spheres", "granwave write", "data.granwave", "[[hold]]"],
-    "damping": ["contact.loss", "restitution", "losses.md"],
-    "my experiment": ["run.walls", "measured.csv", "[[sensor]]"],
-    "error of the results": ["run.energy_tolerance", "replicates", "../explanation/limits.md", "packing-size.md"],
-    "one figure for a paper": ["granwave figures", "--only", "--width", "films.md"],
-}
+    "questions.md": {
+        "my own material": (["youngs_modulus", "granwave run mine.toml"], "tutorials/material-and-tolerances.md"),
+        "my own packing file": (['kind = "file"', "granwave run row.toml"], "howto/own-places.md"),
+        "only a chain": (['kind = "chain"', "granwave run"], "tutorials/chain.md"),
+        "reaches a plate": (["peak_reduction", "granwave run protected-target"], "howto/target.md"),
+        "energy balance poor": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),
+        "How big must my packing be": (["granwave check", "zone_cut"], "howto/packing-size.md"),
+        "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
+        "restart": (["--resume"], "howto/stop-and-resume.md"),
+        "its own MPI": (["launcher", "slurm"], "howto/own-lammps.md"),
+        "contact law differs": (["granwave fit", "thornton"], "howto/fit-a-law.md"),
+    },
+    "more-questions.md": {
+        "units": (["SI units", "granwave keys", "peak_force_N"], ""),
+        "into pandas": (["run.contact_forces", "run.contacts", "granwave export", "output.contact_forces"], ""),
+        "Which id": (["run.spheres", "granwave write", "data.granwave", "[[hold]]"], ""),
+        "damping": (["contact.loss", "restitution", "losses.md"], ""),
+        "my experiment": (["run.walls", "measured.csv", "[[sensor]]"], ""),
+        "error of the results": (
+            ["run.energy_tolerance", "replicates", "../explanation/limits.md", "packing-size.md"], ""
+        ),
+        "one figure for a paper": (["granwave figures", "--only", "--width", "films.md"], ""),
+    },
+}  # fmt: skip
 
 
-def answers(page: Path) -> dict[str, str]:
-    """Return the answers by their question."""
-    parts = re.split(r"^## (.*)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
-    return dict(zip(parts[::2], parts[1::2], strict=True))
-
-
-def test_their_number():
-    assert len(answers(PAGE)) == len(QUESTIONS) == 10
-    assert len(answers(MORE_PAGE)) == len(MORE)
-
-
-@pytest.mark.parametrize("words", QUESTIONS)
-def test_each_is_answered(words):
-    (answer,) = [text for question, text in answers(PAGE).items() if words in question]
-    fragments, page = QUESTIONS[words]
-    assert [fragment for fragment in fragments if fragment not in answer] == []
-    links = [(HOWTO / link.partition("#")[0]).resolve() for link in re.findall(r"\]\(([^)]+)\)", answer)]
-    assert (ROOT / "docs" / page).resolve() in links
-    assert all(link.is_file() for link in links)
-
-
-@pytest.mark.parametrize("words", MORE)
-def test_each_of_the_second_page_is_answered(words):
-    (answer,) = [text for question, text in answers(MORE_PAGE).items() if words in question]
-    assert [fragment for fragment in MORE[words] if fragment not in answer] == []
-
-
-@pytest.mark.parametrize(("page", "most"), [(PAGE, 200), (MORE_PAGE, 260)])
-def test_answers_are_short(page, most):
-    """Each can be read in two minutes, code included."""
-    assert all(len(answer.split()) < most for answer in answers(page).values())
-
-
-def test_all_but_one_run_something():
-    commands = [block for block in blocks(PAGE) if block.commands]
-    assert len(commands) >= 9  # how to cite needs none; the cluster's is a file
+@pytest.mark.parametrize(("name", "most"), [("questions.md", 200), ("more-questions.md", 260)])
+def test_questions_are_answered(name, most):
+    """Each answer can be read in two minutes, code included."""
+    parts = re.split(r"^## (.*)$", (HOWTO / name).read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    answers = dict(zip(parts[::2], parts[1::2], strict=True))
+    assert len(answers) == len(QUESTIONS[name])
+    for words, (fragments, more) in QUESTIONS[name].items():
+        (answer,) = [text for question, text in answers.items() if words in question]
+        assert [fragment for fragment in fragments if fragment not in answer] == [], words
+        assert len(answer.split()) < most, words
+        if more:
+            links = [(HOWTO / link.partition("#")[0]).resolve() for link in re.findall(r"\]\(([^)]+)\)", answer)]
+            assert (ROOT / "docs" / more).resolve() in links and all(link.is_file() for link in links), words
 
 
 def test_questions_stand_on_the_first_page():
-    assert "howto/questions" in (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
-    assert "questions.md" in (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
+    assert len([block for block in blocks(HOWTO / "questions.md") if block.commands]) >= 9  # how to cite needs none
+    for name, words in (("index.md", "howto/questions"), ("start.md", "questions.md")):
+        assert words in (ROOT / "docs" / name).read_text(encoding="utf-8")
     for name in ("questions.md", "index.md"):
         assert "more-questions.md" in (HOWTO / name).read_text(encoding="utf-8")
 

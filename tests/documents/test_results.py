@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import copy
-import importlib.util
-import sys
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,7 +13,7 @@ from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import make_studies
 from granwave.workflows import load_scan
-from tests.documents.pages import ROOT
+from tests.documents.pages import ROOT, extension
 
 SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
 HOMOGENEOUS = str(ROOT / "reproductions" / "composite_chains" / "homogeneous_chain.py")
@@ -24,20 +22,17 @@ SENSOR_CHAIN = str(ROOT / "reproductions" / "square_packing" / "sensor_chain.py"
 QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 
-def program(name: str) -> ModuleType:
-    """Module that stores results and makes the page of them, or runs suites."""
-    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
-    assert specification and specification.loader
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module
-    specification.loader.exec_module(module)
-    return module
-
-
-PICTURE = program("results_picture")
-TABLE = program("results_table")
-RESULTS = program("results")
+PICTURE = extension("results_picture")
+TABLE = extension("results_table")
+RESULTS = extension("results")
 STORED = TABLE.read_stored()
+#: Every stored row with its suite and study.
+ROWS = [
+    (name, key, record, TABLE.row_of(record))
+    for name, suite in STORED["suites"].items()
+    for key, study in suite["studies"].items()
+    for record in study["rows"]
+]
 
 
 @pytest.mark.parametrize(("name", "study"), QUICK)
@@ -46,9 +41,7 @@ def test_a_fresh_run_gives_the_stored_rows(tmp_path, name, study):
     runs = [run] if study.endswith(".py") else [FinishedRun(name, run.directory, run.case, run.summary)]
     (made,) = make_studies({study: runs})
     word = Path(study).stem.replace("_", "-")
-    suites = [suite["studies"] for suite in STORED["suites"].values()]
-    found = {key.replace("_", "-"): one["rows"] for studies in suites for key, one in studies.items()}
-    stored = {one["quantity"]: TABLE.row_of(one) for one in found[word]}
+    stored = {row.quantity: row for _, key, _, row in ROWS if key.replace("_", "-") == word}
     assert made.rows and {row.quantity for row in made.rows} <= set(stored)
     for row in made.rows:
         before = stored[row.quantity]
@@ -82,13 +75,7 @@ def test_the_picture_is_of_the_stored_rows():
 
 def test_what_is_far_off_is_named():
     """Deviations of the list and the picture are those of the rows; each has a mark of its own, and a reason."""
-    rows = [
-        (name, key, TABLE.row_of(record))
-        for name, suite in STORED["suites"].items()
-        for key, study in suite["studies"].items()
-        for record in study["rows"]
-    ]
-    compared = [(name, key, row.kind, row.deviation) for name, key, row in rows if row.deviation is not None]
+    compared = [(name, key, row.kind, row.deviation) for name, key, _, row in ROWS if row.deviation is not None]
     assert sorted(PICTURE.points(STORED)) == sorted(compared)
     far = PICTURE.far_off(STORED)
     assert sum(one.number for one in far) == sum(abs(off) > PICTURE.FAR for *_, off in compared)
@@ -97,19 +84,18 @@ def test_what_is_far_off_is_named():
 
 
 def test_the_first_pages_have_few_rows():
+    everything = (*TABLE.CHOSEN, *TABLE.MORE)
     for chosen, numbers in (
         (TABLE.CHOSEN, {10}),
         (TABLE.MEASURED, {3}),
         (TABLE.IN_PAPER, {7}),
-        ((*TABLE.CHOSEN, *TABLE.MORE), range(28, 36)),
+        (everything, range(28, 36)),
     ):
         lines = list(TABLE.chosen_rows(STORED, chosen))
         assert len(lines) in numbers
         assert [name for name, rows in lines if not rows or any(row.bound for row in rows)] == []
-    named = {entry[1] for entry in (*TABLE.CHOSEN, *TABLE.MORE)}
-    with_rows = {
-        name for name, suite in STORED["suites"].items() if any(one["rows"] for one in suite["studies"].values())
-    }
+    named = {entry[1] for entry in everything}
+    with_rows = {name for name, *_ in ROWS}
     assert named == with_rows, "every suite has a row on the first page of results"
     assert set(TABLE.LABELS) == set(STORED["suites"])
 
@@ -176,19 +162,12 @@ def test_every_study_of_a_source_has_its_rows_stored():
 
 def test_every_row_compares_something():
     """A row has a value of ours, or one of theory beside its source's; a bound has no difference."""
-    rows = [
-        TABLE.row_of(one)
-        for suite in STORED["suites"].values()
-        for study in suite["studies"].values()
-        for one in study["rows"]
-    ]
-    assert all(row.ours is not None or row.theory is not None for row in rows)
-    assert all(row.deviation is None for row in rows if row.bound)
+    for _, _, record, row in ROWS:
+        assert row.kind == record["kind"], row.quantity
+        assert row.ours is not None or row.theory is not None, row.quantity
+        assert not row.bound or row.deviation is None, row.quantity
 
 
 def test_every_suite_says_when_and_with_what_it_was_run():
     for name, suite in STORED["suites"].items():
         assert suite["date"] and suite["versions"].get("granwave") and suite["command"].startswith("granwave"), name
-        for study in suite["studies"].values():
-            for record in study["rows"]:
-                assert TABLE.row_of(record).kind == record["kind"], record["quantity"]

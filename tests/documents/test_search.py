@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.documents.pages import ROOT
-from tests.documents.test_site import extension
+from tests.documents.pages import ROOT, extension
 
 SEARCH = extension("search")
 #: An index as Sphinx writes it, of four pages.

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 import ast
-import importlib.util
 import json
 import re
 import subprocess
 import sys
 import time
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
@@ -19,8 +17,9 @@ from granwave.analysis.exports.export import FORMATS
 from granwave.analysis.films import QUANTITIES, VIEWS
 from granwave.workflows.cli.parser import make_parser
 from tests.conftest import BIN, PLAIN
-from tests.documents.pages import ROOT, blocks, name_of, pages, write_files
+from tests.documents.pages import ROOT, blocks, extension, name_of, pages, write_files
 
+yaml = pytest.importorskip("yaml")
 RUN = [page for page in pages() if any(block.language == "shell" for block in blocks(page))]
 
 
@@ -47,30 +46,22 @@ def test_commands_run(page, tmp_path):
                 assert line in printed, f"{name_of(page)} shows a line that is not printed: {line}"
 
 
-def gallery():
-    """Module that runs the gallery."""
-    specification = importlib.util.spec_from_file_location("studies", ROOT / "docs" / "_ext" / "studies.py")
-    module = importlib.util.module_from_spec(specification)
-    sys.modules["studies"] = module
-    specification.loader.exec_module(module)
-    return module
+STUDIES = extension("studies")  # runs the gallery
 
 
 def test_every_script_of_the_gallery_has_a_title_and_a_text():
-    studies = gallery()
-    assert len(studies.scripts()) >= 10
-    for script in studies.scripts():
-        title, text, code = studies.parts_of(script)
+    assert len(STUDIES.scripts()) >= 10
+    for script in STUDIES.scripts():
+        title, text, code = STUDIES.parts_of(script)
         assert title and not title.endswith(".") and text and "picture.png" in code, script.name
 
 
 def test_twelve_scripts_stand_on_the_first_page_with_few_lines_each():
-    studies = gallery()
-    assert len(set(studies.FIRST)) == 12
-    for name in studies.FIRST:
-        lines = studies.lines_of(studies.SCRIPTS / f"{name}.py")
+    assert len(set(STUDIES.FIRST)) == 12
+    for name in STUDIES.FIRST:
+        lines = STUDIES.lines_of(STUDIES.SCRIPTS / f"{name}.py")
         ast.parse(lines)
-        assert "gw." in lines and 1 <= len(list(filter(None, lines.splitlines()))) <= studies.MOST_LINES, name
+        assert "gw." in lines and 1 <= len(list(filter(None, lines.splitlines()))) <= STUDIES.MOST_LINES, name
     text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     assert "<!-- gallery -->" in text
 
@@ -90,7 +81,7 @@ def test_the_lammps_script_of_the_first_page_runs(tmp_path):
 
 
 def test_scripts_of_the_gallery_import_the_public_door_alone():
-    for script in gallery().scripts():
+    for script in STUDIES.scripts():
         for node in ast.walk(ast.parse(script.read_text(encoding="utf-8"))):
             names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
@@ -99,10 +90,9 @@ def test_scripts_of_the_gallery_import_the_public_door_alone():
 
 @pytest.mark.validation
 def test_every_script_of_the_gallery_takes_less_than_a_minute(tmp_path, monkeypatch):
-    studies = gallery()
-    monkeypatch.setattr(studies, "RUNS", Path(tmp_path))
-    for script in studies.scripts():
-        assert studies.run(script, "") < studies.LONGEST, script.name
+    monkeypatch.setattr(STUDIES, "RUNS", Path(tmp_path))
+    for script in STUDIES.scripts():
+        assert STUDIES.run(script, "") < STUDIES.LONGEST, script.name
 
 
 def test_no_description_begins_with_an_accepted_value():
@@ -125,18 +115,6 @@ def cells(notebook: Path) -> list[dict]:
     return json.loads(notebook.read_text(encoding="utf-8"))["cells"]
 
 
-def run(notebook: Path, folder: Path) -> float:
-    """Run the code of a notebook as a script, and return the time that it took, s."""
-    code = ["".join(cell["source"]) for cell in cells(notebook) if cell["cell_type"] == "code"]
-    (folder / "notebook.py").write_text("\n".join(code), encoding="utf-8")
-    start = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, "notebook.py"], cwd=folder, env=PLAIN | {"MPLBACKEND": "agg"}, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    return time.monotonic() - start
-
-
 def test_notebooks_have_no_outputs():
     """Each begins with a title; outputs are made anew with the site."""
     assert len(NOTEBOOKS) >= 3 and IN_EVERY_TEST in [notebook.stem for notebook in NOTEBOOKS]
@@ -151,26 +129,22 @@ def test_notebooks_are_on_the_page_on_python():
     assert all(f"(../notebooks/{notebook.name})" in page for notebook in NOTEBOOKS)
 
 
-def test_fields_of_a_material(tmp_path):
-    assert run(ROOT / "docs" / "notebooks" / f"{IN_EVERY_TEST}.ipynb", tmp_path) < LONGEST
-
-
-@pytest.mark.validation
-@pytest.mark.parametrize("notebook", [n for n in NOTEBOOKS if n.stem != IN_EVERY_TEST], ids=lambda n: n.stem)
-def test_the_others(notebook, tmp_path):
-    pytest.importorskip("IPython", reason="a notebook shows a picture with it; make docs installs it")
-    assert run(notebook, tmp_path) < LONGEST
-
-
-yaml = pytest.importorskip("yaml")
-
-
-def extension(name: str) -> ModuleType:
-    """Load a module of the site's extensions."""
-    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+@pytest.mark.parametrize("name", [
+    IN_EVERY_TEST,
+    *(pytest.param(n.stem, marks=pytest.mark.validation) for n in NOTEBOOKS if n.stem != IN_EVERY_TEST),
+])  # fmt: skip
+def test_notebooks_run(name, tmp_path):
+    if name != IN_EVERY_TEST:
+        pytest.importorskip("IPython", reason="a notebook shows a picture with it; make docs installs it")
+    code = ["".join(cell["source"]) for cell in cells(ROOT / "docs" / "notebooks" / f"{name}.ipynb")
+            if cell["cell_type"] == "code"]  # fmt: skip
+    (tmp_path / "notebook.py").write_text("\n".join(code), encoding="utf-8")
+    start, environment = time.monotonic(), PLAIN | {"MPLBACKEND": "agg"}
+    done = subprocess.run(
+        [sys.executable, "notebook.py"], cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert time.monotonic() - start < LONGEST
 
 
 def test_bibtex_has_all_works_and_authors():

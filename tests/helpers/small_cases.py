@@ -86,3 +86,10 @@ def all_gaps(packing: Packing) -> np.ndarray:
     gaps = np.linalg.norm(step, axis=2) - (diameter[None] + diameter[:, None]) / 2
     np.fill_diagonal(gaps, np.inf)
     return gaps
+
+
+def grains_at(places: Any, *, diameter: float = D, groups: Any = None) -> dict[str, Any]:
+    """Table [packing] of grains at places (n, 3), m, perhaps with the names of their groups."""
+    rows = [",".join(map(repr, [*map(float, place), diameter])) for place in places]
+    rows = [f"{row},{group}" for row, group in zip(rows, groups or [""] * len(rows), strict=True)]
+    return {"kind": "file", "grains": "x,y,z,diameter,group\n" + "\n".join(rows)}

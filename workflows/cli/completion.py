@@ -123,9 +123,7 @@ def _values(name: str) -> list[str]:
 def _tables(_: argparse.Namespace) -> Iterable[str]:
     from granwave.workflows.cli.keys import tables
 
-    return dict.fromkeys(
-        [*(table.name for table in tables()), *(f"{t.name}.{k.name}" for t in tables() for k in t.keys)]
-    )
+    return dict.fromkeys([table.name for table in tables()] + [f"{t.name}.{k.name}" for t in tables() for k in t.keys])
 
 
 def _table(module: str, name: str) -> Names:

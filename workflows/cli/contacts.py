@@ -30,42 +30,42 @@ def law(options: argparse.Namespace) -> int:
     from granwave.analysis.contact_law import curves
 
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
+    contact_law, rate, speed = LAWS[options.law], options.rate_sensitivity, options.velocity
     _at_most_two(options)
-    if output.suffix not in (".png", ".pdf", ".csv"):
-        raise InputError(f"-o {output}: expected a name that ends in .png, .pdf or .csv")
-    if not output.absolute().parent.is_dir():
-        raise InputError(f"-o {output}: there is no directory {output.absolute().parent}")
-    if not all(0 < radius < float("inf") for radius in options.radius):
-        raise InputError("--radius: expected positive lengths in m")
-    if not 0 < options.max_overlap < float("inf"):
-        raise InputError(f"--max-overlap: found {options.max_overlap:g}, expected a positive number")
-    if options.restitution and not LAWS[options.law].yields:
-        raise InputError(f"--restitution: a contact of law {options.law} gives all back; choose another --law")
-    rate = options.rate_sensitivity
-    if rate and not (LAWS[options.law].yields and "rate_sensitivity" in LAWS[options.law].options):
-        raise InputError(f"--rate-sensitivity: found with law {options.law}, which knows no strain rate")
-    if rate and options.variant != "continuous":
-        raise InputError(f"--rate-sensitivity: found with variant {options.variant}, expected continuous")
-    if options.velocity and (not rate or options.restitution):
-        other = "takes all velocities: leave out --restitution" if rate else "matters to none: give --rate-sensitivity"
-        raise InputError(f"--velocity: found {options.velocity:g}, which {other}")
+    takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.options
+    other = "takes all velocities: leave out --restitution" if rate else "matters to none: give --rate-sensitivity"
+    for wrong, fault in (
+        (
+            output.suffix not in (".png", ".pdf", ".csv"),
+            f"-o {output}: expected a name that ends in .png, .pdf or .csv",
+        ),
+        (not output.absolute().parent.is_dir(), f"-o {output}: there is no directory {output.absolute().parent}"),
+        (not all(math.isfinite(radius) for radius in options.radius), "--radius: expected positive lengths in m"),
+        (
+            options.restitution and not contact_law.yields,
+            f"--restitution: a contact of law {options.law} gives all back; choose another --law",
+        ),
+        (rate and not takes_rate, f"--rate-sensitivity: found with law {options.law}, which knows no strain rate"),
+        (
+            rate and options.variant != "continuous",
+            f"--rate-sensitivity: found with variant {options.variant}, expected continuous",
+        ),
+        (speed and (not rate or options.restitution), f"--velocity: found {speed:g}, which {other}"),
+    ):
+        if wrong:
+            raise InputError(fault)
     materials = [dataclasses.replace(material(name), rate_sensitivity=rate or None) for name in options.material]
     cohesion = _cohesion(options)
     spheres = contact_of(materials, options.radius, options.law, options.variant, cohesion=cohesion)
     names = " on ".join(options.material)
     if not options.restitution:
-        title = f"{names}, {options.velocity:g} m/s" if options.velocity else names
-        curves.write_law(spheres, output, options.max_overlap, title, options.velocity)
+        title = f"{names}, {speed:g} m/s" if speed else names
+        curves.write_law(spheres, output, options.max_overlap, title, speed)
     else:
-        first, second = (
-            sphere_mass(m, r)
-            for m, r in zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
-        )
+        pair = zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
+        first, second = (sphere_mass(m, r) for m, r in pair)
         wall = contact_of((materials[0], None), (options.radius[0], math.inf), options.law, options.variant)
-        contacts = {
-            "two spheres": (spheres, first * second / (first + second)),
-            "sphere and rigid wall": (wall, first),
-        }
+        contacts = {"two spheres": (spheres, first * second / (first + second)), "sphere and rigid wall": (wall, first)}
         title = f"{names}, {options.law}"
         curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
     print(output)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import difflib
 import importlib
 import inspect
 import re
@@ -16,27 +15,9 @@ from typing import Any, NoReturn
 from granwave import __version__
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.case.schema import printable, show
-from granwave.workflows.cli.arguments import (
-    BENCH_PARTS,
-    FILE_KINDS,
-    bench_parts,
-    count,
-    frequencies,
-    hertz,
-    ids,
-    input_name,
-    number,
-    output_name,
-    overlap,
-    positive,
-    radius,
-    seconds,
-    sensitivity,
-    shares,
-    speed,
-    words,
-)
+from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
+from granwave.workflows.cli import arguments as read
+from granwave.workflows.cli.arguments import BENCH_PARTS, FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
 
 WRONG_INPUT = 2  # exit status
@@ -88,11 +69,11 @@ def _flag(name: str, what: str, **settings: Any) -> Option:
 
 
 def _directory(what: str = "where everything goes (default: ./NAME)", **settings: Any) -> Option:
-    return _option("-o", dest="directory", type=output_name, metavar="DIR", help=what, **settings)
+    return _option("-o", dest="directory", type=read.output_name, metavar="DIR", help=what, **settings)
 
 
 def _output(what: str, metavar: str = "FILE", **settings: Any) -> Option:
-    return _option("-o", dest="output", type=output_name, metavar=metavar, help=what, **settings)
+    return _option("-o", dest="output", type=read.output_name, metavar=metavar, help=what, **settings)
 
 
 def _json(what: str) -> Option:
@@ -104,20 +85,22 @@ def _materials(what: str) -> Option:
 
 
 def _radii(what: str) -> Option:
-    return _option("--radius", nargs="+", type=radius, default=[0.005], metavar="R", help=what)
+    return _option("--radius", nargs="+", type=read.radius, default=[0.005], metavar="R", help=what)
 
 
 _CASE = _option("case", metavar="CASE", help="a case file, or the name of a built-in study")
 _SOURCE = _option(
     "case", metavar="CASE", help="a case file, the name of a built-in study, or the directory of a finished run"
 )
-_RUN = _option("directory", type=input_name, metavar="DIR", help="directory of a run")
-_RUN_OR_SCAN = _option("directory", type=input_name, metavar="DIR", help="directory of a run or a scan")
+_RUN = _option("directory", type=read.input_name, metavar="DIR", help="directory of a run")
+_RUN_OR_SCAN = _option("directory", type=read.input_name, metavar="DIR", help="directory of a run or a scan")
 _SET = _option(
     "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE",
     help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
 )  # fmt: skip
-_RANKS = _option("--np", dest="ranks", type=positive, default=1, metavar="N", help="number of MPI ranks (default: 1)")
+_RANKS = _option(
+    "--np", dest="ranks", type=read.positive, default=1, metavar="N", help="number of MPI ranks (default: 1)"
+)
 _NO_FIGURES = _flag("--no-figures", "leave the figures out", dest="figures", action="store_false")
 _FORCE = _flag("--force", "replace what is there")
 _RESUME_OR_FORCE = [_flag("--resume", "go on with what is there"), _FORCE]
@@ -186,7 +169,7 @@ COMMANDS = (
     )),
     Command("run", _RUNNING, "run a case: deck, LAMMPS, analysis, figures", "running.run", (
         _CASE, _SET, _directory(), _RANKS,
-        _option("--checkpoint", type=seconds, default=60.0, metavar="SECONDS",
+        _option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
                 help="wall time between checkpoints (default: 60)"),
         _NO_FIGURES, _json("the summary"), _RESUME_OR_FORCE,
     )),
@@ -194,19 +177,19 @@ COMMANDS = (
         _option("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan"),
         _SET, _directory(),
         _option("--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"),
-        _option("--profile", type=input_name, metavar="FILE",
+        _option("--profile", type=read.input_name, metavar="FILE",
                 help="how to use the cluster: partition, account, time, ..."),
-        _option("--jobs", type=positive, metavar="N",
+        _option("--jobs", type=read.positive, metavar="N",
                 help="jobs at once (default: the cores of this machine; 100 on a cluster)"),
         _flag("--plan", "say what the scan would be, and run nothing"),
         _json("the plan, or at the end all points and their values,"), _RESUME_OR_FORCE,
     )),
     Command("design", _RUNNING, "search for the best packing: variables, limits, an objective, checks of the best",
             "design.design", (
-        _option("file", type=input_name, metavar="FILE", help="a design file: base, variables, limits, objective"),
+        _option("file", type=read.input_name, metavar="FILE", help="a design file: base, variables, limits, objective"),
         _directory(), _RANKS,
-        _option("--jobs", type=positive, metavar="N", help="runs at once (default: the cores of this machine)"),
-        _option("--budget", type=positive, metavar="N",
+        _option("--jobs", type=read.positive, metavar="N", help="runs at once (default: the cores of this machine)"),
+        _option("--budget", type=read.positive, metavar="N",
                 help="designs to run, in place of search.evaluations of the file"),
         _json("the best design and its checks"), _RESUME_OR_FORCE,
     )),
@@ -219,7 +202,7 @@ COMMANDS = (
         _RUN, _RANKS, _NO_FIGURES, _json("the summary"),
     )),
     Command("report", _LOOK, "a page that compares any number of runs and scans", "results.report", (
-        _option("directories", nargs="+", type=input_name, metavar="DIR", help="directories of runs and scans"),
+        _option("directories", nargs="+", type=read.input_name, metavar="DIR", help="directories of runs and scans"),
         _output("a file that ends in .html, .pdf or .md (default: report.html)", default=Path("report.html")),
         _option("--study", action="append", default=[], metavar="NAME|FILE.py",
                 help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
@@ -227,15 +210,16 @@ COMMANDS = (
     )),
     Command("figures", _LOOK, "draw the figures of a run again, all or some", "results.figures", (
         _RUN,
-        _option("--only", type=words, metavar="NAME,...", help="names of figures (default: those of the case, or all)"),
+        _option("--only", type=read.words, metavar="NAME,...",
+                help="names of figures (default: those of the case, or all)"),
         *_figure_options(*FIGURE_KEYS),
     )),
     Command("view", _LOOK, "a page to turn and cut the packing of a run in a browser", "results.view", (
         _RUN, _output("name of the page, .html (default: DIR/view.html)"),
-        [_option("--spheres", type=positive, metavar="N",
+        [_option("--spheres", type=read.positive, metavar="N",
                  help="at most so many spheres, those nearest to the struck one (default: 250000)"),
          _flag("--all", "all spheres and snapshots, however many")],
-        _option("--frames", type=positive, metavar="N", help="at most so many snapshots"),
+        _option("--frames", type=read.positive, metavar="N", help="at most so many snapshots"),
     )),
     Command("film", _LOOK, "a film of a run: planes, the cut packing, or a chain in space-time", "results.film", (
         _RUN, _output("a file that ends in .mp4, .gif or .webp", required=True),
@@ -243,11 +227,11 @@ COMMANDS = (
                 help="what is shown: force, velocity or dissipation (default: force)"),
         _option("--view", metavar="NAME",
                 help="what is seen: orthogonal, principal, section, 3d or chain (default: what there is)"),
-        [_option("--width", type=positive, default=1200, metavar="PIXELS",
+        [_option("--width", type=read.positive, default=1200, metavar="PIXELS",
                  help="width of the pictures (default: 1200)"),
          _option("--size", metavar="NAME|WxH", help="slide (1920x1080), page (1200x900), or width x height in pixels")],
         *_figure_options(*FILM_KEYS),
-        _option("--rate", type=number, metavar="N", help="pictures per second (default: 3 to 25)"),
+        _option("--rate", type=read.number, metavar="N", help="pictures per second (default: 3 to 25)"),
     )),
     Command("export", _LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "results.export", (
         _RUN_OR_SCAN, _option("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito"),
@@ -257,9 +241,9 @@ COMMANDS = (
         _SOURCE, _SET,
         _option("--path", default="", metavar="PATH", help='wave vectors in rad/m, "0,0,0; 0,0,314", or points of the '
                 "Brillouin zone, G-X-M-G (default: standard)"),
-        _option("--points", type=positive, default=POINTS, metavar="N",
+        _option("--points", type=read.positive, default=POINTS, metavar="N",
                 help=f"wave vectors a stretch (default: {POINTS})"),
-        _option("--bands", dest="n_bands", type=positive, metavar="N",
+        _option("--bands", dest="n_bands", type=read.positive, metavar="N",
                 help=f"how many bands (default: all of a small cell, {MOST_BANDS} of a large one)"),
         _option("--plane", default="", metavar="NAME",
                 help="plane of slowness and equal-frequency curves: xy, xz or yz"),
@@ -269,17 +253,18 @@ COMMANDS = (
     )),
     Command("modes", _WAVES, "modes of a finite packing under a static load, density of states", "spectra.modes", (
         _SOURCE, _SET,
-        _option("--modes", dest="n_modes", type=positive, metavar="N",
+        _option("--modes", dest="n_modes", type=read.positive, metavar="N",
                 help=f"how many modes (default: all of a small packing, {MOST_MODES} of a large one)"),
         _ALLOW_FLOPPY, *_SMALL_WAVES,
     )),
     Command("transmission", _WAVES, "steady response of a finite packing to a grain that is shaken",
             "spectra.transmission", (
         _SOURCE, _SET,
-        _option("--drive", type=ids, required=True, metavar="ID",
+        _option("--drive", type=read.ids, required=True, metavar="ID",
                 help="grain that is shaken, or several, with commas, that are shaken alike; required"),
-        _option("--sensor", dest="sensors", type=ids, required=True, metavar="ID,...", help="grains that are watched"),
-        _option("--frequencies", type=frequencies, required=True, metavar="F,...",
+        _option("--sensor", dest="sensors", type=read.ids, required=True, metavar="ID,...",
+                help="grains that are watched"),
+        _option("--frequencies", type=read.frequencies, required=True, metavar="F,...",
                 help="frequencies in Hz, or START:END:COUNT; required"),
         _option("--axis", default="", metavar="AXIS", help="direction of the motion, x, y or z (default: z)"),
         _option("--end", default="", metavar="END", help="far end: reflecting, matched (as if it went on) or layer:N, "
@@ -292,18 +277,18 @@ COMMANDS = (
         _option("--variant", default="continuous", choices=["continuous", "published"],
                 help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),
         _option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
-        _option("--max-overlap", type=overlap, default=200.0, metavar="A",
+        _option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
                 help="largest overlap, in units of that at first yield (default: 200)"),
-        _option("--rate-sensitivity", type=sensitivity, default=0.0, metavar="C",
+        _option("--rate-sensitivity", type=read.sensitivity, default=0.0, metavar="C",
                 help="growth of the yield strength with the strain rate, as material.rate_sensitivity"),
-        _option("--velocity", type=speed, default=0.0, metavar="V",
+        _option("--velocity", type=read.speed, default=0.0, metavar="V",
                 help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
         _flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
               "and a rigid wall"),
         _output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
     )),
     Command("fit", _CONTACTS, "fit the contact law's constants to a measured or computed curve", "contacts.fit", (
-        _option("curve", type=input_name, metavar="CURVE.csv",
+        _option("curve", type=read.input_name, metavar="CURVE.csv",
                 help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch"),
         _materials("one or two: a name, or FILE.toml:NAME"),
         _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
@@ -315,40 +300,40 @@ COMMANDS = (
     )),
     Command("infer", _CONTACTS, "contact forces from measured grains, or from measurements made of a run",
             "contacts.infer", (
-        _option("measurement", type=input_name, metavar="GRAINS.csv|RUN",
+        _option("measurement", type=read.input_name, metavar="GRAINS.csv|RUN",
                 help="table of measured grains; or directory of a run with output.contact_forces, to plan an "
                 "experiment"),
-        _option("--case", type=input_name, metavar="FILE",
+        _option("--case", type=read.input_name, metavar="FILE",
                 help="file with [material] and [infer]; a run can do without"),
-        _option("--noise", type=shares, metavar="SHARE,...", help="errors of strains and accelerations of a run, over "
-                "their root mean squares; several for a curve"),
-        _option("--frame-rate", type=hertz, metavar="HZ",
+        _option("--noise", type=read.shares, metavar="SHARE,...", help="errors of strains and accelerations of a run, "
+                "over their root mean squares; several for a curve"),
+        _option("--frame-rate", type=read.hertz, metavar="HZ",
                 help="accelerations of a run from the places in three frames of such a camera"),
-        _option("--position-noise", type=radius, metavar="M",
+        _option("--position-noise", type=read.radius, metavar="M",
                 help="errors of the places in these frames (default: none)"),
-        _option("--time", type=number, metavar="S",
+        _option("--time", type=read.number, metavar="S",
                 help="instant of a run (default: the snapshot with the largest forces)"),
-        _option("--repeat", type=count, metavar="N",
+        _option("--repeat", type=read.count, metavar="N",
                 help="repetitions with noise (default: infer.repetitions; of a run 10)"),
         _directory(), _NO_FIGURES, _json("the summary"), _FORCE,
     )),
     Command("doctor", _PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "doctor.doctor", (
-        _option("--profile", type=input_name, metavar="FILE",
+        _option("--profile", type=read.input_name, metavar="FILE",
                 help="also check the profile of a cluster, on its login node"),
         _json("the findings"),
     )),
     Command("selftest", _PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
             "selftest.selftest", (
-        _option("--np", dest="ranks", type=positive, default=2, metavar="N",
+        _option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
                 help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
-        _option("--profile", type=input_name, metavar="FILE",
+        _option("--profile", type=read.input_name, metavar="FILE",
                 help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
         _json("the checks"),
     )),
     Command("bench", _PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "package.bench", (
-        _option("--json", type=output_name, metavar="FILE", help="write the results there too"),
-        _option("--repeats", type=positive, default=5, metavar="N", help="timings of each (default: 5)"),
-        [_option("--parts", type=bench_parts, default=BENCH_PARTS, metavar="PART,...",
+        _option("--json", type=read.output_name, metavar="FILE", help="write the results there too"),
+        _option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each (default: 5)"),
+        [_option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
                  help=f"what to measure: {', '.join(BENCH_PARTS)} (default: all, some ten minutes)"),
          _option("--styles-only", action="store_const", const=("styles",), dest="parts",
                  help="the same as --parts styles")],
@@ -400,8 +385,7 @@ class _Parser(argparse.ArgumentParser):
         if choice:
             name, found, listed = choice.groups()
             options = re.findall(r"[\w-]+", listed)
-            near = difflib.get_close_matches(found.lower(), options, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
+            hint = did_you_mean(found, options)
             message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
         elif message.startswith("unrecognized arguments: "):
             message += _meant(message.split()[2].partition("=")[0])
@@ -424,5 +408,4 @@ def _meant(unknown: str) -> str:
     ]
     if having := [command for name, command in options if name == unknown]:
         return keys * (unknown != "--set") + f"; it is an option of {', '.join(having)}"
-    near = difflib.get_close_matches(unknown, [name for name, _ in options], n=1, cutoff=0.8)
-    return f"; did you mean {near[0]}?" if near else keys
+    return did_you_mean(unknown, [name for name, _ in options], cutoff=0.8) or keys

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-import difflib
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
-from granwave.lammps_inputs.case.schema import ValidationError
+from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
@@ -66,8 +65,7 @@ def figures(options: argparse.Namespace) -> int:
 
     wanted = options.only
     if unknown := [name for name in wanted or () if name not in FIGURE_NAMES]:
-        near = difflib.get_close_matches(unknown[0], FIGURE_NAMES, n=1)
-        hint = f"; did you mean {near[0]}?" if near else f", expected some of {', '.join(FIGURE_NAMES)}"
+        hint = did_you_mean(unknown[0], FIGURE_NAMES) or f", expected some of {', '.join(FIGURE_NAMES)}"
         raise InputError(f"--only: found {unknown[0]}{hint}")
     with (
         held(existing(options.directory).absolute(), way=""),

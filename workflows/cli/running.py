@@ -6,24 +6,15 @@ import argparse
 import logging
 import sys
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
+from granwave.lammps_inputs import ownership
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, write_deck
 from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.ownership import (
-    claim,
-    clear,
-    clear_scratch,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-    results_in,
-)
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -34,9 +25,6 @@ from granwave.workflows.cli.terminal import print_json, warn
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held, run_files
 from granwave.workflows.solvers import CONTINUUM, solver_of
-
-if TYPE_CHECKING:
-    from mpi4py.MPI import Intracomm
 
 
 def run(options: argparse.Namespace) -> int:
@@ -119,16 +107,16 @@ def write(options: argparse.Namespace) -> int:
     check_run(case, expected)
     directory = results_directory(options.directory, force=options.force)
     with held(directory, mpi.world()):
-        refuse_other_kind(directory, RUN)
+        ownership.refuse_other_kind(directory, RUN)
         if not options.force:
-            refuse_results(directory, "--force removes them all")
-        refuse_foreign(directory, run_files(case, expected.schedule))
+            ownership.refuse_results(directory, "--force removes them all")
+        ownership.refuse_foreign(directory, run_files(case, expected.schedule))
         refuse_source(directory, case.name, earlier_result(case))
-        earlier = results_in(directory)
+        earlier = ownership.results_in(directory)
         deck = write_deck(case, options.directory)  # whole or not at all; only then is removed what was there
-        clear(directory, set(earlier) - set(deck.written))
+        ownership.clear(directory, set(earlier) - set(deck.written))
         deck.dumps.mkdir(exist_ok=True)
-        claim(directory, deck_files(assemble(case), deck.schedule))
+        ownership.claim(directory, deck_files(assemble(case), deck.schedule))
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
@@ -146,30 +134,29 @@ def analyse(options: argparse.Namespace) -> int:
         mpi.check_cores(options.ranks)
         return mpi.launch(options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was")
     comm = mpi.world() if mpi.launched() else None
+
+    def work(processes: Processes = ALONE) -> Mapping[str, Any]:
+        from granwave.analysis.pipeline import analyse as analyse_directory
+
+        ownership.refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
+        ownership.clear_scratch(directory, [RESULT_FILE])
+        if restore_case(directory):
+            print(f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+        with as_wrong_input():
+            return analyse_directory(directory, progress=True, figures=options.figures, processes=processes)
+
     with held(directory.absolute(), comm, way=""):
-        summary = _analyse(options, directory) if comm is None else _analyse_on_ranks(options, directory, comm)
+        if comm is None:
+            summary = work()
+        else:
+            from granwave.workflows.run.ranks import shared
+
+            with mpi.StopRequest(comm) as stop:
+                summary = shared(comm, work, stop.noticed)
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
         _warn_of_zone(summary)
     return 0
-
-
-def _analyse(options: argparse.Namespace, directory: Path, processes: Processes = ALONE) -> Mapping[str, Any]:
-    from granwave.analysis.pipeline import analyse as analyse_directory
-
-    refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
-    clear_scratch(directory, [RESULT_FILE])
-    if restore_case(directory):
-        print(f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr)
-    with as_wrong_input():
-        return analyse_directory(directory, progress=True, figures=options.figures, processes=processes)
-
-
-def _analyse_on_ranks(options: argparse.Namespace, directory: Path, comm: Intracomm) -> Mapping[str, Any]:
-    from granwave.workflows.run.ranks import shared
-
-    with mpi.StopRequest(comm) as stop:
-        return shared(comm, lambda ranks: _analyse(options, directory, ranks), stop.noticed)
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -15,6 +14,7 @@ from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_o
 from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
+from granwave.lammps_inputs.case.schema import did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
@@ -24,7 +24,7 @@ from granwave.workflows.cli.terminal import columns, print_json
 from granwave.workflows.scanning.batches import Machine, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
-from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, SLURM
+from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
 from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
 from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
@@ -49,26 +49,33 @@ def scan(options: argparse.Namespace) -> int:
 
 
 def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
-    found = _load(options)
+    found: Scan | Suite
+    here, way = options.executor == LOCAL, {"resume": options.resume, "force": options.force}
+    if not is_suite(options.scan):
+        found = load_scan(options.scan, options.overrides, here=here, most=_PLANNED if options.plan else None)
+    elif options.overrides:
+        raise InputError(
+            f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
+        )
+    else:
+        found = load_suite(options.scan, here=here)
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         try:
-            if isinstance(found, Scan):
-                decide(found, directory, resume=options.resume, force=options.force)
-            else:
-                check_suite(found, directory, resume=options.resume, force=options.force)
+            decide(found, directory, **way) if isinstance(found, Scan) else check_suite(found, directory, **way)
         except OSError as error:  # it cannot be looked into
             raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
     parts = {directory: found} if isinstance(found, Scan) else {directory / part.name: part for part in found.scans}
-    slowness, plans, total = {}, [], 0.0
+    slowness, plans = {}, []
     for place, part in parts.items():
-        left = points_left(part, place, fresh=options.force)
-        measured = _slowness(left, options, jobs)
+        left = sorted(points_left(part, place, fresh=options.force), key=lambda point: point.plan.wall_time)
+        worth_measuring = here and sum(point.plan.wall_time for point in left) / jobs >= _WORTH_MEASURING
+        measured = slowness_of(left[len(left) // 2], jobs) if worth_measuring else None
         slowness[part.name] = measured or 1.0
         plans.append(plan_values(part, place, left, Machine(jobs, profile, measured or 1.0)))
-        total += plans[-1]["wall_time_s"]
         if not options.json:
             print(plan_text(part, left, plans[-1], measured) + "\n" * isinstance(found, Suite))
+    total = sum(values["wall_time_s"] for values in plans)
     if isinstance(found, Suite) and not options.json:
         print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
@@ -78,32 +85,22 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
             print_json(plans[0] if isinstance(found, Scan) else suite)
         return 0
     sys.stdout.flush()
-    how = {name: getattr(options, name) for name in ("executor", "jobs", "resume", "force")}
-    how |= {"profile": profile, "progress": True}
+    how = {"executor": options.executor, "jobs": options.jobs, "profile": profile, "progress": True, **way}
     if isinstance(found, Scan):
-        outcome = run_scan(found, directory, slowness=slowness[found.name], **how)
-        print_json(outcome_values(outcome)) if options.json else print(outcome_text(outcome))
-        return _status(outcome.stopped, [outcome])
-    done = run_suite(found, directory, slowness=slowness, **how)
-    if options.json:
-        scans = [outcome_values(outcome) for outcome in done.scans]
-        print_json({"name": found.name, "directory": directory, "stopped": done.stopped, "scans": scans})
+        outcomes = [run_scan(found, directory, slowness=slowness[found.name], **how)]
     else:
-        print("\n".join(f"{outcome_text(outcome)}\n" for outcome in done.scans))
-        if not done.stopped:
+        outcomes = list(run_suite(found, directory, slowness=slowness, **how).scans)
+    stopped = outcomes[-1].stopped
+    if options.json:
+        scans = [outcome_values(outcome) for outcome in outcomes]
+        suite = {"name": found.name, "directory": directory, "stopped": stopped, "scans": scans}
+        print_json(scans[0] if isinstance(found, Scan) else suite)
+    else:
+        for outcome in outcomes:
+            print(outcome_text(outcome) + "\n" * isinstance(found, Suite))
+        if isinstance(found, Suite) and not stopped:
             print(f"report of all: {directory / SCAN_REPORT}")
-    return _status(done.stopped, done.scans)
-
-
-def _load(options: argparse.Namespace) -> Scan | Suite:
-    here = options.executor == LOCAL
-    if not is_suite(options.scan):
-        return load_scan(options.scan, options.overrides, here=here, most=_PLANNED if options.plan else None)
-    if options.overrides:
-        raise InputError(
-            f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
-        )
-    return load_suite(options.scan, here=here)
+    return _status(stopped, outcomes)
 
 
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
@@ -129,22 +126,13 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 
 def _executor(options: argparse.Namespace) -> Profile | None:
     if options.executor not in EXECUTORS:
-        near = difflib.get_close_matches(options.executor, EXECUTORS, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(options.executor, EXECUTORS)
         raise InputError(f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}")
     if options.executor == LOCAL:
         if options.profile:
             raise InputError("--profile: is for --executor slurm; leave it out, or choose that")
         return None
     return load_profile(options.profile) if options.profile else Profile()
-
-
-def _slowness(left: Sequence[Point], options: argparse.Namespace, jobs: int) -> float | None:
-    """Measure the time of a point on this machine over the planned one; None if not worth measuring."""
-    ordered = sorted(left, key=lambda point: point.plan.wall_time)
-    if options.executor == SLURM or sum(point.plan.wall_time for point in left) / jobs < _WORTH_MEASURING:
-        return None
-    return slowness_of(ordered[len(left) // 2], jobs)
 
 
 def plan_values(scan: Scan, directory: Path, left: Sequence[Point], machine: Machine) -> dict[str, Any]:

@@ -18,7 +18,6 @@ import dataclasses
 import math
 import os
 import shlex
-import subprocess
 import sys
 import tempfile
 import threading
@@ -214,11 +213,7 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
     tables = _PACKING | {"run": {"end_time": 1.5e-5, "frames": 2}}
     alone, case, there = _run(scratch, "alone", tables)[0], scratch / "ranks.toml", scratch / "ranks"
     replace_text(case, case_from_dict({"name": "ranks", **tables}).to_toml())
-    with tempfile.TemporaryFile() as said:
-        words = ["run", str(case), "-o", str(there), "--no-figures"]
-        status = mpi.launch(ranks, words, launcher, stdout=subprocess.DEVNULL, stderr=said.fileno())
-        said.seek(0)
-        lines = said.read().decode("utf-8", "replace").strip().splitlines()
+    status, lines = mpi.launch_unseen(ranks, ["run", str(case), "-o", str(there), "--no-figures"], launcher)
     if status:
         raise RunError(lines[-1] if lines else f"the ranks ended with status {status}")
     n_ranks, one, several = read_summary(there)["n_ranks"], _fields(alone), _fields(there)

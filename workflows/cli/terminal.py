@@ -6,7 +6,6 @@ import json
 import os
 import sys
 from collections.abc import Container, Sequence
-from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.files import plain
@@ -45,12 +44,5 @@ def warn(text: str) -> None:
 
 def print_json(values: Any) -> None:
     """Print one JSON document, and nothing else, on standard output; NaN and infinity become null."""
-    print(json.dumps(plain(values), indent=2, allow_nan=False, default=_as_text))
+    print(json.dumps(plain(values), indent=2, allow_nan=False, default=os.fspath))  # paths as text
     sys.stdout.flush()
-
-
-def _as_text(value: Any) -> str:
-    """Return a path as text."""
-    if isinstance(value, Path):
-        return str(value)
-    raise TypeError(f"{type(value).__name__} has no JSON form")

@@ -16,7 +16,6 @@ import json
 import os
 import re
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -32,6 +31,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, read_tables, replace_text
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
+from granwave.workflows.cli.main import main as granwave
 from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout
@@ -66,13 +66,10 @@ class _Worker:
         os.environ[PROCESSES] = "1"  # other points use the other cores
         if self._unwanted():
             self.stop()
+        elif self.batch["ranks"] == 1 and self.batch["points"][0]["verb"] == GRANULAR.verb:
+            forks.load(figures=self.batch["figures"])
         elif self.batch["ranks"] == 1:
-            import granwave.workflows.cli.main
-
-            if self.batch["points"][0]["verb"] == GRANULAR.verb:
-                forks.load(figures=self.batch["figures"])
-            else:
-                import granwave.workflows.finite_elements.punch.run  # noqa: F401
+            import granwave.workflows.finite_elements.punch.run  # noqa: F401
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -122,11 +119,10 @@ class _Worker:
             job = seen.get("job", "")
             reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
             reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
-            layout.write_state(place, **{**seen, "state": layout.FAILED, "reason": reason, "asked": job})
+            layout.change_state(self.directory, point["id"], state=layout.FAILED, reason=reason, asked=job)
             return
         note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
-        note["case"] = case_digest(point["case"])
-        note["job"] = os.environ.get("SLURM_JOB_ID", "")
+        note |= {"case": case_digest(point["case"]), "job": os.environ.get("SLURM_JOB_ID", "")}
         layout.write_state(place, state=layout.RUNNING, **note)
         log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0
         begin = time.monotonic()
@@ -172,36 +168,26 @@ class _Worker:
         words += [] if self.batch["figures"] else ["--no-figures"]
         with (place / POINT_LOG).open("ab") as log:
             if self.batch["ranks"] > 1:
-                return self._launch(words, place, log.fileno())
+                return self._launch(words, place / POINT_STOP, log.fileno())
             starts_mpi = point["verb"] == GRANULAR.verb
-            self.current = forks.fork(lambda: _granwave(words), log.fileno(), starts_mpi=starts_mpi)
+            self.current = forks.fork(lambda: granwave(words), log.fileno(), starts_mpi=starts_mpi)
             if self.stopping.is_set():
                 self.stop()
             _, waited = os.waitpid(self.current, 0)
             self.current = None
         return os.waitstatus_to_exitcode(waited)
 
-    def _launch(self, words: Sequence[str], place: Path, log: int) -> int:
-        self.rank_stop = place / POINT_STOP
-        self.rank_stop.unlink(missing_ok=True)
-        n_ranks = self.batch["ranks"]
-        command = mpi.command(n_ranks, words, self.batch["launcher"])
-        environment = {**os.environ, mpi.STOP_FILE: str(self.rank_stop), mpi.EXPECTED_RANKS: str(n_ranks)}
-        ranks = subprocess.Popen(
-            command, env=environment, stdout=log, stderr=log, start_new_session=True, preexec_fn=mpi.end_with_parent
-        )
+    def _launch(self, words: Sequence[str], stop: Path, log: int) -> int:
+        stop.unlink(missing_ok=True)
+        self.rank_stop = stop
+        command = mpi.command(self.batch["ranks"], words, self.batch["launcher"])
+        ranks = mpi.start(command, self.batch["ranks"], stop, log, log)
         if self.stopping.is_set():
             self.stop()
         status = ranks.wait()
-        self.rank_stop.unlink(missing_ok=True)
         self.rank_stop = None
+        stop.unlink(missing_ok=True)
         return status
-
-
-def _granwave(words: Sequence[str]) -> int:
-    from granwave.workflows.cli.main import main
-
-    return main(words)
 
 
 def _alive(process: int) -> bool:
@@ -233,9 +219,7 @@ def _reason(status: int, log: Path, begin: int) -> str:
         with log.open("rb") as stream:
             stream.seek(begin)
             lines = stream.read().decode("utf-8", "replace").strip().splitlines()
-        messages = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
-        errors = [line for line in messages if not line.startswith("warning: ")]
-        if errors:
+        if errors := mpi.errors_in(lines):
             return errors[-1]
         died = [match[1] for line in lines if (match := _RANK_DIED.search(line))]
         if died:

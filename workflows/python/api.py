@@ -71,6 +71,8 @@ __all__ = [
 
 logger = logging.getLogger(__name__)
 
+_STOPPED = "{}: stopped before its end; resume=True goes on"
+
 
 def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Case:
     """Make a case, checked as a case file is.
@@ -158,7 +160,7 @@ def run(
         if isinstance(checkpoint, str) or not 0 < checkpoint < float("inf"):
             raise InputError(f"checkpoint: found {show(checkpoint)}, expected a number above 0 (s)")
         how: dict[str, Any] = {"figures": figures, "force": force, "resume": resume, "progress": progress}
-        if not kind.parallel:
+        if kind.run is not None:
             if ranks > 1:
                 raise InputError(f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one")
             if not resume:
@@ -171,8 +173,13 @@ def run(
             from granwave.workflows.run.driver import run_case
 
             run_case(found, place, checkpoint_interval=checkpoint, **how)
-        if kind is GRANULAR:
-            _raise_unfinished(place)
+        state = getattr(record.read(place), "state", "") if kind is GRANULAR else ""
+        if state == record.INTERRUPTED:
+            raise KeyboardInterrupt(_STOPPED.format(place))
+        if state == record.REFUSED:
+            raise RunError(
+                f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it"
+            )
         loaded = Run(place)
     if mpi.is_first() and (warning := zone_warning(loaded.summary)):
         logger.warning("%s: %s", loaded.name, warning)
@@ -259,7 +266,7 @@ def scan(
         how = {"resume": resume, "force": force, "progress": progress}
         outcome = run_scan(found, place, executor=executor, profile=cluster, jobs=jobs, **how)
         if outcome.stopped == STOPPED:
-            raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
+            raise KeyboardInterrupt(_STOPPED.format(place))
         if outcome.stopped:
             raise RunError(f"{place}: {outcome.stopped}; make room, then resume=True goes on")
         for count, what in ((outcome.failed, "failed"), (outcome.missing, "missing")):
@@ -289,28 +296,17 @@ def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, pr
         file.write_text(found.to_toml(), encoding="utf-8")
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]
-        with (Path(scratch) / "stderr").open("w+b") as stream:
-            shown = progress and os.isatty(2)  # the bar of the first rank
-            stderr = None if shown else stream.fileno()
-            status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL, stderr=stderr)
-            stream.seek(0)
-            text = stream.read().decode("utf-8", "replace")
+        lines: list[str] = []
+        if progress and os.isatty(2):  # the bar of the first rank
+            status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL)
+        else:
+            status, lines = mpi.launch_unseen(ranks, words)
     if status == 130:
-        raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
-    said = [line.removeprefix("granwave: ") for line in text.splitlines() if line.startswith("granwave: ")]
-    errors = [line for line in said if not line.startswith("warning: ")]
+        raise KeyboardInterrupt(_STOPPED.format(place))
+    errors = mpi.errors_in(lines)
     if status == 2:
         raise InputError(errors or f"{place}: the ranks refused their input")
     state = record.read(place)
     if status and (state is None or state.state not in (record.REFUSED, record.INTERRUPTED)):
         reason = errors[-1] if errors else f"the ranks ended with status {status}"
         raise RunError((state.reason if state else None) or reason)
-
-
-def _raise_unfinished(place: Path) -> None:
-    """Raise the error of a run that was interrupted or refused."""
-    found = record.read(place)
-    if found is not None and found.state == record.INTERRUPTED:
-        raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
-    if found is not None and found.state == record.REFUSED:
-        raise RunError(f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it")

@@ -27,8 +27,7 @@ logger = logging.getLogger(__name__)
 Values = float | NDArray[np.float64]
 Body = str | Mapping[str, Any]
 
-_FIRST_GUESS = 1e-9  # m, from where the overlap of a force is sought
-_LARGEST = 1e3  # m
+_LARGEST = 1e3  # m, below which the overlap of a force is sought
 
 
 def contact_force(
@@ -142,18 +141,15 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     contact, wanted = contact_between_bodies(law, plain(bodies), plain(options)), _numbers("force", force, "N")
     if (wanted < 0).any():
         raise InputError(f"contact: force: found {show(float(wanted.min()))}, expected 0 or more (N)")
-    low, high = np.zeros_like(wanted), np.full_like(wanted, _FIRST_GUESS)
-    while (short := contact.loading_force(high) < wanted).any():
-        low, high = np.where(short, high, low), np.where(short, 4 * high, high)
-        if high.max() > _LARGEST:
-            raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected one that an overlap below "
-                             f"{_LARGEST:g} m gives (N)")  # fmt: skip
-    while True:
-        middle = (low + high) / 2
-        if ((middle <= low) | (middle >= high)).all():
-            break
+    low, high = np.zeros_like(wanted), np.full_like(wanted, _LARGEST)
+    if (contact.loading_force(high) < wanted).any():
+        raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected one that an overlap below "
+                         f"{_LARGEST:g} m gives (N)")  # fmt: skip
+    middle = high / 2
+    while ((low < middle) & (middle < high)).any():
         above = contact.loading_force(middle) >= wanted
         low, high = np.where(above, low, middle), np.where(above, middle, high)
+        middle = (low + high) / 2
     found = np.where(wanted > 0, high, contact.balanced_overlap)
     _warn_beyond(contact, law, found)
     return _given(found)

@@ -54,20 +54,17 @@ class Balance:
         whole = block[: block.rfind(b"\n") + 1]
         self._offset += len(whole)
         for line in whole.decode("ascii").splitlines():
-            self._take(line)
+            words = line.lstrip("#").split()
+            if line.startswith("#"):
+                self._columns = tuple(words) if words[:1] == ["step"] else self._columns
+                continue
+            self.row = dict(zip(self._columns, map(float, words), strict=True))
+            missed = misfit(self.row)
+            self._missed = missed if math.isnan(missed) else max(self._missed, missed)
+            self._input = max(self._input, work_on_packing(self.row, self.moved))
+            if self._missed != 0:  # NaN too
+                self.error = self._missed / self._input if self._input else math.inf
         return self
-
-    def _take(self, line: str) -> None:
-        if line.startswith("#"):
-            words = tuple(line.lstrip("#").split())
-            self._columns = words if words[:1] == ("step",) else self._columns
-            return
-        self.row = dict(zip(self._columns, map(float, line.split()), strict=True))
-        missed = misfit(self.row)
-        self._missed = missed if math.isnan(missed) else max(self._missed, missed)
-        self._input = max(self._input, work_on_packing(self.row, self.moved))
-        if self._missed != 0:  # NaN too
-            self.error = self._missed / self._input if self._input else math.inf
 
     @property
     def closed(self) -> bool:

@@ -10,31 +10,18 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs import directories
+from granwave.lammps_inputs import directories, ownership
+from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
-from granwave.lammps_inputs.directories import outputs_complete, result_fault
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, output_names, read_marker, refuse_foreign
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
-from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
-    FIGURES_DIRECTORY,
-    FIGURES_TABLE,
-    FILM_FILE,
-    LOCK_FILE,
-    RECORD_FILE,
-    RESULT_FILE,
-    RUN,
-    SUMMARY_FILE,
-    VIEW_FILE,
-)
 from granwave.workflows.run import record
 from granwave.workflows.run.mpi import on_first
 
@@ -68,20 +55,21 @@ def decide(
     """
     expected = plan(case, n_ranks=n_ranks)
     names = run_files(case, expected.schedule)
-    names += _pictures(case, directory) if figures else []
-    if directories.decide(
-        directory,
-        RUN,
-        names,
-        resume=resume,
-        force=force,
-        case=_without_figures(case),
-        read=lambda there: _without_figures(case_from_dict(there, directory / CASE_FILE)),
-    ):
+    if figures:
+        names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
+        names += [files.VIEW_FILE] if case.figures.view else []
+        if os.path.lexists(directory / files.FIGURES_DIRECTORY):
+            names += [file for name in FIGURE_NAMES for file in ownership.figure_files(name)]
+
+    def read(tables: Any) -> dict[str, Any]:
+        return _without_figures(case_from_dict(tables, directory / files.CASE_FILE))
+
+    asked = _without_figures(case)
+    if directories.decide(directory, files.RUN, names, resume=resume, force=force, case=asked, read=read):
         found = _remaining_work(directory, processes)
         if found == FINISHED:
             return found
-        refuse_foreign(directory, names)
+        ownership.refuse_foreign(directory, names)
         if found != START:
             return found
     raise_all(
@@ -94,46 +82,46 @@ def decide(
 
 
 def _remaining_work(directory: Path, processes: Processes) -> str:
-    """Decide what remains to be done in the directory of a run of the same case; warn about damaged files."""
-    _refuse_by_hand(directory)
-    there, fault = record.read(directory), result_fault(directory)
-    seen = there or record.recover(directory)
-    state = seen.state if seen else None
-    if state == record.FINISHED and not fault:
-        lost = not (directory / RESULT_FILE).exists() and outputs_complete(directory)
-        return ANALYSE if lost else FINISHED
-    if state in (record.FINISHED, record.INTEGRATED) and outputs_complete(directory):
-        way = ANALYSE
-    else:
-        saved = seen.checkpoint if seen else None
-        useless = record.checkpoint_fault(directory, saved, processes) if saved else ""
-        way = CONTINUE if saved and not useless else START
-        if useless:
-            logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
-    if fault and (there is None or state == record.FINISHED):
-        logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
-    return way
+    """Decide what remains to be done in the directory of a run of the same case; warn about damaged files.
 
-
-def _refuse_by_hand(directory: Path) -> None:
-    """Raise InputError if LAMMPS was run on the deck by hand, as it is unknown whether that run finished."""
-    marker = read_marker(directory)
-    outputs = [name for name in output_names(directory) if (directory / name).is_file()]
-    if marker.kind and RECORD_FILE not in marker.files and outputs:
+    Raises
+    ------
+    InputError
+        LAMMPS was run on the deck by hand, so that it is unknown whether that run finished.
+    """
+    marker = ownership.read_marker(directory)
+    outputs = [name for name in ownership.output_names(directory) if (directory / name).is_file()]
+    if marker.kind and files.RECORD_FILE not in marker.files and outputs:
         raise InputError(
             f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
             f"granwave analyse {directory}  makes the results, --force runs the case again"
         )
+    there, fault = record.read(directory), directories.result_fault(directory)
+    seen = there or record.recover(directory) or record.Record(state="")
+    if seen.state == record.FINISHED and not fault:
+        lost = not (directory / files.RESULT_FILE).exists() and directories.outputs_complete(directory)
+        return ANALYSE if lost else FINISHED
+    if seen.state in (record.FINISHED, record.INTEGRATED) and directories.outputs_complete(directory):
+        way = ANALYSE
+    else:
+        saved = seen.checkpoint
+        useless = record.checkpoint_fault(directory, saved, processes) if saved else ""
+        way = CONTINUE if saved and not useless else START
+        if useless:
+            logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
+    if fault and (there is None or seen.state == record.FINISHED):
+        logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
+    return way
 
 
 def _without_figures(case: Case) -> dict[str, Any]:
     """Return the tables that decide the results of a case."""
-    return {name: table for name, table in case.to_dict().items() if name != FIGURES_TABLE}
+    return {name: table for name, table in case.to_dict().items() if name != files.FIGURES_TABLE}
 
 
 def run_files(case: Case, schedule: Schedule) -> list[str]:
     """Return the names of the files of a run, without figures."""
-    return [*deck_files(assemble(case), schedule), RECORD_FILE, RESULT_FILE, SUMMARY_FILE]
+    return [*deck_files(assemble(case), schedule), files.RECORD_FILE, files.RESULT_FILE, files.SUMMARY_FILE]
 
 
 def start(case: Case, directory: Path) -> None:
@@ -147,18 +135,8 @@ def start(case: Case, directory: Path) -> None:
     directories.refuse_source(directory, case.name, earlier_result(case))
     if case.contact.initial_overlap:
         dents_table(assemble(case))
-    clear(directory)
-    claim(directory, [RECORD_FILE], kind=RUN)
-
-
-def _pictures(case: Case, directory: Path) -> list[str]:
-    """Return the names of the film and the page of a run, and of its figures if their folder exists."""
-    options = case.figures
-    names = [FILM_FILE.format(options.film)] if options.film != "none" else []
-    names += [VIEW_FILE] if options.view else []
-    if not os.path.lexists(directory / FIGURES_DIRECTORY):
-        return names
-    return names + [file for name in FIGURE_NAMES for file in figure_files(name)]
+    ownership.clear(directory)
+    ownership.claim(directory, [files.RECORD_FILE], kind=files.RUN)
 
 
 # ---------------------------------------------------------------------- one process at a time
@@ -167,7 +145,7 @@ def _pictures(case: Case, directory: Path) -> list[str]:
 def busy(directory: Path) -> bool:
     """Return True if another process has locked the directory."""
     try:
-        with (directory / LOCK_FILE).open("r") as lock:
+        with (directory / files.LOCK_FILE).open("r") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -198,7 +176,7 @@ def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose an
     def take() -> None:
         try:
             directory.mkdir(parents=True, exist_ok=True)
-            locks.append(_lock(directory / LOCK_FILE))
+            locks.append(_lock(directory / files.LOCK_FILE))
         except BlockingIOError:
             raise InputError(
                 f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
@@ -211,7 +189,7 @@ def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose an
         yield
     finally:
         for lock in locks:
-            (directory / LOCK_FILE).unlink(missing_ok=True)
+            (directory / files.LOCK_FILE).unlink(missing_ok=True)
             os.close(lock)
         with contextlib.suppress(OSError):
             for path in made if locks else ():

@@ -17,7 +17,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
@@ -85,7 +85,13 @@ def world() -> Intracomm:
             "with Slurm try another --mpi of srun (srun --mpi=list), pmi2 for MPICH"
         )
     if comm.size > 1:
-        sys.excepthook = _abort_all
+
+        def abort_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+            sys.__excepthook__(kind, error, trace)
+            sys.stderr.flush()
+            comm.Abort(1)
+
+        sys.excepthook = abort_all
         end_with_parent()
     return comm
 
@@ -94,14 +100,6 @@ def nodes(comm: Intracomm) -> list[str]:
     """Return the names of the nodes of all ranks, each once; collective."""
     mine = os.environ.get("SLURMD_NODENAME") or os.uname().nodename
     return sorted(set(comm.allgather(mine)))
-
-
-def _abort_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-    sys.__excepthook__(kind, error, trace)
-    sys.stderr.flush()
-    from mpi4py import MPI
-
-    MPI.COMM_WORLD.Abort(1)
 
 
 def leave(status: int) -> NoReturn:
@@ -130,23 +128,15 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
             outcome = (work(), None)
         except (Exception, KeyboardInterrupt) as error:
             outcome = (None, error)
-    if comm.size > 1:
-        _wait_for_first(comm)
-        outcome = comm.bcast(outcome)
-    result, fault = outcome
+        for rank in range(1, comm.size):
+            comm.send(None, rank, _FIRST_IS_READY)
+    else:  # the first may need this processor for its work
+        wait_for(comm, 0, _FIRST_IS_READY)
+        comm.recv(source=0, tag=_FIRST_IS_READY)
+    result, fault = comm.bcast(outcome) if comm.size > 1 else outcome
     if fault is not None:
         raise fault
     return result  # type: ignore[return-value]
-
-
-def _wait_for_first(comm: Intracomm) -> None:
-    """Wait for the first rank, after a short time without use of the processor, which its work may need."""
-    if comm.rank == 0:
-        for rank in range(1, comm.size):
-            comm.send(None, rank, _FIRST_IS_READY)
-        return
-    wait_for(comm, 0, _FIRST_IS_READY)
-    comm.recv(source=0, tag=_FIRST_IS_READY)
 
 
 def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
@@ -187,6 +177,14 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
 
 
+def start(words: Sequence[str], n_ranks: int, stop: Path, stdout: int, stderr: int) -> subprocess.Popen[bytes]:
+    """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or this process ends."""
+    environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
+    return subprocess.Popen(
+        words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=end_with_parent
+    )
+
+
 def launch(
     n_ranks: int,
     arguments: Sequence[str],
@@ -218,16 +216,22 @@ def launch(
         There is no mpiexec.
     """
     words = command(n_ranks, arguments, launcher)
+
+    def pass_on(stream: IO[bytes], number: int) -> None:
+        """Copy what comes to a file descriptor of this process, as long as somebody reads that."""
+        with stream:
+            while found := os.read(stream.fileno(), 65536):
+                with contextlib.suppress(OSError):
+                    while found:
+                        found = found[os.write(number, found) :]
+
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         stop = Path(scratch) / "stop"
-        environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
-        ways = {1: subprocess.PIPE if stdout is None else stdout, 2: subprocess.PIPE if stderr is None else stderr}
-        ranks = subprocess.Popen(
-            words, env=environment, stdout=ways[1], stderr=ways[2], start_new_session=True, preexec_fn=end_with_parent
-        )
+        ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
+        ranks = start(words, n_ranks, stop, *ways)
         readers = [
-            threading.Thread(target=_pass_on, args=(stream, number), daemon=True)
+            threading.Thread(target=pass_on, args=(stream, number), daemon=True)
             for number, stream in ((1, ranks.stdout), (2, ranks.stderr))
             if stream is not None
         ]
@@ -243,13 +247,18 @@ def launch(
     return status
 
 
-def _pass_on(stream: IO[bytes], number: int) -> None:
-    """Copy what comes to a file descriptor of this process, as long as somebody reads that."""
-    with stream:
-        while found := os.read(stream.fileno(), 65536):
-            with contextlib.suppress(OSError):
-                while found:
-                    found = found[os.write(number, found) :]
+def launch_unseen(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> tuple[int, list[str]]:
+    """Run ranks as `launch` does without showing what they print; return exit status and lines of standard error."""
+    with tempfile.TemporaryFile() as said:
+        status = launch(n_ranks, arguments, launcher, stdout=subprocess.DEVNULL, stderr=said.fileno())
+        said.seek(0)
+        return status, said.read().decode("utf-8", "replace").strip().splitlines()
+
+
+def errors_in(lines: Iterable[str]) -> list[str]:
+    """Return the errors among the lines that granwave has printed, without its name."""
+    ours = [line.removeprefix("granwave: ") for line in lines if line.startswith("granwave: ")]
+    return [line for line in ours if not line.startswith("warning: ")]
 
 
 def check_cores(n_ranks: int) -> None:

@@ -95,22 +95,19 @@ class Progress:
         if last and done != self._total:
             self._bar.reset(total=done)  # a widget has a copy of the total
             self._total, self._done = done, 0
-        text = f"{note} [{times or self._times(done)}]".lstrip()
+        now = time.monotonic()
+        if times is None:
+            passed = now - self._begin
+            left = passed * (self._total - done) / max(1, done - self._first)
+            times = duration(passed) + (f", {self._about} {duration(left)} left" if done < self._total else "")
+        text = f"{note} [{times}]".lstrip()
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(done - self._done)
         ended = done == self._total and (last or done != self._done)
         self._done = done
-        now = time.monotonic()
         if self._lines and (now - self._last > _LINE_EVERY or ended):
             self._last = now
             _LOG.info("%s %3.0f %% %s", self._label, 100 * done / self._total, text)
-
-    def _times(self, done: int) -> str:
-        passed = time.monotonic() - self._begin
-        if done >= self._total:
-            return duration(passed)
-        left = passed * (self._total - done) / max(1, done - self._first)
-        return f"{duration(passed)}, {self._about} {duration(left)} left"
 
     def close(self) -> None:
         """Close the bar."""

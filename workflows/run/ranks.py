@@ -27,9 +27,6 @@ def shared(comm: Intracomm, work: Callable[[Processes], Result], stopped: Callab
     stopped
         Function that tells if a stop was requested; then KeyboardInterrupt is raised before the next task.
     """
-    if comm.rank:
-        _serve(comm)
-        return on_first(comm, lambda: None)  # type: ignore[return-value,arg-type]
 
     def led() -> Result:
         ranks = _Ranks(comm, stopped)
@@ -38,6 +35,9 @@ def shared(comm: Intracomm, work: Callable[[Processes], Result], stopped: Callab
         finally:
             ranks.end()
 
+    if comm.rank:
+        with Interrupts():  # the first rank answers them
+            _serve(comm)
     return on_first(comm, led)
 
 
@@ -96,15 +96,14 @@ class _Ranks(Processes):
 
 def _serve(comm: Intracomm) -> None:
     """Do what the first rank hands out, until it has no more."""
-    with Interrupts():  # the first rank answers them
-        while True:
-            wait_for(comm, 0)
-            if (found := comm.recv(source=0, tag=0)) is None:
-                return
-            work, task = found
-            result, fault = None, None
-            try:
-                result = work(task)
-            except Exception as error:
-                fault = error
-            comm.send((result, fault), 0)
+    while True:
+        wait_for(comm, 0)
+        if (found := comm.recv(source=0, tag=0)) is None:
+            return
+        work, task = found
+        answer: tuple[Any, Exception | None]
+        try:
+            answer = work(task), None
+        except Exception as error:
+            answer = None, error
+        comm.send(answer, 0)

@@ -147,24 +147,24 @@ def write_checkpoint(
         clear(directory, names)  # parts of a session that was killed, perhaps on more ranks
         claim(directory, names)
 
+    def describe(ranks: Processes) -> dict[str, Any]:
+        outputs = sorted(name for name in output_names(directory) if (directory / name).is_file())
+        written = [file for name in names for file in files_of(directory, name)]
+        sizes, whole = (
+            {name: (directory / name).stat().st_size for name in group}
+            for group in (outputs, [*written, DATA_FILE, SCRIPT_FILE])
+        )
+        earlier = previous or {}
+        before = earlier.get("sums", {})
+        read = {name: (size, before[name]) for name, size in earlier.get("sizes", {}).items() if name in before}
+        tasks = [(directory / name, size, read.get(name, (0, 0))) for name, size in (sizes | whole).items()]
+        sums = dict(zip(sizes | whole, ranks.map(_sum, tasks), strict=True))
+        return {"file": name, "step": engine.step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
+
     on_first(comm, prepare)
     engine.commands(f"write_restart {name}" + f" nfile {min(comm.size, _MOST_PARTS)}" * parts)
     comm.barrier()
-    return shared(comm, lambda ranks: _checkpoint_of(directory, names, engine.step, previous or {}, ranks))
-
-
-def _checkpoint_of(
-    directory: Path, names: list[str], step: int, previous: dict[str, Any], processes: Processes
-) -> dict[str, Any]:
-    outputs = [name for name in output_names(directory) if (directory / name).is_file()]
-    written = [file for name in names for file in files_of(directory, name)]
-    sizes = {name: (directory / name).stat().st_size for name in sorted(outputs)}
-    whole = {name: (directory / name).stat().st_size for name in (*written, DATA_FILE, SCRIPT_FILE)}
-    before = previous.get("sums", {})
-    read = {name: (size, before[name]) for name, size in previous.get("sizes", {}).items() if name in before}
-    tasks = [(directory / name, size, read.get(name, (0, 0))) for name, size in (sizes | whole).items()]
-    sums = dict(zip(sizes | whole, processes.map(_sum, tasks), strict=True))
-    return {"file": names[0], "step": step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
+    return shared(comm, describe)
 
 
 def _sum(task: tuple[Path, int, tuple[int, int]]) -> int:
@@ -185,22 +185,23 @@ def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Pro
     may have grown.
     """
     try:
-        if (made := str(checkpoint.get("version", ""))).split(".")[:2] != __version__.split(".")[:2]:
+        made = str(checkpoint.get("version", ""))
+        if made.split(".")[:2] != __version__.split(".")[:2]:
             found = f"of granwave {made}" if made else "of a version before 0.3"
             return f"{directory}: its checkpoint is {found}, expected one of {__version__}"
         whole, sums = checkpoint["whole"], checkpoint.get("sums", {})
-        for name, size in (whole | checkpoint["sizes"]).items():
+        sizes = whole | checkpoint["sizes"]
+        for name, size in sizes.items():
             path = directory / name
             if not path.is_file():
                 return f"{path}: is missing"
             found = path.stat().st_size
             if found < size or (found != size and name in whole):
                 return f"{path}: has {found} bytes, had {size} at the checkpoint"
-        summed = [name for name in whole | checkpoint["sizes"] if name in sums]
-        tasks = [(directory / name, (whole | checkpoint["sizes"])[name], (0, 0)) for name in summed]
-        for name, now in zip(summed, processes.map(_sum, tasks), strict=True):
-            if now != sums[name]:
-                return f"{directory / name}: is not what the run wrote: its checksum differs"
+        tasks = [(directory / name, sizes[name], (0, 0)) for name in sums]
+        for (path, *_), now, before in zip(tasks, processes.map(_sum, tasks), sums.values(), strict=True):
+            if now != before:
+                return f"{path}: is not what the run wrote: its checksum differs"
     except (AttributeError, KeyError, TypeError):
         return f"{directory / RECORD_FILE}: its checkpoint cannot be read"
     return ""

@@ -25,10 +25,10 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.run import mpi
-from granwave.workflows.run.lammps_engine import Engine, open_engine
+from granwave.workflows.run.lammps_engine import open_engine
 from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.scanning.slurm import Profile
-from granwave.workflows.solvers import GRANULAR, Cost
+from granwave.workflows.solvers import GRANULAR
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Python, libraries
 PUBLISH = 4.0  # s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads much
@@ -120,7 +120,8 @@ class Machine:
                 ranks=group[0].ranks,
                 memory=max(point.plan.memory for point in group),
                 wall_time=sum(times[point.id] for point in group),
-                longest=self.slowness * sum(_longest(point.plan) for point in group),
+                longest=self.slowness
+                * sum(p.plan.times.longest if isinstance(p.plan, Plan) else p.plan.wall_time for p in group),
             )
             for n, group in enumerate(groups)
         ]
@@ -139,10 +140,6 @@ class Machine:
     @property
     def _start(self) -> float:
         return self.profile.job_start if self.profile else _LOCAL_START
-
-
-def _longest(plan: Cost) -> float:
-    return plan.times.longest if isinstance(plan, Plan) else plan.wall_time
 
 
 class Outlook:
@@ -165,10 +162,9 @@ class Outlook:
 
     def done(self, point: Point, seconds: float) -> None:
         """Register a finished point and its wall time (s); points done earlier are ignored."""
-        if point.id not in self._ids:
-            return
-        self._taken += seconds
-        self._expected += point.plan.wall_time
+        if point.id in self._ids:
+            self._taken += seconds
+            self._expected += point.plan.wall_time
 
     def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
         """Return elapsed and remaining time as text.
@@ -194,6 +190,7 @@ class Outlook:
 
 
 _WARM, _SPAN = 1.5, 1.0  # s of wall time: warm-up, in which contacts get loaded, and measurement
+_PIECE = 50  # steps between looks at the clock
 _MEASURED_WITHIN = 60.0  # s after which the measurement is given up
 
 
@@ -212,28 +209,22 @@ def slowness_of(point: Point, jobs: int) -> float | None:
     case = dataclasses.replace(cast(Case, point.case), precompression=None)
     document = tomli_w.dumps(case.to_dict())
     at_once = max(1, min(jobs, int(available_memory() / point.plan.memory)))
-    with ThreadPoolExecutor(at_once) as pool:
-        times = list(pool.map(_timed, [document] * at_once))
-    found = [seconds for seconds in times if seconds is not None]
-    return statistics.fmean(found) / seconds_per_step(assemble(case)) if found else None
-
-
-def _timed(document: str) -> float | None:
-    """Measure the wall time of a step in a separate process, s; None on failure."""
     command = [*mpi.PYTHON, "-m", "granwave.workflows.scanning.batches"]
-    try:
-        done = subprocess.run(
-            command,
-            input=document,
-            capture_output=True,
-            text=True,
-            timeout=_MEASURED_WITHIN,
-            env=mpi.alone(),
-            check=True,
-        )
-        return float(json.loads(done.stdout.splitlines()[-1]))
-    except (subprocess.SubprocessError, OSError, ValueError, IndexError):
-        return None
+
+    def timed(_: int) -> float:
+        """Measure the wall time of a step in a separate process, s; NaN on failure."""
+        try:
+            done = subprocess.run(
+                command, input=document, capture_output=True, text=True, timeout=_MEASURED_WITHIN, env=mpi.alone(),
+                check=True,
+            )  # fmt: skip
+            return float(json.loads(done.stdout.splitlines()[-1]))
+        except (subprocess.SubprocessError, OSError, ValueError, IndexError):
+            return math.nan
+
+    with ThreadPoolExecutor(at_once) as pool:
+        found = [seconds for seconds in pool.map(timed, range(at_once)) if seconds == seconds]
+    return statistics.fmean(found) / seconds_per_step(assemble(case)) if found else None
 
 
 def _measure(document: str) -> float:
@@ -249,17 +240,12 @@ def _measure(document: str) -> float:
         with contextlib.chdir(deck.directory), open_engine(mpi.world(), log="none") as engine:
             engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
             engine.commands("run 20 post no")
-            _run_for(engine, _WARM)
-            return _run_for(engine, _SPAN)
-
-
-def _run_for(engine: Engine, span: float) -> float:
-    """Run for ``span`` seconds of wall time; return the wall time of a step, s."""
-    piece, steps, begin = 50, 0, time.monotonic()
-    while (elapsed := time.monotonic() - begin) < span:
-        engine.commands(f"run {piece} pre no post no")
-        steps += piece
-    return elapsed / steps
+            for span in (_WARM, _SPAN):
+                steps, begin = 0, time.monotonic()
+                while (elapsed := time.monotonic() - begin) < span:
+                    engine.commands(f"run {_PIECE} pre no post no")
+                    steps += _PIECE
+            return elapsed / steps
 
 
 if __name__ == "__main__":

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -61,31 +61,30 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
     spare = layout.LEAST_FREE + max((point.plan.disk_reserve for point in points), default=0.0)
     cases = [point.case for point in points if force and isinstance(point.case, Case)]
     sources = {source: case.name for case in cases if (source := earlier_result(case)) is not None}
+
+    def check_files() -> None:
+        """Check the files that points name; a fault of all points is reported once."""
+        found: dict[str, list[str]] = {}
+        for point in points:
+            try:
+                point.kind.check(point.case, point.plan, memory=False)
+            except InputError as error:
+                labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
+                for fault in error.errors:
+                    found.setdefault(fault, []).append(f"point {point.number} ({labels}): {fault}")
+        errors: list[str] = []
+        for fault, lines in found.items():
+            errors += [f"{scan.name}: {line}" for line in ([fault] if len(lines) == len(points) else lines)]
+        if errors:
+            raise InputError(errors)
+
     raise_all(
         [
-            lambda: _check_files(scan.name, points),
+            check_files,
             lambda: check_disk(directory, needed, what="the points", spare=spare),
             *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
         ]
     )
-
-
-def _check_files(name: str, points: Sequence[Point]) -> None:
-    """Check the files that points name; a fault of all points is reported once."""
-    found: dict[str, list[str]] = {}
-    for point in points:
-        try:
-            point.kind.check(point.case, point.plan, memory=False)
-        except InputError as error:
-            labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
-            for fault in error.errors:
-                found.setdefault(fault, []).append(f"point {point.number} ({labels})")
-    errors: list[str] = []
-    for fault, concerned in found.items():
-        shared = len(concerned) == len(points)
-        errors += [f"{name}: {fault}"] if shared else [f"{name}: {point}: {fault}" for point in concerned]
-    if errors:
-        raise InputError(errors)
 
 
 logger = logging.getLogger(__name__)
@@ -106,21 +105,15 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
         refuse_results(directory, "--resume does what is missing, --force replaces them")
     refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(directory):
-        there = _index(directory)
+        there = None
+        with contextlib.suppress(OutputFormatError):  # a damaged index is written anew
+            there = ScanResult(directory)
         if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
             raise InputError(
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
             )
     check_points(scan, directory, force=force)
-
-
-def _index(directory: Path) -> ScanResult | None:
-    """The scan that is there; None where its index is damaged, which is written anew."""
-    try:
-        return ScanResult(directory)
-    except OutputFormatError:
-        return None
 
 
 def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
@@ -147,6 +140,4 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
         state = layout.state(directory, point)
         begun = state.get("attempts") or state.get("state") == layout.FAILED
         if begun and point not in adopted:  # it failed, or was killed with its job: another chance
-            layout.write_state(
-                layout.unfinished(directory, point), **{**state, "state": layout.INTERRUPTED, "attempts": 0}
-            )
+            layout.change_state(directory, point, state=layout.INTERRUPTED, attempts=0)

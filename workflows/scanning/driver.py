@@ -7,6 +7,7 @@ import dataclasses
 import logging
 import os
 import time
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -35,7 +36,7 @@ _POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of the directory, and of the q
 _TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # shortest s between updates during the run
 # a round that leaves points unfinished (jobs killed, time limit) is followed by another
 _MOST_ROUNDS = 20
-_MOST_LABELS = 3  # of a running point, beside the bar
+_MOST_SHOWN = 3  # running points, and labels of each, beside the bar
 
 
 @dataclasses.dataclass(frozen=True)
@@ -138,7 +139,7 @@ class _ScanRun:
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
-        self.finished: set[str] = set()  # ids of the points that are done
+        self.n_done = 0  # points
         left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
         self.outlook = Outlook(left, machine)
 
@@ -148,7 +149,11 @@ class _ScanRun:
         self._bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
         try:
             for number in range(_MOST_ROUNDS):
-                self._wait_for_adopted()
+                # no point runs twice: an earlier start of this scan may have left jobs on the cluster
+                while self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory):
+                    self._look("jobs of an earlier start go on")
+                    time.sleep(_QUEUE_POLL)
+                self._update_points()
                 if not self.open or self.stop.count or self.stopped:
                     break
                 self._round(list(self.open.values()), f"{int(time.time()):x}{number}")
@@ -161,15 +166,9 @@ class _ScanRun:
             _draw(self.result)
             publish(self.directory, self.scan.study)
 
-    def _wait_for_adopted(self) -> None:
-        """Wait for jobs that an earlier start of this scan left on the cluster, so that no point runs twice."""
-        while self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory):
-            self._look("jobs of an earlier start go on")
-            time.sleep(_QUEUE_POLL)
-        self._update_points()
-
     def _round(self, points: Sequence[Point], prefix: str) -> None:
         batches, profile = self.machine.batches(points, prefix), self.machine.profile
+        stop = self.directory / layout.STOP
         for batch in batches:
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher_of(profile, batch))
@@ -179,11 +178,22 @@ class _ScanRun:
         before = self._states(points)
         try:
             jobs.running()
-            _load()
-            self._watch(jobs)
+            # what table, figures and report need is loaded while the jobs start
+            import granwave.analysis.reports.report
+            import granwave.analysis.scans.figures  # noqa: F401
+
+            while self.open and jobs.running():
+                time.sleep(_POLL)
+                self._look()
+                if self.stop.count or stop.exists():
+                    if self.stop.count:
+                        logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
+                    with contextlib.suppress(OSError):
+                        stop.touch()
+                    jobs.stop(lambda: self.stop.count >= _FORCED)
+                    break
         finally:
             jobs.kill()
-        stop = self.directory / layout.STOP
         if stop.exists() and not self.stop.count:
             self.stopped = stop.read_text(encoding="utf-8") or "the disk is full"
         if not self.stopped and not self.stop.count:
@@ -198,28 +208,16 @@ class _ScanRun:
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
         return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
 
-    def _watch(self, jobs: Jobs) -> None:
-        """Wait until the jobs have ended; stop them on request."""
-        while self.open and jobs.running():
-            time.sleep(_POLL)
-            self._look()
-            if self.stop.count or (self.directory / layout.STOP).exists():
-                if self.stop.count:
-                    logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
-                with contextlib.suppress(OSError):
-                    (self.directory / layout.STOP).touch()
-                return jobs.stop(lambda: self.stop.count >= _FORCED)
-
     # ------------------------------------------------------------------ looking
 
     def _look(self, note: str = "") -> None:
         """Update the bar and, at intervals, table and figures."""
         self._update_points()
-        failed, running = (
-            self._closed() - len(self.finished),
-            [_short(self.scan.distinct[name]) for name in self.running],
-        )
-        parts = [note, f"{failed} failed" if failed else "", f"now {'; '.join(running[:3])}" if running else ""]
+        failed = self._closed() - self.n_done
+        parts = [note, f"{failed} failed" if failed else ""]
+        if self.running:
+            shown = [self.scan.distinct[name] for name in self.running][:_MOST_SHOWN]
+            parts.append(f"now {'; '.join(f'{point.number}: {_labels_of(point)}' for point in shown)}")
         ages = {name: time.time() - started for name, started in self.running.items()}
         times = self.outlook.text(list(self.open.values()), ages)
         self._bar.update(self._closed(), ", ".join(part for part in parts if part), times)
@@ -239,7 +237,7 @@ class _ScanRun:
             state = {} if done else layout.state(self.directory, name)
             if done or state.get("state") == layout.FAILED:
                 del self.open[name]
-                self.finished |= {name} if done else set()
+                self.n_done += done
                 self.changed = True
                 if done and (taken := layout.seconds(self.directory, name)):
                     self.outlook.done(point, taken)
@@ -252,8 +250,8 @@ class _ScanRun:
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""
         # one point may have several rows in the table
-        status = {point.id: point.status for point in ScanResult(self.directory).points}
-        done, failed, missing = (sum(one == what for one in status.values()) for what in ("done", "failed", "missing"))
+        counts = Counter({point.id: point.status for point in ScanResult(self.directory).points}.values())
+        done, failed, missing = counts["done"], counts["failed"], counts["missing"]
         if not failed and not missing:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()
@@ -275,12 +273,6 @@ def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> 
     write_report([directory], directory / SCAN_REPORT, study_files=studies)
 
 
-def _load() -> None:
-    """Import what table, figures and report need, while the jobs start."""
-    import granwave.analysis.reports.report
-    import granwave.analysis.scans.figures  # noqa: F401
-
-
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:
     # the drawing library is loaded when first points are done, not at the start
     from granwave.analysis.scans.figures import draw_scan_figures
@@ -288,10 +280,7 @@ def _draw(result: ScanResult, *, pdf: bool = True) -> None:
     draw_scan_figures(result, pdf=pdf)
 
 
-def _short(point: Point) -> str:
-    """Return the number and main labels of a point."""
-    shown = [
-        f"{key.split('.')[-1]} {value:.4g}" if isinstance(value, float) else f"{key.split('.')[-1]} {value}"
-        for key, value in point.labels.items()
-    ]
-    return f"{point.number}: {', '.join(shown[:_MOST_LABELS])}"
+def _labels_of(point: Point) -> str:
+    """Return the main labels of a point."""
+    shown = list(point.labels.items())[:_MOST_SHOWN]
+    return ", ".join(f"{key.split('.')[-1]} {f'{v:.4g}' if isinstance(v, float) else v}" for key, v in shown)

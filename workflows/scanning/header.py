@@ -10,20 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.studies.registry import STUDIES, find_studies, is_study_file
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    count,
-    custom,
-    finite,
-    number,
-    plain_name,
-    read_table,
-    show,
-    text,
-    whole,
-)
+from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, count, custom, show
 
 _MOST_POINTS = 100_000
 _SHAPES = ("log", "linear")
@@ -33,7 +21,7 @@ _SHAPES = ("log", "linear")
 class RanksBySize:
     """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
 
-    spheres_per_rank: float = number("spheres for each rank", at_least=1, default=100_000)
+    spheres_per_rank: float = schema.number("spheres for each rank", at_least=1, default=100_000)
     most: int = count("most ranks", default=1)
 
     def of(self, n_spheres: int) -> int:
@@ -47,10 +35,10 @@ _ONE_RANK = RanksBySize()
 def _parse_ranks(value: Any) -> RanksBySize:
     expected = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
     if not isinstance(value, Mapping):
-        n = whole(value, expected)
+        n = schema.whole(value, expected)
         return RanksBySize(spheres_per_rank=1, most=n)
     errors = ErrorList("")
-    read = read_table(RanksBySize, value, "ranks", errors)
+    read = schema.read_table(RanksBySize, value, "ranks", errors)
     if read is None:
         raise ValidationError(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in errors.lines)})")
     return read
@@ -77,11 +65,11 @@ def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tup
 class Header:
     """Top-level keys of a scan file."""
 
-    name: str = custom("name of the scan", plain_name, default="")
-    case: str = text("a built-in study or a case file")
+    name: str = custom("name of the scan", schema.plain_name, default="")
+    case: str = schema.text("a built-in study or a case file")
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
     replicates: int = count("runs of each point in which something is random, with seeds 1 to n", default=1)
-    figures: bool = choice("figures of every point too", (False, True), default=False)
+    figures: bool = schema.choice("figures of every point too", (False, True), default=False)
     study: tuple[str, ...] = custom(
         "study, or list of studies, that the report makes of the scan", parse_studies, default=()
     )
@@ -96,24 +84,20 @@ def _values_of(value: Any) -> list[Any]:
         It is neither, or the list is empty.
     """
     expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
-    if isinstance(value, Mapping):
-        if len(value) != 1 or not set(value) <= set(_SHAPES):
-            raise ValidationError(expected)
-        ((shape, limits),) = value.items()
-        return _range(shape, limits)
-    if not isinstance(value, list):
+    if isinstance(value, list):
+        if not value:
+            raise ValidationError("at least one value")
+        return value
+    if not isinstance(value, Mapping):
         raise ValidationError(f"{expected}; a value that holds for all points belongs under [set]")
-    if not value:
-        raise ValidationError("at least one value")
-    return value
-
-
-def _range(shape: str, limits: Any) -> list[float]:
+    if len(value) != 1 or not set(value) <= set(_SHAPES):
+        raise ValidationError(expected)
+    ((shape, limits),) = value.items()
     expected = f"{{{shape} = [first, last, how many]}}"
     numbers = limits if isinstance(limits, list) else []
     if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
         raise ValidationError(expected)
-    first, last, count = finite(numbers[0], expected), finite(numbers[1], expected), numbers[2]
+    first, last, count = schema.finite(numbers[0], expected), schema.finite(numbers[1], expected), numbers[2]
     if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS:
         raise ValidationError(f"{expected} with 2 to {_MOST_POINTS} values")
     if shape == "log" and (first <= 0 or last <= 0):

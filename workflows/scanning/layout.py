@@ -134,6 +134,11 @@ def write_state(place: Path, **record: Any) -> None:
     replace_text(place / POINT_FILE, json.dumps({**record, "id": place.name}, indent=1) + "\n")
 
 
+def change_state(directory: Path, point: str, **changes: Any) -> None:
+    """Change values in the record of an unfinished point."""
+    write_state(unfinished(directory, point), **{**state(directory, point), **changes})
+
+
 def is_final(directory: Path, point: str) -> bool:
     """Return True if the point is done, or has failed for good."""
     return is_done(directory, point) or state(directory, point).get("state") == FAILED

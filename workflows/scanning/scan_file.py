@@ -12,7 +12,7 @@ import hashlib
 import json
 import logging
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -263,7 +263,13 @@ def _build(
             for key in twice
         )
     if template is None:
-        base = _find_case(header.case, path)
+        try:
+            base = library.find_for(header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
+        except InputError as error:
+            raise InputError(f"{path}: case: {fault}" for fault in error.errors) from None
+        except OSError as error:
+            fault = f"found {show(header.case)}, which cannot be read: {error.strerror}"
+            raise InputError(f"{path}: case: {fault}") from None
         template = {"name": base.stem, **read_toml(base)}
     kind = solver_of(template)
     points: list[Point] = []
@@ -280,7 +286,11 @@ def _build(
         at_end.callback(_LOG.removeFilter, fresh)
         for n, values in enumerate(variations, start=1):
             try:
-                for replicate in _replicates(values, header, read):
+                replicates = [values]
+                if header.replicates > 1 and isinstance(case := read(values), Case):
+                    seeds = header.replicates if is_random(case) else 1
+                    replicates = [{**values, SEED: seed} for seed in range(1, seeds + 1)]
+                for replicate in replicates:
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
                     kind.check(case, points[-1].plan, files=False, memory=here)
@@ -304,29 +314,6 @@ def _build(
     )
 
 
-def _replicates(
-    values: Mapping[str, Any], header: Header, read: Callable[[Mapping[str, Any]], AnyCase]
-) -> list[Mapping[str, Any]]:
-    """Return a point with each of its seeds; one if nothing in it is random."""
-    if header.replicates == 1:
-        return [values]
-    case = read(values)
-    if not isinstance(case, Case):
-        return [values]
-    seeds = header.replicates if is_random(case) else 1
-    return [{**values, SEED: seed} for seed in range(1, seeds + 1)]
-
-
-def _find_case(case: str, path: Path) -> Path:
-    """Find a built-in study, or a case file relative to the scan file."""
-    try:
-        return library.find_for(case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
-    except InputError as error:
-        raise InputError(f"{path}: case: {fault}" for fault in error.errors) from None
-    except OSError as error:
-        raise InputError(f"{path}: case: found {show(case)}, which cannot be read: {error.strerror}") from None
-
-
 def _with(
     template: Mapping[str, Any], settings: Mapping[str, Any], path: Path, changes: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -343,19 +330,19 @@ def _with(
 
 
 def _point(
-    number: int,
-    values: Mapping[str, Any],
-    case: AnyCase,
-    kind: Kind,
-    header: Header,
-    varied: Sequence[str],
+    number: int, values: Mapping[str, Any], case: AnyCase, kind: Kind, header: Header, varied: Sequence[str]
 ) -> Point:
     ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
     expected = kind.cost(case, ranks, header.figures)
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
-    labels = {key: values[key] if key in values else _look_up(resolved, key) for key in varied}
+    labels = {}
+    for one in varied:
+        found: Any = resolved
+        for name in one.split("."):
+            found = found.get(name, "") if isinstance(found, Mapping) else ""
+        labels[one] = values.get(one, found)
     return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
 
 
@@ -372,13 +359,6 @@ def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> l
     return [
         dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
     ]
-
-
-def _look_up(tables: Mapping[str, Any], key: str) -> Any:
-    value: Any = tables
-    for name in key.split("."):
-        value = value.get(name, "") if isinstance(value, Mapping) else ""
-    return value
 
 
 def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:

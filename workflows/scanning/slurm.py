@@ -14,23 +14,15 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    choice,
-    custom,
-    number,
-    read_table,
-    text,
-    whole,
-)
+from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, text
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.workflows.scanning import layout
 
 
 def _positive(value: Any) -> int:
-    return whole(value, "a whole number from 1 up")
+    return schema.whole(value, "a whole number from 1 up")
 
 
 def _lines(value: Any) -> str:
@@ -83,8 +75,8 @@ class Profile:
     launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
     before: str = custom("shell commands before each job, such as module load ...", _lines, default="")
     options: str = custom("further options for sbatch, such as --constraint=...", _options, default="")
-    job_start: float = number("time that it takes to start a job, s", above=0, default=15.0)
-    status: Literal["squeue", "sacct"] = choice(
+    job_start: float = schema.number("time that it takes to start a job, s", above=0, default=15.0)
+    status: Literal["squeue", "sacct"] = schema.choice(
         "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
     )
 
@@ -102,7 +94,7 @@ def load_profile(path: str | Path) -> Profile:
     if set(data) != {"slurm"}:
         errors.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
         raise InputError(errors.lines)
-    profile = read_table(Profile, data["slurm"], "slurm", errors)
+    profile = schema.read_table(Profile, data["slurm"], "slurm", errors)
     if profile is None:
         raise InputError(errors.lines)
     return profile
@@ -208,8 +200,7 @@ _REMEDIES = {
 def note_refused(directory: Path, points: Iterable[str], reason: str) -> None:
     """Mark points whose jobs could not be submitted as failed, for this reason."""
     for point in points:
-        record = {"state": layout.FAILED, "reason": f"Slurm did not run the job: {reason}"}
-        layout.write_state(layout.unfinished(directory, point), **{**layout.state(directory, point), **record})
+        layout.change_state(directory, point, state=layout.FAILED, reason=f"Slurm did not run the job: {reason}")
 
 
 def note_ended(directory: Path, points: Iterable[str]) -> None:
@@ -223,12 +214,10 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
             if not left or not (reason := end_of(directory, job)):
                 continue
             in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
-            record = {
-                "state": layout.FAILED if in_work and last else state.get("state"),
-                "reason": reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
-                "asked": job,
-            }
-            layout.write_state(layout.unfinished(directory, point), **{**state, **record})
+            layout.change_state(
+                directory, point, asked=job, state=layout.FAILED if in_work and last else state.get("state"),
+                reason=reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
+            )  # fmt: skip
 
 
 def end_of(directory: Path, job: str) -> str:
@@ -236,33 +225,24 @@ def end_of(directory: Path, job: str) -> str:
 
     An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
     """
-    state = _state_of(job)
+    try:
+        found = ask(["scontrol", "--oneliner", "show", "job", job])
+        parts = [re.search(rf"\b{key}=(\S+)", found) for key in ("JobState", "Reason", "ExitCode")]
+        state, why, code = (match[1] if match else "" for match in parts)
+    except RunError:  # it has no record of old jobs
+        try:
+            rows = ask(["sacct", "-X", "-n", "-P", "-j", job, "-o", "State,Reason,ExitCode"]).splitlines()
+        except RunError:  # there is no accounting
+            return ""
+        state, why, code = rows[-1].split("|") if rows else ("", "", "")
+    if state in _OF_ITSELF or (state == "FAILED" and code.endswith(":0")):
+        return ""
+    if why not in ("None", ""):
+        state = f"{state} ({why})"
     lines: list[str] = []
     for log in (directory / layout.LOGS).glob(f"**/{job}.log"):
         with contextlib.suppress(OSError):
             lines += log.read_text(encoding="utf-8", errors="replace").splitlines()
     errors = "; ".join(dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line))))
-    if not state:
-        return ""
     remedy = next((text for sign, text in _REMEDIES.items() if re.search(sign, f"{state} {errors}", re.IGNORECASE)), "")
     return f"Slurm ended job {job}: {state}{f': {errors}' if errors else ''}{f'; {remedy}' if remedy else ''}"
-
-
-def _state_of(job: str) -> str:
-    """Return Slurm's state of an ended job, with its reason; empty if it ended by itself, or has not ended."""
-    try:
-        found = ask(["scontrol", "--oneliner", "show", "job", job])
-        state, reason, status = (re.search(rf"\b{key}=(\S+)", found) for key in ("JobState", "Reason", "ExitCode"))
-        words = [match[1] if match else "" for match in (state, reason, status)]
-    except RunError:  # scontrol has no record of old jobs
-        if shutil.which("sacct") is None:
-            return ""
-        try:
-            lines = ask(["sacct", "-X", "-n", "-P", "-j", job, "-o", "State,Reason,ExitCode"]).splitlines()
-        except RunError:  # there is no accounting
-            return ""
-        words = lines[-1].split("|") if lines else ["", "", ""]
-    state_word, reason_word, code = words
-    if state_word in _OF_ITSELF or (state_word == "FAILED" and code.endswith(":0")):
-        return ""
-    return state_word if reason_word in ("None", "") else f"{state_word} ({reason_word})"

@@ -97,23 +97,19 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     data = read_toml(path)
     errors = ErrorList(str(path))
     header = read_table(SuiteFile, {"name": path.stem, **data}, "", errors)
-    if header is None:
-        raise InputError(errors.lines)
-    studies = studies_beside(header.study, path, errors)
-    if errors.lines:
+    studies = studies_beside(header.study, path, errors) if header else ()
+    if header is None or errors.lines:
         raise InputError(errors.lines)
     scans: list[Scan] = []
-    for entry in header.scans:
+    for key, entry in [(_SCANS, entry) for entry in header.scans] + [("cases", entry) for entry in header.cases]:
         try:
-            scans.append(load_scan(find_scan(entry, path.parent), here=here))
+            if key == _SCANS:
+                scans.append(load_scan(find_scan(entry, path.parent), here=here))
+            else:
+                scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
-            errors.lines += [f"{path}: {_SCANS}: {entry}: {fault.removeprefix(f'{entry}: ')}" for fault in error.errors]
-    for entry in header.cases:
-        try:
-            scans.append(scan_of_case(entry, path, here=here))
-        except InputError as error:
-            known = f"{path}: case: {entry}: "
-            errors.lines += [f"{path}: cases: {entry}: {fault.removeprefix(known)}" for fault in error.errors]
+            known = f"{entry}: " if key == _SCANS else f"{path}: case: {entry}: "
+            errors.lines += [f"{path}: {key}: {entry}: {fault.removeprefix(known)}" for fault in error.errors]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
         errors.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")

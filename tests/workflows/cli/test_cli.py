@@ -11,18 +11,21 @@ import h5py
 import pytest
 
 from tests.conftest import PLAIN
-from tests.helpers.run_files import summary, without_clock
+from tests.helpers.run_files import summary
 
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
 QUICK = [*TINY, "--no-figures"]
+FIGURES = ["energies", "timestep", "peak_force_principal"]
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     """Finished small run."""
     directory = tmp_path_factory.mktemp("runs") / "tiny"
-    command = [sys.executable, "-m", "granwave.workflows", "run", "fcc-small", "-o", str(directory), *TINY]
-    done = subprocess.run(command, capture_output=True, text=True, env=PLAIN, timeout=300)
+    words = ["run", "fcc-small", "-o", str(directory), *TINY, "--set", f"figures.only={json.dumps(FIGURES)}"]
+    done = subprocess.run(
+        [sys.executable, "-m", "granwave.workflows", *words], capture_output=True, text=True, env=PLAIN
+    )
     assert done.returncode == 0, done.stderr
     return directory
 
@@ -30,10 +33,8 @@ def finished(tmp_path_factory):
 def test_a_run_leaves_everything(finished):
     for name in ("case.toml", "in.granwave", "data.granwave", "log.lammps", "dumps", "result.h5", "summary.json"):
         assert (finished / name).exists(), name
-    figures = finished / "figures"
-    for picture in figures.glob("*.png"):
-        assert picture.with_suffix(".pdf").exists() and picture.with_suffix(".csv").exists()
-    assert len(list(figures.glob("*.png"))) >= 8 and (figures / "timestep.png").exists()
+    drawn = {path.name for path in (finished / "figures").iterdir()}
+    assert drawn >= {f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf", "csv")}
     values = summary(finished)
     assert 0 < values["timestep_smallest_s"] <= values["timestep_s"] <= values["timestep_largest_s"]
     assert values["timestep_s"] * values["n_steps"] == pytest.approx(values["end_time_s"])
@@ -45,21 +46,10 @@ def test_a_run_leaves_everything(finished):
     assert values["energy_balance_error"] < 1e-5 and values["n_spheres"] == 48 and values["end_reason"] == "end_time"
 
 
-def test_two_ranks_agree_with_one(finished, granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "two", *QUICK, "--np", "2")
-    assert done.returncode == 0, done.stderr
-    one, two = without_clock(finished), without_clock(tmp_path / "two")
-    assert summary(tmp_path / "two")["n_ranks"] == 2
-    for key, value in one.items():
-        if isinstance(value, float):
-            assert two[key] == pytest.approx(value, rel=1e-9, abs=1e-12), key
-        else:
-            assert two[key] == value, key
-
-
 def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "run.timestep=1e-6")
-    assert done.returncode == 1 and "energy balance" in done.stderr
+    assert done.returncode == 1 and "the energy balance was refused: it misses by" in done.stderr
+    assert "leave out run.timestep" in done.stderr
     assert summary(tmp_path / "r")["end_reason"] == "energy balance refused"
 
 
@@ -83,8 +73,9 @@ def test_end_time_auto_settles(granwave, lmp, tmp_path):
     assert done.returncode == 0, done.stderr
     values = summary(tmp_path / "r")
     assert values["end_reason"] == "settled" and values["end_time_s"] < 5e-3
-    # the same holds for a deck run by hand
+    # the same holds for a deck run by hand, whose lmp finds the plugin by itself
     assert granwave("write", "fcc-small", "-o", tmp_path / "deck", *sets).returncode == 0
+    assert "plugin" not in (tmp_path / "deck" / "in.granwave").read_text().replace("pair style", "")
     assert lmp(tmp_path / "deck" / "in.granwave").returncode == 0
     last = (tmp_path / "deck" / "dumps" / "energy.txt").read_text().splitlines()[-1].split()
     assert float(last[1]) == values["end_time_s"]
@@ -101,7 +92,6 @@ def test_show_gives_a_case_that_runs(granwave, tmp_path):
     done = granwave("show", "fcc-small")
     (tmp_path / "mine.toml").write_text(done.stdout)
     assert granwave("check", "mine.toml", cwd=tmp_path).returncode == 0
-    assert "fcc-small" in granwave("cases").stdout
 
 
 def test_check_tells_what_it_would_be(granwave):
@@ -118,21 +108,6 @@ def test_law_table_and_plot(granwave, tmp_path):
     assert {"loading"} < {row["branch"].split("_")[0].split(" ")[0] for row in rows}
     assert granwave("law", "-o", "law.png", cwd=tmp_path).returncode == 0
     assert (tmp_path / "law.png").read_bytes()[:4] == b"\x89PNG"
-
-
-def test_doctor_finds_the_installation_sound(granwave):
-    done = granwave("doctor")
-    assert done.returncode == 0, done.stdout
-    assert "FAIL" not in done.stdout
-
-
-def test_plain_lmp_finds_the_plugin_by_itself(granwave, lmp, tmp_path):
-    """No environment variable, no plugin command in the deck."""
-    assert granwave("write", "fcc-small", "-o", tmp_path, *TINY).returncode == 0
-    assert "plugin" not in (tmp_path / "in.granwave").read_text().replace("pair style", "")
-    done = lmp(tmp_path / "in.granwave")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert (tmp_path / "dumps" / "contacts.dump").exists()
 
 
 def test_error_on_one_rank_ends_all(process, tmp_path):

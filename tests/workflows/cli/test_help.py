@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import pty
 import subprocess
 import sys
 import tomllib
+from types import SimpleNamespace
 
 import pytest
 from argcomplete.finders import CompletionFinder
@@ -19,12 +21,11 @@ from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
 from granwave.workflows import library
-from granwave.workflows.__main__ import run
 from granwave.workflows.cli import keys, package
 from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.cli.terminal import SHELLS, SWITCH_ON
+from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.run.lammps_engine import Engine
@@ -34,10 +35,10 @@ from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
 
 
-def on_terminal(*words: str, **variables: str) -> str:
+def on_terminal(*words: str) -> str:
     """Output of a command that writes to a terminal."""
     ours, theirs = pty.openpty()
-    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {"TERM": "xterm"} | variables
+    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {"TERM": "xterm"}
     process = subprocess.Popen([BIN / "granwave", *words], stdout=theirs, stderr=theirs, env=environment)
     os.close(theirs)
     found = b""
@@ -51,16 +52,22 @@ def on_terminal(*words: str, **variables: str) -> str:
     return found.decode()
 
 
-def test_cases_in_one_screen(capsys):
-    assert main(["cases"]) == 0
-    found = capsys.readouterr().out
-    assert found.count("\n") <= 40
-    assert {entry.name for entry in library.entries()} <= set(found.split())
-    assert main(["cases", "--all"]) == 0
-    everything = capsys.readouterr().out.splitlines()
-    assert all(any(entry.title in line for line in everything) for entry in library.entries())
-    assert main(["cases", "switch"]) == 0
-    assert "cylinders between plates open its gaps" in capsys.readouterr().out
+def test_cases_in_one_screen_and_by_words(granwave):
+    entries = library.entries()
+    brief = granwave("cases").stdout
+    assert brief.count("\n") <= 40 and {entry.name for entry in entries} <= set(brief.split())
+    listed = granwave("cases", "--all").stdout.splitlines()
+    assert all(
+        any(line.startswith(f"{one.kind}  {one.name} ") and one.title in line for line in listed) for one in entries
+    )
+    groups = [line for line in listed if line.endswith(":")]
+    assert groups[0] == "Packings:" and len(groups) == 5 and listed.index("Suites of scans:") > listed.index("Scans:")
+    few = granwave("cases", "chain", "bilinear").stdout.splitlines()
+    assert any(line.startswith("case  bilinear-pulse ") for line in few) and not any("fcc" in line for line in few)
+    everything = json.loads(granwave("cases", "--json").stdout)
+    assert len(everything) == len(entries) and set(everything[0]) == {"kind", "name", "group", "title"}
+    done = granwave("cases", "nonsense")
+    assert done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
 
 
 def test_help_in_groups(capsys):
@@ -78,20 +85,15 @@ def test_help_in_groups(capsys):
     assert "did you mean film?" in capsys.readouterr().err
 
 
-def test_keys_by_words_of_choices_and_descriptions(capsys):
-    assert main(["keys", "gravity"]) == 0
-    found = capsys.readouterr().out
-    assert found.startswith("[precompression]") and 'expects one of "uniaxial", "uniform", "gravity"' in found
-    assert main(["keys", "random", "share"]) == 0
-    assert "[[replace]]" in capsys.readouterr().out
-
-
-def test_colours_on_terminals_alone():
-    assert "\033[1mPackings:\033[0m" in on_terminal("cases")
+def test_colours_on_terminals_alone(granwave, monkeypatch):
     assert "\033[31mgranwave:\033[0m" in on_terminal("show", "no-such-case")
-    assert "\033[" not in on_terminal("cases", NO_COLOR="1") + on_terminal("cases", TERM="dumb")
-    done = subprocess.run([BIN / "granwave", "cases"], capture_output=True, text=True, env=PLAIN)
-    assert "\033[" not in done.stdout
+    assert "\033[" not in granwave("cases").stdout
+    terminal = SimpleNamespace(isatty=lambda: True)
+    for name, value, shown in (("TERM", "xterm", "\033[1mx\033[0m"), ("NO_COLOR", "1", "x"), ("TERM", "dumb", "x")):
+        with monkeypatch.context() as patch:
+            patch.delenv("NO_COLOR", raising=False)
+            patch.setenv(name, value)
+            assert coloured("x", BOLD, terminal) == shown
 
 
 SCRIPT = """
@@ -109,17 +111,6 @@ def test_check_loads_no_large_library():
     done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=PLAIN)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].split() == ["loaded:"]
-
-
-def test_a_timestep_that_is_too_long(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    changes = ["packing.size=[4,4,3]", "run.end_time=4e-5", "run.timestep=4e-7"]
-    words = [word for change in changes for word in ("--set", change)]
-    monkeypatch.setattr(sys, "argv", ["granwave", "run", "fcc-small", *words, "-o", "long", "--no-figures"])
-    assert run() == 1
-    error = capsys.readouterr().err
-    assert "the energy balance was refused: it misses by" in error and "leave out run.timestep" in error
-    assert (tmp_path / "long" / "summary.json").is_file()
 
 
 @pytest.mark.parametrize(
@@ -288,24 +279,22 @@ def test_a_load_knows_its_file():
     assert "cannot be read" in errors.lines[0]
 
 
-def test_the_command(capsys):
-    assert main(["keys"]) == 0
-    shown = capsys.readouterr().out
+def test_keys_by_name_and_by_words(granwave):
+    """Tables, keys, whose words may stand apart, and words of choices and descriptions."""
+    shown = granwave("keys").stdout
     assert all(f"  {table.name} " in shown for table in keys.tables())
-    assert main(["keys", "packing"]) == 0
-    assert "diameter  m  required\n    diameter of the spheres; in a file" in capsys.readouterr().out
-    assert main(["keys", "run.end_time"]) == 0  # of three kinds of files two have it
-    assert capsys.readouterr().out.count("end_time  s  default") == 2
-    assert main(["keys", "[[replace]]"]) == 0
-
-
-def test_words_of_a_key_may_stand_apart(capsys):
-    assert main(["keys", "load", "velocity"]) == 0
-    apart = capsys.readouterr().out
-    assert main(["keys", "load.velocity"]) == 0
-    assert capsys.readouterr().out == apart and "m/s" in apart
-    assert main(["keys", "load", "velocty"]) == 2
-    assert "load.velocty: no such table or key; did you mean load.velocity?" in capsys.readouterr().err
+    assert "diameter  m  required\n    diameter of the spheres; in a file" in granwave("keys", "packing").stdout
+    assert (
+        granwave("keys", "run.end_time").stdout.count("end_time  s  default") == 2
+    )  # of three kinds of files two have it
+    assert granwave("keys", "[[replace]]").returncode == 0
+    apart = granwave("keys", "load", "velocity").stdout
+    assert granwave("keys", "load.velocity").stdout == apart and "m/s" in apart
+    wrong = granwave("keys", "load", "velocty")
+    assert wrong.returncode == 2 and "load.velocty: no such table or key; did you mean load.velocity?" in wrong.stderr
+    found = granwave("keys", "gravity").stdout
+    assert found.startswith("[precompression]") and 'expects one of "uniaxial", "uniform", "gravity"' in found
+    assert "[[replace]]" in granwave("keys", "random", "share").stdout
 
 
 def test_usual_magnitudes_are_those_that_messages_name():

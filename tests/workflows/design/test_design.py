@@ -361,11 +361,11 @@ def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
     (folder / "job.sh").write_text(
         f"#!/bin/sh\n{sys.executable} -m granwave.workflows design beads.toml -o job --budget 4 --force\n"
     )
-    command = ["sbatch", "--wait", f"--partition={slurm.partition}", "--nodes=2", "--ntasks=2", "--ntasks-per-node=1"]
+    command = ["sbatch", "--wait", "--partition=main", "--nodes=2", "--ntasks=2", "--ntasks-per-node=1"]
     done = subprocess.run([*command, "-o", "job.log", "job.sh"], cwd=folder, timeout=240, check=False)
     assert done.returncode == 0, (folder / "job.log").read_text()
     records = [json.loads(path.read_text()) for path in (folder / "job/points").glob("[0-9]/run.json")]
-    assert {node for record in records for node in record["nodes"]} == set(slurm.nodes)
+    assert {node for record in records for node in record["nodes"]} == set(slurm)
 
 
 def test_layers_are_variables_of_each_bead(folder):

@@ -10,7 +10,6 @@ import pytest
 import granwave as gw
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.contact.law import cohesive_laws
-from granwave.lammps_inputs.deck.commands import pair_coefficients, wall_commands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -29,8 +28,7 @@ def case(kind: str = "fcc", **others: object):
     return load_case("fcc-small", changes | others)
 
 
-@pytest.mark.parametrize("cohesion", [JKR, DMT], ids=["jkr", "dmt"])
-@pytest.mark.parametrize("kind", [*KINDS])
+@pytest.mark.parametrize(("kind", "cohesion"), [*((kind, JKR) for kind in KINDS), ("fcc", DMT), ("chain", DMT)])
 def test_a_packing_begins_at_rest(tmp_path: Path, kind: str, cohesion: dict) -> None:
     """A sphere that is struck at 0.1 mm/s: no force anywhere but what it does, and no energy but its own."""
     walls = "wall" if KINDS[kind].axes in ("xyz", "z") else "free"
@@ -76,28 +74,6 @@ def test_the_ledger_has_a_column_of_cohesion(tmp_path: Path, cohesion: dict) -> 
         )
 
 
-def words(changes: dict) -> tuple[str, str]:
-    assembly = assemble(case(**changes))
-    return "\n".join(pair_coefficients(assembly)), "\n".join(wall_commands(assembly))
-
-
-def test_words_of_pair_style_and_walls() -> None:
-    for text in words(JKR):
-        assert text.endswith("cohesion jkr 10")
-    for text in words({"contact.cohesion": {"kind": "dmt", "energy": 0.0}}):
-        assert "cohesion" not in text
-
-
-def test_a_pair_may_cohere_alone() -> None:
-    own = {"materials": ["brass", "brass"], "cohesion": {"kind": "dmt", "energy": 0.5}}
-    pair, wall = words({"pair": [own]})
-    assert pair.endswith("cohesion dmt 0.5") and "cohesion" not in wall
-
-
-def test_a_case_file_keeps_it() -> None:
-    assert case(**JKR).to_dict()["contact"]["cohesion"] == {"kind": "jkr", "energy": 10.0}
-
-
 def test_cohesion_bounds_the_timestep() -> None:
     slow = {"load.velocity": 1e-3}
     assert auto_timestep(case(**JKR, **slow)) < 0.5 * auto_timestep(case(**{"contact.law": "hertz"}, **slow))
@@ -107,23 +83,12 @@ def test_cohesion_bounds_the_timestep() -> None:
 
 def test_two_spheres_of_a_file_stick(tmp_path: Path) -> None:
     """Grains apart that meet at less than the velocity of sticking: all but the motion of both is lost or stored."""
-    (tmp_path / "two.csv").write_text("x,y,z,diameter,vz\n0,0,0,0.01,0.015\n0,0,0.0100001,0.01,0\n")
-    text = """name = "two"
-material = "brass"
-[packing]
-kind = "file"
-file = "two.csv"
-[contact]
-law = "hertz"
-cohesion = {kind = "jkr", energy = 100.0}
-[boundary]
-bottom = "free"
-[run]
-end_time = 4e-4
-frames = 5
-"""
-    (tmp_path / "two.toml").write_text(text)
-    found = run_case(load_case(tmp_path / "two.toml", {}), tmp_path / "run", figures=False).summary
+    case = gw.case({
+        "name": "two", "material": "brass", "boundary": {"bottom": "free"}, "run": {"end_time": 4e-4, "frames": 5},
+        "packing": {"kind": "file", "grains": "x,y,z,diameter,vz\n0,0,0,0.01,0.015\n0,0,0.0100001,0.01,0\n"},
+        "contact": {"law": "hertz", "cohesion": {"kind": "jkr", "energy": 100.0}},
+    })  # fmt: skip
+    found = run_case(case, tmp_path / "run", figures=False).summary
     assert found["energy_balance_error"] < 1e-5
     assert found["energy_elastic_J"] < 0
     assert found["energy_dissipated_adhesion_J"] > 0

@@ -17,45 +17,29 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
+from tests.helpers.run_files import summary
+from tests.helpers.small_cases import grains_at
 
 LATTICE = Lattice("fcc", (6, 6, 4), 0.01)
 RUN = {"end_time": 4e-5, "timestep": 4e-8, "frames": 5}
 
 
-class Run(Result):
-    """Result of a run, with its summary."""
-
-    summary: dict[str, Any]
-
-
-def result_of(directory: Path, name: str, **tables: Any) -> Run:
+def result_of(directory: Path, name: str, **tables: Any) -> Result:
+    """Result of a run whose energy balance closes."""
     case = case_from_dict({"name": name, "material": "brass", "run": RUN} | tables)
-    outcome = run_case(case, directory / name, figures=False)
-    result = Run(directory / name)
-    result.summary = outcome.summary
-    return result
-
-
-def rows_of(places: np.ndarray) -> str:
-    return "".join(",".join(map(repr, place)) + "\n" for place in places.tolist())
+    assert run_case(case, directory / name, figures=False).summary["energy_balance_error"] < 1e-4
+    return Result(directory / name)
 
 
 def test_same_bits_as_the_lattice(tmp_path: Path) -> None:
-    text = "x,y,z,diameter\n" + rows_of(np.column_stack([LATTICE.positions(1, 144), np.full(144, 0.01)]))
-    packing = {"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}
-    lattice = result_of(tmp_path, "lattice", packing=packing)
-    grains = result_of(tmp_path, "grains", packing={"kind": "file", "grains": text})
+    lattice = result_of(tmp_path, "lattice", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01})
+    grains = result_of(tmp_path, "grains", packing=grains_at(LATTICE.positions(1, 144)))
     for name in ("contacts/peak_force", "contacts/dissipated_energy", "energy/kinetic", "spheres/peak_force"):
         assert np.array_equal(lattice[name], grains[name])
     assert lattice["walls/bottom/force"].tolist() == grains["walls/bottom/force"].tolist()
-    same = (
-        "n_contacts",
-        "dissipated_fraction",
-        "plastic_zone_depth_m",
-        "zone_depth_90_m",
-        "n_plastic_spheres",
-    )
-    assert {name: lattice.summary[name] for name in same} == {name: grains.summary[name] for name in same}
+    one, other = (summary(tmp_path / name) for name in ("lattice", "grains"))
+    for name in ("n_contacts", "dissipated_fraction", "plastic_zone_depth_m", "zone_depth_90_m", "n_plastic_spheres"):
+        assert one[name] == other[name]
 
 
 def test_flight_and_collision_of_grains_with_velocities(tmp_path: Path) -> None:
@@ -76,15 +60,11 @@ def test_flight_and_collision_of_grains_with_velocities(tmp_path: Path) -> None:
 def test_held_grains(tmp_path: Path, friction: float) -> None:
     """A row aslant between a held grain and one that moves along z only, with and without rotation."""
     step = 0.01 * np.array([np.sin(0.3), 0.0, np.cos(0.3)])
-    text = "x,y,z,diameter,group\n" + "".join(
-        ",".join(map(repr, (n * step).tolist())) + f",0.01,{group}\n"
-        for n, group in enumerate(["", "slides", "", "end"])
-    )
+    packing = grains_at([n * step for n in range(4)], groups=["", "slides", "", "end"])
     hold = [{"group": "end"}, {"group": "slides", "directions": "xy"}]
-    found = result_of(
-        tmp_path, "held", packing={"kind": "file", "grains": text}, hold=hold, boundary={"bottom": "free"},
-        contact={"friction": friction}, load={"velocity": 3.0}, run=RUN | {"timestep": "auto"},
-    )  # fmt: skip
+    common = {"packing": packing, "boundary": {"bottom": "free"}, "contact": {"friction": friction},
+              "load": {"velocity": 3.0}, "run": RUN | {"timestep": "auto"}}  # fmt: skip
+    found = result_of(tmp_path, "held", hold=hold, **common)
     moved = [found.frame(frame, "displacement") for frame in range(found.n_frames)]
     velocity = np.array([found.frame(frame, "velocity") for frame in range(found.n_frames)])
     assert not np.any([one[3] for one in moved])
@@ -92,25 +72,18 @@ def test_held_grains(tmp_path: Path, friction: float) -> None:
     assert not np.any([one[1, :2] for one in moved])
     assert velocity[-1, 1, 2] != 0
     assert velocity[-1, 2, 0] != 0
-    assert found.summary["energy_balance_error"] < 1e-5
     if not friction:
         return
     assert found["energy/rotational"].max() > 0
     still = [*hold, {"index": [1, 3], "directions": "none"}]  # all are kept from turning
-    packing = {"kind": "file", "grains": text}
-    upright = result_of(
-        tmp_path, "upright", packing=packing, hold=still, boundary={"bottom": "free"},
-        contact={"friction": friction}, load={"velocity": 3.0}, run=RUN | {"timestep": "auto"},
-    )  # fmt: skip
-    assert not upright["energy/rotational"].any()
-    assert upright.summary["energy_balance_error"] < 1e-5
+    assert not result_of(tmp_path, "upright", hold=still, **common)["energy/rotational"].any()
 
 
 def test_a_tube_that_shrinks_presses_a_ring_until_all_forces_balance(tmp_path: Path) -> None:
     """Six spheres in a tube: each is pressed by the wall and by its neighbours, with F_wall = F_ring (2 sin 30 deg)."""
     d, shrinks = 0.01, 4e-6
     ring = {"ring": {"n": 6, "radius": d, "z": 0.0}, "diameter": d}
-    middle = {"kind": "file", "grains": f"x,y,z,diameter\n0,0,0.05,{d}\n0,0,0.1,{d}\n"}
+    middle = grains_at([[0, 0, 0.05], [0, 0, 0.1]])
     found = result_of(
         tmp_path, "ring", packing=middle, grains=[ring], contact={"law": "hertz"}, load={"index": [1], "velocity": 1e-3},
         boundary={"bottom": "free", "sides": {"tube": {"radius": 1.5 * d}}}, run=RUN | {"end_time": 4e-6},
@@ -131,16 +104,7 @@ LOADED = {"end_time": 2e-6, "frames": 2}
 
 
 def loaded_result(directory: Path, name: str, **tables: Any) -> Result:
-    tables = {"name": name, "material": "brass", "contact": {"law": "hertz"}, "run": LOADED} | tables
-    outcome = run_case(case_from_dict(tables), directory / name, figures=False)
-    assert outcome.summary["energy_balance_error"] < 1e-4
-    return Result(directory / name)
-
-
-def grains(places: Any, *, diameter: float = 0.01, groups: list[str] | None = None) -> dict[str, Any]:
-    rows = [",".join(map(repr, [*map(float, place), diameter])) for place in places]
-    rows = [f"{row},{group}" for row, group in zip(rows, groups or [""] * len(rows), strict=True)]
-    return {"kind": "file", "grains": "x,y,z,diameter,group\n" + "\n".join(rows)}
+    return result_of(directory, name, **{"contact": {"law": "hertz"}, "run": LOADED} | tables)
 
 
 def static_forces(result: Result) -> np.ndarray:
@@ -175,14 +139,14 @@ def test_periodic_sides_are_those_of_the_lattice(tmp_path: Path) -> None:
 def test_overlaps_as_precompression(tmp_path: Path) -> None:
     overlap = 3e-6
     places = np.array(ROW) * [1, 1, 1 - overlap / 0.01]
-    found = loaded_result(tmp_path, "row", packing=grains(places), boundary={"bottom": "free"}, hold=[{"index": [1, 5]}],
+    found = loaded_result(tmp_path, "row", packing=grains_at(places), boundary={"bottom": "free"}, hold=[{"index": [1, 5]}],
                       precompression={"kind": "overlaps"}, load={"index": [2], "velocity": 1e-3})  # fmt: skip
     assert static_forces(found) == pytest.approx(4 / 3 * MODULUS * 0.0025**0.5 * overlap**1.5, rel=1e-6)
 
 
 def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
     """A row that a guide keeps straight, with the last grain held."""
-    found = loaded_result(tmp_path, "row", packing=grains(ROW), boundary={"bottom": "free"}, hold=[{"index": 5}],
+    found = loaded_result(tmp_path, "row", packing=grains_at(ROW), boundary={"bottom": "free"}, hold=[{"index": 5}],
                       guide=[{"free": "z"}], precompression={"kind": "uniaxial", "force": 7.0},
                       load={"index": [2], "velocity": 1e-3})  # fmt: skip
     assert static_forces(found) == pytest.approx(7.0, rel=1e-6)
@@ -193,7 +157,7 @@ def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
 def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
     """Two grains side by side between planes, and a third one, farther out, that these do not touch."""
     places = [[0, 0, 0], [0.01, 0, 0], [0.05, 0, 0.02]]
-    found = loaded_result(tmp_path, "pair", packing=grains(places, groups=["pair", "pair", "far"]),
+    found = loaded_result(tmp_path, "pair", packing=grains_at(places, groups=["pair", "pair", "far"]),
                       boundary={"bottom": "free", "x": "wall", "sides_touch": {"group": "pair"}},
                       precompression={"kind": "walls", "x_force": 20.0}, hold=[{"group": "far"}],
                       load={"index": [1], "velocity": 1e-4})  # fmt: skip
@@ -208,7 +172,7 @@ def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
 def test_guide_without_rotation(tmp_path: Path) -> None:
     """A grain in a groove rolls up against another one: it moves along z only, and does not turn."""
     places = [[0, 0, 0], [0.006, 0, 0.008], [0.006, 0.02, 0.02]]
-    found = loaded_result(tmp_path, "groove", packing=grains(places), boundary={"bottom": "free"},
+    found = loaded_result(tmp_path, "groove", packing=grains_at(places), boundary={"bottom": "free"},
                       contact={"law": "hertz", "friction": 0.3}, guide=[{"index": 1, "free": "z", "rotation": False}],
                       load={"index": [1], "velocity": 1.0}, run={"end_time": 2e-5, "frames": 2})  # fmt: skip
     velocity = found.frame(1, "velocity")
@@ -222,7 +186,7 @@ def test_walls_to_a_force_with_yield_are_refused(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"x_force: found 5000 N, about 5e\+03 N on each of 1 grains, where first yield"
     ):
-        loaded_result(tmp_path, "yields", packing=grains([[0, 0, 0], [0.01, 0, 0]]), **tables)
+        loaded_result(tmp_path, "yields", packing=grains_at([[0, 0, 0], [0.01, 0, 0]]), **tables)
 
 
 def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
+from tests.helpers.small_cases import grains_at
 
 N, D = 5, 0.01
 CUBE = [[D * i, D * j, D * k] for k in range(N) for j in range(N) for i in range(N)]
@@ -26,9 +27,8 @@ LOADS = {
 def run_of(
     directory: Path, load: dict[str, Any], boundary: dict[str, Any], ranks: int = 1, end: float = 6e-5, **contact: Any
 ) -> Result:
-    rows = "x,y,z,diameter\n" + "".join(f"{x!r},{y!r},{z!r},{D}\n" for x, y, z in CUBE)
     case = case_from_dict({
-        "name": "cube", "material": "brass", "packing": {"kind": "file", "grains": rows}, "contact": contact,
+        "name": "cube", "material": "brass", "packing": grains_at(CUBE), "contact": contact,
         "boundary": boundary, "load": load, "run": {"end_time": end, "timestep": 8e-8, "frames": 3},
     })  # fmt: skip
     if ranks > 1:
@@ -80,22 +80,14 @@ def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path
 
 def test_deck_of_a_direction(tmp_path: Path) -> None:
     """Axes by their letters, others as vectors; a load straight down, given or not, changes no line."""
-    rows = "x,y,z,diameter\n" + "".join(f"{x!r},{y!r},{z!r},{D}\n" for x, y, z in CUBE)
     scripts = {}
     for n, way in enumerate((None, [0, 0, 3], [2, 0, 0], [0, 0, -1], [1, 0, 1])):
         load = LOADS["displacement"] | ({} if way is None else {"direction": way})
-        case = case_from_dict(
-            {"name": "cube", "material": "brass", "packing": {"kind": "file", "grains": rows}, "load": load}
-        )
+        case = case_from_dict({"name": "cube", "material": "brass", "packing": grains_at(CUBE), "load": load})
         scripts[n] = write_deck(case, tmp_path / str(n)).script.read_text()
     assert scripts[0] == scripts[1]
-    for n, words in (
-        (0, "gran/load z"),
-        (2, "gran/load x"),
-        (3, "gran/load vector 0 0 -1"),
-        (4, "gran/load vector 1 0 1"),
-    ):
-        assert words in scripts[n]
+    for n, words in ((0, "z"), (2, "x"), (3, "vector 0 0 -1"), (4, "vector 1 0 1")):
+        assert f"gran/load {words}" in scripts[n]
     assert "struck_velocity equal vcm(struck,x)" in scripts[2]
     assert "struck_velocity equal (0.7071067811865475*vcm(struck,x)+" in scripts[4]
 
@@ -103,9 +95,8 @@ def test_deck_of_a_direction(tmp_path: Path) -> None:
 def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
     """A ball that glances off another one flies to a side wall, then to the floor: held by both, or it passes them as before."""
     places = [[0, 0, 0], [0.05, 0.05, 0.03], [-0.05, -0.05, 0.03]]
-    rows = "x,y,z,diameter\n" + "".join(f"{x},{y},{z},{D}\n" for x, y, z in places)
     tables = {
-        "name": "thrown", "material": "brass", "packing": {"kind": "file", "grains": rows}, "contact": {"law": "hertz"},
+        "name": "thrown", "material": "brass", "packing": grains_at(places), "contact": {"law": "hertz"},
         "boundary": {"bottom": "wall", "sides": "wall"}, "run": {"end_time": 1.6e-2, "frames": 2},
     }  # fmt: skip
     thrown = {"touches": 1, "velocity": [0, 0, 10.0], "offset": [0.006, 0, 0]}
@@ -118,10 +109,7 @@ def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
         error = run["energy/kinetic"] + run["energy/elastic"] + run["energy/dissipated"] - run["energy/input"]
         assert np.abs(error).max() < 1e-5 * run["energy/input"].max()
     (place, velocity), (passed, kept) = found[True], found[False]
-    assert passed[0] > 0.055
-    assert passed[2] > 0.035
-    assert place[0] < 0.05
-    assert place[2] < 0.03
+    assert passed[0] > 0.055 and passed[2] > 0.035 and place[0] < 0.05 and place[2] < 0.03
     assert velocity == pytest.approx(-kept, rel=1e-4, abs=1e-3)  # reflected by both
     with pytest.raises(InputError, match="stands in the wall xhi"):
         case_from_dict(tables | {"striker": [thrown | {"touches": 2, "walls": True}]})

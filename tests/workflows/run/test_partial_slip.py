@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.deck.commands import pair_coefficients, wall_commands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import expected_space, seconds_per_step
@@ -29,25 +28,6 @@ def test_the_ledger_closes(tmp_path: Path) -> None:
     with Result(tmp_path / "run") as result:
         lost = result["contacts/friction_energy"].sum() + result["wall_contacts/friction_energy"].sum()
         assert lost == pytest.approx(result["energy/friction"][-1], rel=1e-9)
-
-
-def words(**values: object) -> tuple[str, str]:
-    assembly = assemble(load_case("fcc-small", values))
-    return "\n".join(pair_coefficients(assembly)), "\n".join(wall_commands(assembly))
-
-
-def test_words_of_pair_style_and_walls() -> None:
-    for text in words(**PARTIAL):
-        assert "friction 0.2 tangential partial_slip" in text
-    for text in words(**{"contact.friction": 0.2}):
-        assert "tangential" not in text
-    for text in words(**{**PARTIAL, "contact.friction": 0.0}):
-        assert "tangential" not in text
-    pair = {"materials": ["soft", "soft"], "tangential": "partial_slip"}
-    of_materials = {"materials": {"soft": {"preset": "aluminium"}}, "material": "soft", "pair": [pair]}
-    case = load_case("fcc-small", {**of_materials, "contact.friction": 0.2})
-    assert "tangential partial_slip" in "\n".join(pair_coefficients(assemble(case)))
-    assert case.to_dict()["pair"][0]["tangential"] == "partial_slip"
 
 
 def test_the_timestep_is_that_of_one_spring() -> None:

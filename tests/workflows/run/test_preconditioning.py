@@ -48,6 +48,9 @@ def dents(text: str) -> dict[tuple[str, int], float]:
     return {(first, int(second)): float(peak) for first, second, peak in rows}
 
 
+UPPER = {"overlap": 5e-6}
+
+
 class TestTable:
     def test_a_value_is_for_all_that_touch(self) -> None:
         case = case_of(contact={"initial_overlap": 5e-6})
@@ -74,17 +77,28 @@ class TestTable:
             assert float(law.loading_force(np.array([peak]))[0]) == pytest.approx(300.0, rel=1e-9)
         assert found["1", 2] != found["3", 4]
 
-    def test_regions_are_of_contact_points_and_the_later_overrules(self) -> None:
-        regions = [
-            {"overlap": 5e-6, "high": [1, 1, 1.4e-2]},
-            {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]},
-        ]
-        found = dents(dents_table(assemble(case_of("chain", 4, contact={"initial_overlap": regions}))))
-        assert found == {("1", 2): 9e-6}  # at z = 5, 15, 25 and, with the wall, 35 mm
-        regions = [{"overlap": 5e-6, "high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}]
-        case = case_of("chain", 4, contact={"initial_overlap": regions})
-        assert dents(dents_table(assemble(case))) == {("2", 3): 5e-6}
+    @pytest.mark.parametrize(
+        ("size", "given", "sections", "expected"),
+        [
+            # contacts at z = 5, 15, 25 and, with the wall, 35 mm; the later region overrules
+            (4, [UPPER | {"high": [1, 1, 1.4e-2]}, {"overlap": 9e-6, "low": [-1, -1, 0], "high": [1, 1, 9e-3]}], {},
+             {("1", 2): 9e-6}),
+            (4, [UPPER | {"high": [1, 1, 1.6e-2]}, {"overlap": 0.0, "high": [1, 1, 9e-3]}], {}, {("2", 3): 5e-6}),
+            # what never yields has none; nor has what is below first yield
+            (3, 5e-6, {"replace": [{"index": 2, "material": "steel"}],
+                       "pair": [{"materials": ["brass", "steel"], "law": "hertz"}]}, {("bottom", 3): 5e-6}),
+            (3, 5e-7, {}, {}),
+            # faces of bars
+            (2, 5e-6, {"bar": {"length": 0.1, "area": 1e-4, "elements": 10}}, {("1", 2): 5e-6, ("3", 2): 5e-6}),
+        ],
+    )  # fmt: skip
+    def test_in_a_chain(self, size: int, given: Any, sections: dict, expected: dict) -> None:
+        case = case_of("chain", size, contact={"initial_overlap": given}, **sections)
+        assert dents(dents_table(assemble(case))) == expected
         assert case_from_dict(tomllib.loads(case.to_toml())) == case
+        if "bar" in sections:
+            places = [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))]
+            assert places == pytest.approx([0.005, 0.015])
 
     def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
         case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
@@ -92,45 +106,37 @@ class TestTable:
         assert len(found) == assemble(case).n_neighbours + 25
         assert not any(first == "19" or second == 19 for first, second in found)
 
-    def test_what_never_yields_has_none(self) -> None:
-        case = case_of("chain", 3, contact={"initial_overlap": 5e-6}, replace=[{"index": 2, "material": "steel"}],
-                    pair=[{"materials": ["brass", "steel"], "law": "hertz"}])  # fmt: skip
-        assert set(dents(dents_table(assemble(case)))) == {("bottom", 3)}
-        assert not dents(
-            dents_table(assemble(case_of("chain", 3, contact={"initial_overlap": 5e-07})))
-        )  # below first yield
 
-    def test_faces_of_bars(self) -> None:
-        case = case_of("chain", 2, contact={"initial_overlap": 5e-6}, bar={"length": 0.1, "area": 1e-4, "elements": 10})
-        assert set(dents(dents_table(assemble(case)))) == {("1", 2), ("3", 2)}
-        assert [meetings.place[0, 2] for meetings in contacts_at_start(assemble(case))] == pytest.approx([0.005, 0.015])
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A first impact, and its summary."""
+    directory = tmp_path_factory.mktemp("dents") / "first"
+    return directory, ran(case_of(), directory)
 
 
 class TestRuns:
-    def test_elastic_up_to_the_force_that_was_chosen(self, tmp_path: Path) -> None:
-        plain = ran(case_of(), tmp_path / "plain")
-        assert plain["n_plastic_contacts"] > 0
+    def test_elastic_up_to_the_force_that_was_chosen(self, first: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
         hard = case_of(contact={"initial_overlap": {"force": 2000.0}}, load={"velocity": 2.0})
         summary = ran(hard, tmp_path / "hard")
         assert 5.6 < summary["peak_force_N"] < 2000
         assert summary["n_plastic_contacts"] == 0
         assert summary["energy_dissipated_J"] == pytest.approx(0.0, abs=1e-12)
         harder = case_of(contact={"initial_overlap": {"force": 200.0}}, load={"velocity": 5.0})
-        assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < plain["n_plastic_contacts"]
+        assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < first[1]["n_plastic_contacts"]
 
-    def test_hit_twice(self, tmp_path: Path) -> None:
+    def test_hit_twice(self, first: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
         """The second impact starts with the dents of the first, including those on the wall, and dissipates less."""
-        first = ran(case_of(), tmp_path / "first")
-        case = case_of(contact={"initial_overlap": str(tmp_path / "first")})
+        before = shutil.copytree(first[0], tmp_path / "first")
+        case = case_of(contact={"initial_overlap": str(before)})
         second = ran(case, tmp_path / "second")
-        assert second["energy_dissipated_J"] < 0.9 * first["energy_dissipated_J"]
-        with h5py.File(tmp_path / "first" / "result.h5") as one, h5py.File(tmp_path / "second" / "result.h5") as two:
+        assert second["energy_dissipated_J"] < 0.9 * first[1]["energy_dissipated_J"]
+        with h5py.File(before / "result.h5") as one, h5py.File(tmp_path / "second" / "result.h5") as two:
             for group, least in (("contacts", 100), ("wall_contacts", 5)):
                 left = _of(one[group], "peak_overlap", above=sphere_contact(case).yield_overlap)
                 found = _of(two[group], "initial_overlap")
                 assert len(left) > least
                 assert {key: found.get(key) for key in left} == left
-        shutil.rmtree(tmp_path / "first")  # resume and analysis have all required files
+        shutil.rmtree(before)  # resume and analysis have all required files
         assert ran(case, tmp_path / "second", resume=True) == second
 
     def test_with_precompression(self, tmp_path: Path) -> None:

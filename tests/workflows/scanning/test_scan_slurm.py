@@ -16,7 +16,7 @@ import pytest
 
 from granwave.workflows.scanning.slurm import end_of
 from tests.conftest import PLAIN
-from tests.helpers.processes import wait_for
+from tests.helpers.processes import children, wait_for
 from tests.helpers.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
 pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
@@ -86,17 +86,14 @@ def queue() -> list[list[str]]:
     return [line.split() for line in done.stdout.splitlines()]
 
 
-def states(directory: Path) -> list[str]:
-    """States of the points that are not done."""
-    found = []
-    for path in directory.glob("unfinished/*/point.json"):
-        found.append(json.loads(path.read_text())["state"])
-    return found
+def noted(directory: Path, name: str) -> list:
+    """Values of this name in the records of the points that are not done: state, attempts, pid."""
+    return [json.loads(path.read_text())[name] for path in directory.glob("unfinished/*/point.json")]
 
 
-def attempts(directory: Path) -> list[int]:
-    """Number of attempts of each unfinished point."""
-    return [json.loads(path.read_text())["attempts"] for path in directory.glob("unfinished/*/point.json")]
+def rows_of(directory: Path) -> list[dict[str, str]]:
+    with (directory / "scan.csv").open() as file:
+        return list(csv.DictReader(file))
 
 
 def jobs_ever() -> int:
@@ -109,8 +106,7 @@ def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
     out, err = (process := scan(TINY)).communicate(timeout=240)
     assert process.returncode == 1, out + err
     assert "2 failed" in err
-    with (tmp_path / "out" / "scan.csv").open() as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(tmp_path / "out")
     assert [row["status"] for row in rows] == ["done", "failed", "done", "failed"]
     assert [row["n_ranks"] for row in rows] == ["1", "", "2", ""]
     for row in rows[1::2]:
@@ -125,7 +121,7 @@ def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
 def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG)
-    wait_for(lambda: states(out) == ["running"] * 2 and all(s == "RUNNING" for _, s in queue()), 120)
+    wait_for(lambda: noted(out, "state") == ["running"] * 2 and all(s == "RUNNING" for _, s in queue()), 120)
     wait_for(lambda: len(list(out.glob("unfinished/*/dumps/energy.txt"))) == 2, 60)
     time.sleep(2)
     last = jobs_ever()
@@ -134,7 +130,7 @@ def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     victim = queue()[0][0]
     subprocess.run(["scontrol", "requeue", victim], check=True)
     wait_for(lambda: [victim, "PENDING"] in queue(), 60)
-    assert "interrupted" in states(out) or len(list(out.glob("points/*"))) > 0
+    assert "interrupted" in noted(out, "state") or len(list(out.glob("points/*"))) > 0
     driver.send_signal(signal.SIGKILL)
     driver.wait()
 
@@ -154,29 +150,24 @@ def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
 def test_ctrl_c_takes_jobs_back_and_resume_goes_on(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG)
-    wait_for(lambda: "running" in states(out), 120)
+    wait_for(lambda: "running" in noted(out, "state"), 120)
     driver.send_signal(signal.SIGINT)
     _, err = driver.communicate(timeout=120)
     assert driver.returncode == 130 and "--resume" in err, err
     assert not queue()
-    assert set(states(out)) == {"interrupted"}
+    assert set(noted(out, "state")) == {"interrupted"}
     driver = scan(LONG.replace("[5, 6]", "[5]"), "--resume")
     text, err = driver.communicate(timeout=240)
     assert driver.returncode == 0, text + err
 
 
-def rows_of(directory: Path) -> list[dict[str, str]]:
-    with (directory / "scan.csv").open() as file:
-        return list(csv.DictReader(file))
-
-
 def test_refused_jobs_have_slurm_s_reason(scan, tmp_path):
     """An invalid partition; then the same command with a corrected profile."""
-    small = TINY.replace('run.timestep = ["auto", 1.0e-5]       # the second is far too large: it fails\n', "")
+    small = TINY.partition("[grid]")[0] + "[[points]]\npacking.size = [4, 4, 4]\n"
     (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
     out, err = (process := scan(small)).communicate(timeout=120)
     words = "Slurm did not run the job: invalid partition specified: nix"
-    assert process.returncode == 1 and err.count(words) == 1 and "2 failed" in err, out + err
+    assert process.returncode == 1 and err.count(words) == 1 and "1 failed" in err, out + err
     assert all(row["status"] == "failed" and row["reason"].startswith(words) for row in rows_of(tmp_path / "out"))
     assert words in (tmp_path / "out" / "report.html").read_text()
     (tmp_path / "profile.toml").write_text(PROFILE)
@@ -198,24 +189,17 @@ def test_jobs_that_wait_for_what_never_comes_say_so(scan):
         subprocess.run([*update, "MaxTime=INFINITE"], check=True)
 
 
-def kill_points(directory: Path) -> None:
-    """Kill the processes of all points in progress, as if out of memory: they write no checkpoint."""
-    for path in directory.glob("unfinished/*/point.json"):
-        worker = json.loads(path.read_text())["pid"]
-        found = subprocess.run(["pgrep", "-P", str(worker)], capture_output=True, text=True, check=False)
-        for process in (worker, *map(int, found.stdout.split())):
-            os.kill(process, signal.SIGKILL)
-
-
 @pytest.mark.validation
 def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
     """A point fails with its job, and again with the replacement job."""
     out = tmp_path / "out"
     driver = scan(LONG.replace("[5, 6]", "[5]"))
     for attempt in (1, 2):
-        wait_for(lambda number=attempt: attempts(out) == [number] and states(out) == ["running"], 120)
+        wait_for(lambda number=attempt: noted(out, "attempts") == [number] and noted(out, "state") == ["running"], 120)
         jobs = [job for job, _ in queue()]
-        kill_points(out)
+        for worker in noted(out, "pid"):  # as if out of memory: no checkpoint is written
+            for process in (worker, *children(worker)):
+                os.kill(process, signal.SIGKILL)
         subprocess.run(["scancel", *jobs], check=True)
     text, err = driver.communicate(timeout=240)
     assert driver.returncode == 1 and "1 failed of the points (Slurm ended job" in err, text + err
@@ -261,7 +245,7 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
         wait_for(lambda: not queue(), 60)
         assert end_of(tmp_path, lost).startswith(f"Slurm ended job {lost}: NODE_FAIL (NodeDown)")
     finally:
-        for node in slurm.nodes:  # the controller rejects the whole command if one of the nodes is already up
+        for node in slurm:  # the controller rejects the whole command if one of the nodes is already up
             subprocess.run(["scontrol", "update", f"NodeName={node}", "State=RESUME"], check=False)
 
 
