@@ -344,10 +344,11 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     points: list[Point] = []
     errors: list[str] = []
     for result in results:
-        whole = result.status == "done" and result.directory is not None and not _no_numbers(result.summary)
+        done = result.status == "done" and result.directory is not None and not _no_numbers(result.summary)
+        whole = result.directory if done else None
         if whole and result.id not in runs:
             try:
-                runs[result.id] = _read_run(result.directory, f"{label} #{result.number}", result.summary)
+                runs[result.id] = _read_run(whole, f"{label} #{result.number}", result.summary)
             except InputError as error:
                 errors += error.errors
                 continue

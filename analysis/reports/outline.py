@@ -140,9 +140,10 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     for scan in inputs.scans:
         failed = scan.count("failed")
         missing = sum(point.run is None for point in scan.points) - failed
+        undone: list[tuple[int, str, Tone]] = [(failed, "failed", "bad"), (missing, "are missing", "note")]
         notes += [
             Note(f"Scan {scan.label}: {count} of {len(scan.points)} points {what}.", tone, failures)
-            for count, what, tone in ((failed, "failed", "bad"), (missing, "are missing", "note"))
+            for count, what, tone in undone
             if count
         ]
     runs = [run for run in inputs.results() if run.has_balance]

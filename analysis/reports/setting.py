@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from granwave.analysis.document.model import Block, Group, Note, is_number, show, text_table
+from granwave.analysis.document.model import Block, Group, Note, show, text_table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
@@ -63,7 +63,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     parts = [
         _body(case),
         str(case.get("material.name") or case.get("material") or ""),
-        quantity_in(diameter, "m") if is_number(diameter) else "",
+        quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
         _load(case),
         _static(case),
         _bottom(case),

@@ -89,7 +89,9 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     rows = result.branch(LOADING)
     rows = rows[np.argsort(overlap[rows], kind="stable")]
     axes.plot(overlap[rows], force[rows], color="black", label="loading")
-    curves = [("law", "contact law", law.loading_force(curve), {"linestyle": "--", "color": GREEN})]
+    curves: list[tuple[str, str, Array, dict[str, Any]]] = [
+        ("law", "contact law", law.loading_force(curve), {"linestyle": "--", "color": GREEN})
+    ]
     if result.case.yields:
         values = result.case.contact_law("thornton").loading_force(curve)
         curves.append(("thornton", "Thornton", values, {"linestyle": "-.", "color": PURPLE}))
