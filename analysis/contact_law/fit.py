@@ -170,6 +170,7 @@ def fit_law(
     held = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
     rho = _neighbours(residuals(x)[:-1], curve.branch[rows])
     spread = uncertainties(search, x, held) * math.sqrt((1 + rho) / (1 - rho))
+    of_published = _misfit(curve, published).set_index("part").drop(columns="rows")
     return Fit(
         curve=curve,
         law=law,
@@ -180,7 +181,7 @@ def fit_law(
         materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
         correlation=rho,
-        misfit=_misfit(curve, law, published),
+        misfit=_misfit(curve, law).join(of_published.add_prefix("published_"), on="part"),
     )
 
 
@@ -273,17 +274,15 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
         "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, and three tell all",
         "unloading_": "the curve has no unloading",
     }
-    for part, why in reasons.items():
-        _keep([name for name in LAW_CONSTANTS if name.startswith(part) and name not in names], why, curve)
-    _keep(names[most:], f"each constant needs a row beyond first yield, and {_FEWEST} more are needed", curve)
+    stay = {why: [name for name in LAW_CONSTANTS if name.startswith(part) and name not in names]
+            for part, why in reasons.items()}  # fmt: skip
+    stay[f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"] = names[most:]
+    for why, held in stay.items():
+        if held:
+            listed = " and ".join(filter(None, (", ".join(held[:-1]), held[-1])))
+            verb = "stays" if len(held) == 1 else "stay"
+            _LOG.warning("%s: %s %s as published, since %s", curve.source, listed, verb, why)
     return [name for name in LAW_CONSTANTS if name in names[:most]]
-
-
-def _keep(names: Sequence[str], why: str, curve: Curve) -> None:
-    """Warn of constants that are not fitted."""
-    if names:
-        stay = f"{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))} stay{'s' * (len(names) == 1)}"
-        _LOG.warning("%s: %s as published, since %s", curve.source, stay, why)
 
 
 def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
@@ -308,27 +307,20 @@ def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
     return min(rho, 0.99) if rho > 2 / math.sqrt(np.count_nonzero(same)) else 0.0
 
 
-def _misfit(curve: Curve, law: ContactLaw, published: ContactLaw) -> DataFrame:
-    """Return the deviations of both laws by part of the curve; overlaps are over that at first yield of each."""
-    other = _misfit_of(curve, published).set_index("part").drop(columns="rows").add_prefix("published_")
-    return _misfit_of(curve, law).join(other, on="part")
-
-
-def _misfit_of(curve: Curve, law: ContactLaw) -> DataFrame:
+def _misfit(curve: Curve, law: ContactLaw) -> DataFrame:
+    """Return the deviations of a law by part of the curve; overlaps are over that at first yield."""
     off = np.abs(deviation(curve, law))
-    overlap, peak = curve.overlap / law.yield_overlap, curve.peak / law.yield_overlap
-    parts = {"loading below first yield": curve.loading & (overlap <= 1) & (overlap > 0)}
-    parts["loading beyond it"] = curve.loading & (overlap > 1)
-    for low, high in pairwise(RANGES):
-        parts[f"  {_range(low, high)}"] = curve.loading & (overlap > low) & (overlap <= high)
-    below = ~curve.loading & bearing(curve)
-    parts["un- and reloading"] = below & (peak > 1)
-    for low, high in pairwise(RANGES):
-        parts[f"  from {_range(low, high)}"] = below & (peak > low) & (peak <= high)
+    peak = curve.peak / law.yield_overlap  # on loading the overlap
+    branches = {
+        "": ("loading beyond it", curve.loading),
+        "from ": ("un- and reloading", ~curve.loading & bearing(curve)),
+    }
+    parts = {"loading below first yield": curve.loading & (peak <= 1) & (peak > 0)}
+    for word, (title, own) in branches.items():
+        parts[title] = own & (peak > 1)
+        for low, high in pairwise(RANGES):
+            ends = f"{low:g} to {high:g}" if math.isfinite(high) else f"beyond {low:g}"
+            parts[f"  {word}{ends}"] = own & (peak > low) & (peak <= high)
     there = {part: off[rows] for part, rows in parts.items() if rows.any()}
     rows = [(part, len(one), float(np.sqrt(np.mean(one**2))), float(one.max())) for part, one in there.items()]
     return DataFrame(rows, columns=["part", "rows", "rms_percent", "largest_percent"])
-
-
-def _range(low: float, high: float) -> str:
-    return f"{low:g} to {high:g}" if math.isfinite(high) else f"beyond {low:g}"

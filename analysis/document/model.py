@@ -259,6 +259,12 @@ def text_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str |
     return Table(caption, (Column(heads[0], key=True), *map(Column, heads[1:])), cells, **options)
 
 
+def column_table(caption: str, columns: Iterable[tuple[Column, Sequence[Cell]]], **options: Any) -> Table:
+    """Table from its columns, each with its cells; ``options``: as of `Table`."""
+    heads, cells = zip(*columns, strict=True)
+    return Table(caption, heads, tuple(zip(*cells, strict=True)), **options)
+
+
 def unit_of_value(key: str) -> str:
     """Unit of a key of a summary, empty where it has none."""
     return printed_unit(quantity(key).unit)

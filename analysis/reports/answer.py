@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -21,19 +22,17 @@ from granwave.analysis.document.model import (
     Note,
     Part,
     Table,
-    label_of,
+    column_table,
     spread_cell,
     value_column,
 )
-from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.quantities import quantity
 from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_in
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.reports.other_kinds import by_kind, share
+from granwave.analysis.reports.other_kinds import by_kind, printed, share
 from granwave.analysis.reports.results import compact_table, value_rows
-from granwave.analysis.reports.setting import target_of
+from granwave.analysis.reports.setting import quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
@@ -51,9 +50,29 @@ _MAIN_FIGURES = (
 )  # fmt: skip
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a row from which pictures of its grains are lines
-_FEW = 0.5  # of the contacts
-_KEPT = 0.1  # relative change of a peak force along a chain that is none
 _REACHED = 1e-3  # of the largest peak force: contacts that the wave has reached
+#: On a run, in their order; those whose values are all there are shown.
+_SENTENCES = (
+    "The target bore {target_bore}.",
+    "The ground below it bore {ground_bore}.",
+    "The wave ran at {along_chain}.",
+    "Its peak force goes from {decay}.",
+    "{absorbed_fraction} of the {energy_input_J} put in was taken by absorbing spheres.",
+    "{lost} of the {energy_input_J} put in was dissipated.",
+    "{transmission} of the driven end's velocity, {driven_velocity_m_s}, came through.",
+    "The largest contact force was {peak_force_N}.",
+    "90 % of the energy of yielding stays within {zone_depth_90_m} below the impact and {zone_radius_90_m} beside it.",
+    "The plate {plate}.",
+    "{n_loaded_contacts} of {n_contacts} contacts bore a force.",
+)
+_ALONG_LINE = (  # with its name
+    "Along the line {0} the front runs at {{line_{0}_front_speed_m_s}}.",
+    "Its peak speed decays by {{line_{0}_decay_per_m}}.",
+)
+_SENSORS = (  # with the names of those that saw most and least
+    "Sensors saw at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least {{sensor_{1}_peak_velocity_m_s}} ({1})."
+)
+_AT_BOTTOM = "The bottom bore {bottom_bore}."
 
 
 def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
@@ -78,12 +97,11 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
     if len(inputs.runs) == 1:
         return [*blocks, *_of_run(inputs.runs[0], inputs)]
     if runs := [run for run in inputs.runs if run.has_balance]:
-        blocks += [Note(text, "lead") for text in [_of_runs_in_words(runs)] if text]
-        table = compact_table(runs)
-        drawn = overlay(runs)
-        galleries = [block for block in drawn if isinstance(block, Gallery)]
-        blocks += [Beside(galleries[0], table) if galleries else table]
-        blocks += [block for block in drawn if not isinstance(block, Gallery)]
+        if words := _of_runs_in_words(runs):
+            blocks.append(Note(words, "lead"))
+        table, drawn = compact_table(runs), overlay(runs)
+        first = drawn.pop(0) if drawn and isinstance(drawn[0], Gallery) else None
+        blocks += [Beside(first, table) if isinstance(first, Gallery) else table, *drawn]
     for alike in by_kind(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
         blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
@@ -105,17 +123,15 @@ def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
 
 def _names(item: Run | Scan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
-    thin = isinstance(item, Run) and _is_thin(item)
-    names = [name for name in _MAIN_FIGURES if not (thin and name in _OF_THICK_PACKINGS)]
     if isinstance(item, Run):
-        others = of_other_kinds(item)
-        names = [name for name in ("target",) * bool(target_of(item.case)) + tuple(names) if name not in others]
-    if isinstance(item, Scan):
+        left_out = {*of_other_kinds(item), *(_OF_THICK_PACKINGS if _is_thin(item) else ())}
+        first = ("target",) if target_of(item.case) else ()
+        names = [name for name in (*first, *_MAIN_FIGURES) if name not in left_out]
+    else:
         means = item.means
-        if not any(means.varies(key) for _, key in means.quantities()[:1]):
-            return []
+        main = [name for name, key in means.quantities()[:1] if means.varies(key)]
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
-        names = [f"{name}_vs_{key.slug}" for name, _ in means.quantities()[:1] for key in keys]
+        names = [f"{name}_vs_{key.slug}" for name in main for key in keys]
     return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
 
 
@@ -155,32 +171,28 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:
-    columns = (*(_column(key, means) for key in means.keys), *(value_column(name, means.called) for name in shown))
-    rows = []
-    for row in range(len(means.counts)):
-        cells = [Cell(key.tick(row), key.values[row]) for key in means.keys]
-        cells += [spread_cell(means.values[name][row], means.half_widths[name][row]) for name in shown]
-        rows.append(tuple(cells))
-    return Table(_caption(means), columns, tuple(rows), sortable=True)
+    rows = range(len(means.counts))
+    columns = [(_column(key, means), [Cell(key.tick(row), key.values[row]) for row in rows]) for key in means.keys]
+    columns += [(value_column(name, means.called), [_mean(means, name, row) for row in rows]) for name in shown]
+    return column_table(_caption(means), columns, sortable=True)
 
 
 def _crossed(means: Means, main: str) -> Table:
     """Make a table of the main quantity: rows by the key with more values, columns by the other."""
     down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
-    heads = list(dict.fromkeys(across.tick(row) for row in range(len(means.counts))))
-    unit = f" {across.naming.unit}" if across.naming.unit else ""
-    columns = [_column(down, means)]
-    label = in_grains(across.naming.label, means.called)
-    columns += [Column(f"{label} {head}{unit}", numeric=True) for head in heads]
-    rows: dict[str, dict[str, Cell]] = {}
-    for row in range(len(means.counts)):
-        cell = spread_cell(means.values[main][row], means.half_widths[main][row])
-        rows.setdefault(down.tick(row), {})[across.tick(row)] = cell
-    first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in range(len(means.counts))}
-    cells = tuple((first[name], *(found.get(head, Cell("")) for head in heads)) for name, found in rows.items())
-    name, unit = label_of(main, means.called), quantity(main).unit
-    what = f"{name} ({unit})" if unit else name
-    return Table(f"{what}. {_caption(means)}", tuple(columns), cells, sortable=True)
+    rows = range(len(means.counts))
+    cells = {(down.tick(row), across.tick(row)): _mean(means, main, row) for row in rows}
+    first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in rows}
+    columns = [(_column(down, means), list(first.values()))]
+    for head in dict.fromkeys(across.tick(row) for row in rows):
+        heading = f"{in_grains(across.naming.label, means.called)} {head} {across.naming.unit}".rstrip()
+        column = Column(heading, numeric=True), [cells.get((name, head), Cell("")) for name in first]
+        columns.append(column)
+    return column_table(f"{value_column(main, means.called).title}. {_caption(means)}", columns, sortable=True)
+
+
+def _mean(means: Means, name: str, row: int) -> Cell:
+    return spread_cell(means.values[name][row], means.half_widths[name][row])
 
 
 def _column(key: Key, means: Means) -> Column:
@@ -226,77 +238,59 @@ def in_words(run: Run) -> str:
     """Return what came out of a run; the answer that it was made for comes first."""
     if not run.has_balance:
         return other_kinds.in_words(run)
-    target = bool(target_of(run.case))
-    bottom, chain = _bottom(run, target=target), _chain(run)
-    energy = [*_energies(run), *_transmission(run)]
-    parts = [*([bottom] if target else []), *chain, *energy]
-    force = run.number("peak_force_N") or run.number("max_force_N")
-    if force is not None:
-        parts.append(f"The largest contact force was {_four(force)} N.")
-    depth, radius = run.number("zone_depth_90_m"), run.number("zone_radius_90_m")
-    if depth and radius is not None:
-        parts.append(
-            f"90 % of the energy of yielding stays within {1e3 * depth:.4g} mm below the impact and "
-            f"{1e3 * radius:.4g} mm beside it."
-        )
-    plate = run.number("plate_velocity_m_s")
-    if plate is not None:
-        parts.append(f"The plate {'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s.")
-    parts += [_line(run, name) for name in _lines(run)]
-    parts += [_loaded(run), _sensors(run)]
-    parts += [] if target else [bottom]
-    return " ".join(part for part in parts if part)
+    summary, values = run.summary, printed(run.summary)
+    lost, absorbed = run.number("dissipated_fraction"), run.number("absorbed_fraction") or 0.0
+    if lost is not None:
+        values["lost"] = share(lost - absorbed)
+    if absorbed <= WORTH:
+        values.pop("absorbed_fraction", None)
+    if run.number("max_force_N") is not None:
+        values.setdefault("peak_force_N", values["max_force_N"])
+    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
+        values.pop("zone_depth_90_m", None)
+    if force := run.number("wall_peak_force_N"):
+        bare = run.number("unprotected_peak_force_N") if run.number("peak_reduction") else None
+        bore = values["wall_peak_force_N"] + _beside(force, bare)
+        values["target_bore" if target_of(run.case) else "bottom_bore"] = bore
+    ground, bare = run.number("ground_peak_force_N"), run.number("unprotected_ground_peak_force_N")
+    if "target_bore" in values and ground and bare and ground != force:
+        values["ground_bore"] = values["ground_peak_force_N"] + _beside(ground, bare)
+    if run.case.get("packing.kind") == "chain" and "transmission" not in values:
+        values["decay"] = _decay(_peaks(run))
+        values["along_chain"] = values.get("wave_speed_m_s", "")
+    if (plate := run.number("plate_velocity_m_s")) is not None:
+        values["plate"] = f"{'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s"
+    values = {name: text for name, text in values.items() if text}
+    lines = [text.format(name) for name in _named(summary, "line_", "_front_speed_m_s") for text in _ALONG_LINE]
+    seen = {name: summary[f"sensor_{name}_peak_velocity_m_s"] or 0.0
+            for name in _named(summary, "sensor_", "_peak_velocity_m_s")}  # fmt: skip
+    ends = [choose(seen, key=lambda name: seen[name]) for choose in (max, min)] if len(seen) > 1 else []
+    sensors = [_SENSORS.format(*ends)] if ends else []
+    return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
 
 
-def _four(value: float) -> str:
-    """Return a number with four digits, without an exponent for common magnitudes."""
-    return plain(f"{float(f'{value:.4g}'):g}")
-
-
-def _bottom(run: Run, *, target: bool) -> str:
-    """Return what the bottom or the target bore, and how much less than without the packing."""
-    force, bare = run.number("wall_peak_force_N"), run.number("unprotected_peak_force_N")
-    if not force:
+def _beside(force: float, bare: float | None) -> str:
+    """Compare a force with that without the packing; nothing where this is not known."""
+    if not bare:
         return ""
-    text = f"The {'target' if target else 'bottom'} bore {_four(force)} N at most"
-    reduction = run.number("peak_reduction")
-    if bare and reduction:
-        text += f", {_less(force, bare)} {_four(bare)} N without the packing"
-    ground, without = run.number("ground_peak_force_N"), run.number("unprotected_ground_peak_force_N")
-    if target and ground and without and ground != force:
-        text += f"; the ground bore {_four(ground)} N, {_less(ground, without)} {_four(without)} N without it"
-    return f"{text}."
+    change, without = force / bare - 1, quantity_in(bare, "N")
+    return f", {share(abs(change))} {'less' if change < 0 else 'more'} than the {without} without the packing"
 
 
-def _less(force: float, bare: float) -> str:
-    change = force / bare - 1
-    return f"{share(abs(change))} {'less' if change < 0 else 'more'} than the"
+def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
+    """Return what differs in keys of a summary that start and end alike: names of sensors or lines."""
+    return [key[len(start) : -len(end)] for key in summary if key.startswith(start) and key.endswith(end)]
 
 
-def _chain(run: Run) -> list[str]:
-    """Return speed and decay of the wave along a chain."""
-    if run.case.get("packing.kind") != "chain" or run.number("transmission") is not None:
-        return []
-    speed, text = run.number("wave_speed_m_s"), _decay(run)
-    parts = [f"The wave ran at {_four(speed)} m/s."] if speed is not None else []
-    return [*parts, text] if text else parts
-
-
-def _decay(run: Run) -> str:
-    """Return how the peak force of a wave changes along a chain; empty where that is not known."""
-    peaks = _peaks(run)
+def _decay(peaks: NDArray[np.float64]) -> str:
+    """Return the peak forces of a wave at both ends of what it reached of a chain; empty where that is not known."""
     reached = np.flatnonzero(peaks > _REACHED * peaks.max(initial=0.0))
-    if len(reached) < 2:
-        return ""
-    numbers, forces = reached + 1, peaks[reached]
-    first, last = f"{_four(forces[0])} N in contact {numbers[0]}", f"{_four(forces[-1])} N in contact {numbers[-1]}"
-    if abs(forces[-1] / forces[0] - 1) < _KEPT:
-        return f"Its peak force is about the same at both ends: {first}, {last}."
-    if forces[-1] > forces[0]:
-        return f"Its peak force grows from {first} to {last}."
-    below = [(words, numbers[forces <= part * forces[0]]) for words, part in (("half", 0.5), ("a tenth", 0.1))]
-    steps = [f"{words} of it in contact {found[0]}" for words, found in below if len(found)]
-    return f"Its peak force falls from {first} to {' and '.join(steps) if len(steps) > 1 else last}."
+    ends = (
+        [f"{quantity_in(float(peaks[n]), 'N')} in contact {n + 1}" for n in reached[[0, -1]]]
+        if len(reached) > 1
+        else []
+    )
+    return " to ".join(ends)
 
 
 def _peaks(run: Run) -> NDArray[np.float64]:
@@ -309,56 +303,3 @@ def _peaks(run: Run) -> NDArray[np.float64]:
             return np.maximum(result.along_chain("peak_force") - static, 0.0)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return np.empty(0)
-
-
-def _energies(run: Run) -> list[str]:
-    given, lost = run.number("energy_input_J"), run.number("dissipated_fraction")
-    if given is None or lost is None:
-        return []
-    absorbed = run.number("absorbed_fraction") or 0.0
-    of_it = f"of the {plain(f'{given:.4g}')} J put in"
-    dissipated = share(lost - absorbed) if lost - absorbed > WORTH else "Nothing"
-    if absorbed <= WORTH:
-        return [f"{dissipated} {of_it} was dissipated."]
-    rest = f", and {dissipated} was dissipated" if lost - absorbed > WORTH else ""
-    return [f"{share(absorbed)} {of_it} was taken by absorbing spheres{rest}."]
-
-
-def _transmission(run: Run) -> list[str]:
-    passed, driven = run.number("transmission"), run.number("driven_velocity_m_s")
-    if passed is None or driven is None:
-        return []
-    return [f"{share(passed)} of the driven end's velocity, {plain(f'{driven:.4g}')} m/s, came through."]
-
-
-def _loaded(run: Run) -> str:
-    """Return how many contacts bore a force, where most did not."""
-    loaded, contacts = run.number("n_loaded_contacts"), run.number("n_contacts")
-    few = loaded is not None and contacts and loaded < _FEW * contacts and run.case.get("packing.kind") != "chain"
-    return f"{loaded:.0f} of {contacts:.0f} contacts bore a force." if few else ""
-
-
-def _sensors(run: Run) -> str:
-    """Return the largest and the smallest peak velocity of the sensors."""
-    start, end = "sensor_", "_peak_velocity_m_s"
-    seen = {key[len(start) : -len(end)]: run.number(key) or 0.0 for key in run.summary if key.endswith(end)}
-    if len(seen) < 2:
-        return ""
-    most, least = max(seen, key=lambda name: seen[name]), min(seen, key=lambda name: seen[name])
-    return f"Sensors saw at most {seen[most]:.4g} m/s ({most}) and at least {seen[least]:.4g} m/s ({least})."
-
-
-def _lines(run: Run) -> list[str]:
-    """Return the names of the lines of grains along which a wave was followed."""
-    ending = "_front_speed_m_s"
-    return [key[5 : -len(ending)] for key in run.summary if key.startswith("line_") and key.endswith(ending)]
-
-
-def _line(run: Run, name: str) -> str:
-    speed, decay = (run.number(f"line_{name}_{what}") for what in ("front_speed_m_s", "decay_per_m"))
-    if speed is None:
-        return ""
-    text = f"Along the line {name} the front runs at {_four(speed)} m/s"
-    if decay is None or decay <= 0:
-        return f"{text}."
-    return f"{text}, and the peak speed falls by half in {1e3 * np.log(2) / decay:.3g} mm."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import h5py
@@ -135,13 +135,9 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
     """Draw the dissipated share against time for runs; empty for fewer than two."""
     if len(runs) < 2:
         return []
-    curves, missing = [], []
-    for run in runs:
-        curve = _dissipation(run)
-        if curve is None:
-            missing.append(run.label)
-        else:
-            curves.append((run.label, *curve))
+    found = {run.label: _dissipation(run) for run in runs}
+    curves = [(label, *curve) for label, curve in found.items() if curve is not None]
+    missing = [label for label, curve in found.items() if curve is None]
     blocks: list[Block] = []
     if curves:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
@@ -200,32 +196,23 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
     return stream.getvalue(), image.size, inches
 
 
-def _labels_of_keys(scan: Scan) -> dict[str, str]:
-    """Return the labels of the keys of a scan, by their part of a figure's name."""
-    labels = {key: [point.result.labels.get(key, "") for point in scan.points] for key in scan.source.varied}
-    keys = [key_of(key, column) for key, column in labels.items()]
-    return {key.slug: key.naming.label[:1].lower() + key.naming.label[1:] for key in keys}
-
-
-def _caption(stem: str, labels: Mapping[str, str]) -> str:
-    """Return the caption of a figure from the name of its file and the labels of keys."""
+def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
+    """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of a scan shows."""
     if stem in _CAPTIONS:
-        return _CAPTIONS[stem]
+        return _CAPTIONS[stem], ""
     what, against, key = stem.partition(_AGAINST)
-    name = _QUANTITIES.get(what, readable(what))
-    return f"{name} against {labels.get(key, readable(key).lower())}" if against else readable(stem)
-
-
-def _seen(item: Run | Scan, stem: str) -> str:
-    """Return what a figure of a scan shows, in a sentence to go after its caption; empty for other figures."""
-    what, against, _ = stem.partition(_AGAINST)
-    if not against or not isinstance(item, Scan) or what not in SCAN_FIGURES:
-        return ""
-    values = item.means.values.get(SCAN_FIGURES[what], [])
-    if len(values) < 2 or None in values:
-        return ""
-    sentence = item.means.sentence(SCAN_FIGURES[what]).partition(": ")[2]
-    return f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
+    if not against:
+        return readable(stem), ""
+    labels, said = {}, ""
+    if isinstance(item, Scan):
+        columns = {name: [point.result.labels.get(name, "") for point in item.points] for name in item.source.varied}
+        keys = [key_of(name, column) for name, column in columns.items()]
+        labels = {one.slug: one.naming.label[:1].lower() + one.naming.label[1:] for one in keys}
+        values = item.means.values.get(SCAN_FIGURES.get(what, ""), [])
+        if in_words and len(values) > 1 and None not in values:
+            sentence = item.means.sentence(SCAN_FIGURES[what]).partition(": ")[2]
+            said = f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
+    return f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}", said
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
@@ -292,13 +279,12 @@ def _picture(
     png, size, inches = shrunk(path, width)
     runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
     called = grains_called_in(run.summary for run in runs)
-    caption = in_grains(_caption(path.stem, _labels_of_keys(item) if isinstance(item, Scan) else {}), called)
-    look = in_grains(_LOOK.get(path.stem, ""), called)
+    caption, said = _caption(item, path.stem, in_words=in_words)
+    caption, look = in_grains(caption, called), in_grains(_LOOK.get(path.stem, ""), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
     alt = f"{caption}: {what}"
-    said = _seen(item, path.stem) if in_words else ""
     shown = (caption if alone else alt) + (f". {look}" if look else "") + said
     slug = re.sub(r"[^a-z0-9]+", "-", f"{name}-{path.stem}".lower()).strip("-")
     return Figure(slug, shown, alt, png, size, link, inches)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import json
 import logging
 import os
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import quote
 
-from granwave.analysis.document.model import Link
+from granwave.analysis.document.model import Link, is_number
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
@@ -87,7 +86,7 @@ class Run:
     def number(self, key: str) -> float | None:
         """Return a value of the summary if it is a number, else None."""
         value = self.summary.get(key)
-        return value if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+        return value if is_number(value) else None
 
     @cached_property
     def damaged(self) -> bool:
@@ -218,36 +217,28 @@ def read_inputs(directories: Sequence[str | Path], base: Path, study_files: Coll
     """
     errors: list[str] = []
     unique: dict[Path, Path] = {}
-    for directory in itertools.chain.from_iterable(map(_parts, map(Path, directories))):
-        unique.setdefault(directory.resolve(), directory)
+    for path in [part for directory in directories for part in _parts(Path(directory))]:
+        unique.setdefault(path.resolve(), path)
     paths = list(unique.values())
     if not paths:
         errors.append("no directory was given, expected those of runs or scans: granwave report DIR...")
+    names = [path.resolve().name or "/" for path in paths]
     items: list[Run | Scan] = []
-    for path, label in zip(paths, _labels(paths, base), strict=True):
+    for path, name in zip(paths, names, strict=True):
         try:
-            items += _read(path, label, study_files)
+            items += _read(path, name if names.count(name) == 1 else relative(path, base), study_files)
         except InputError as error:
             errors += error.errors
     if errors:
         raise InputError(errors)
-    suites = [read_json(Path(directory) / SUITE_INDEX) for directory in directories]
-    name = suites[0].get("name", "") if len(suites) == 1 and suites[0] else ""
-    return Inputs(tuple(items), base, str(name))
+    suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
+    return Inputs(tuple(items), base, str((suite or {}).get("name", "")))
 
 
 def _parts(directory: Path) -> list[Path]:
     """Return the scans of a suite that were started; other directories are returned unchanged."""
-    index = read_json(directory / SUITE_INDEX)
-    names = index.get("scans") if index else None
-    begun = [directory / str(name) for name in names if is_scan(directory / str(name))] if names else []
-    return begun or [directory]
-
-
-def _labels(paths: Sequence[Path], base: Path) -> list[str]:
-    """Return the names of directories, or relative paths for names that occur twice."""
-    names = [path.resolve().name or "/" for path in paths]
-    return [name if names.count(name) == 1 else relative(path, base) for name, path in zip(names, paths, strict=True)]
+    names = (read_json(directory / SUITE_INDEX) or {}).get("scans") or ()
+    return [directory / str(name) for name in names if is_scan(directory / str(name))] or [directory]
 
 
 def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Scan]:
@@ -292,18 +283,13 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
 def _summary(path: Path) -> dict[str, Any]:
     try:
         summary = json.loads((path / SUMMARY_FILE).read_text(encoding="utf-8"))
+        wrong = "" if isinstance(summary, dict) else f"found a {type(summary).__name__}, expected a table of values"
+        wrong = wrong or "".join(_no_numbers(summary)[:1])
     except (OSError, ValueError, RecursionError) as error:
-        raise InputError(
-            f"{path / SUMMARY_FILE}: cannot be read ({error}); make it anew with  granwave analyse {path}"
-        ) from None
-    if not isinstance(summary, dict):
-        raise InputError(
-            f"{path / SUMMARY_FILE}: found a {type(summary).__name__}, expected a table of values; "
-            f"make it anew with  granwave analyse {path}"
-        )
-    if errors := _no_numbers(summary):
-        raise InputError(f"{path / SUMMARY_FILE}: {errors[0]}; make it anew with  granwave analyse {path}")
-    return summary
+        wrong = f"cannot be read ({error})"
+    if wrong:
+        raise InputError(f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}")
+    return dict(summary)
 
 
 def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
@@ -314,11 +300,10 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
             continue
         if isinstance(value, list) and not quantity(key).unit and all(isinstance(item, str) for item in value):
             continue  # words, such as the bounds that a zone reaches
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or abs(value) > sys.float_info.max:
+        if not is_number(value) or abs(value) > sys.float_info.max:
             text = repr(value)
-            text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
-            found.append(f"{key}: found {text}, expected a number")
+            more = "..." if len(text) > _LONGEST else ""
+            found.append(f"{key}: found {text[:_LONGEST]}{more}, expected a number")
     return found
 
 
@@ -330,25 +315,18 @@ def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
     record = read_json(path / RECORD_FILE) or {}
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
-    return Run(
-        label=f"{label} (refused)" if refused else label,
-        kind="continuum" if continuum else "run",
-        directory=path,
-        status="refused" if refused else "done",
-        summary=summary,
-        case=case,
-        record=record,
-    )
+    label, status = (f"{label} (refused)", "refused") if refused else (label, "done")
+    return Run(label, "continuum" if continuum else "run", path, status, summary, case, record)
 
 
 def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a case by dotted key."""
     found: dict[str, Any] = {}
     for name, value in tables.items():
-        if name not in ("name", "resolved"):
-            found |= (
-                {f"{name}.{key}": part for key, part in value.items()} if isinstance(value, dict) else {name: value}
-            )
+        if isinstance(value, dict) and name != "resolved":
+            found |= {f"{name}.{key}": part for key, part in value.items()}
+        elif name not in ("name", "resolved"):
+            found[name] = value
     return found
 
 
@@ -366,16 +344,15 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     points: list[Point] = []
     errors: list[str] = []
     for result in results:
-        run = None
-        if result.status == "done" and result.directory is not None and not _no_numbers(result.summary):
-            if result.id not in runs:
-                try:
-                    runs[result.id] = _read_run(result.directory, f"{label} #{result.number}", result.summary)
-                except InputError as error:
-                    errors += error.errors
-                    continue
-            run = runs[result.id]
-        points.append(_point(result, path, run))
+        done = result.status == "done" and result.directory is not None and not _no_numbers(result.summary)
+        whole = result.directory if done else None
+        if whole and result.id not in runs:
+            try:
+                runs[result.id] = _read_run(whole, f"{label} #{result.number}", result.summary)
+            except InputError as error:
+                errors += error.errors
+                continue
+        points.append(Point(result, "", runs[result.id]) if whole else _undone(result, path))
     if errors:
         raise InputError(dict.fromkeys(errors))
     suite = read_json(path.parent / SUITE_INDEX) or {}
@@ -389,14 +366,12 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     return Scan(label, source, tuple(points), tuple(name for name in named if name not in unasked))
 
 
-def _point(result: PointResult, scan: Path, run: Run | None) -> Point:
-    if run is not None:
-        return Point(result, "", run)
+def _undone(result: PointResult, scan: Path) -> Point:
+    """Return a point that is not done, with the reason."""
     finished = scan / POINTS / result.id
     if (finished / SUMMARY_FILE).is_file():
-        reason = f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse"
-        broken = dataclasses.replace(result, status="missing", directory=finished)
-        return Point(broken, reason, None)
+        result = dataclasses.replace(result, status="missing", directory=finished)
+        return Point(result, f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse", None)
     if result.status == "failed":
         return Point(result, str(result.reason or "no reason was recorded"), None)
     return Point(result, "begun, not finished" if result.directory else "not begun", None)

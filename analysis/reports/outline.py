@@ -16,8 +16,10 @@ from granwave.analysis.document.model import (
     Section,
     Table,
     Tone,
+    column_table,
     named,
     show,
+    significant,
     text_table,
     tidied,
     value_cell,
@@ -45,7 +47,32 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _KIND = {"run": "granular run", "continuum": "continuum run", "spectra": "small waves"}
 _IN_TITLE = 3  # names in the title
-_BEYOND_SMALL = "overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
+#: Notes on runs, before their names.
+_REFUSED = "Refused, as the energy balance did not close"
+_POOR = "Poor energy balance, do not trust (off by up to {off} of the input, more than {most})"
+_IDLE, _UNKNOWN = "No energy came in before the end", "No energy balance is recorded"
+_BEYOND_FIT = "Contacts beyond the law, which was fitted up to an overlap of 0.2 R*"
+_BEYOND_SMALL = (
+    "Contacts beyond overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
+)
+_CUT = (
+    "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds 99 % of its "
+    "energy"
+)
+_WAVES = (
+    f"More than {100 * NOTED_SHARE:g} % of the energy of yielding was dissipated after a wave could be back from a "
+    "bound"
+)
+_NO_CASE = "No readable case.toml, so settings are not known"
+_DAMAGED = f"The {RESULT_FILE} of {{}} is damaged, so studies and comparisons leave it out: make it anew with"
+_GOOD = "Every run finished, its energy balance closed, and no contact left the range of its law."
+_ERROR = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+_LIMITS = {
+    "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction, "
+    "viscous losses, the support's damper and absorbing spheres. A granular run above 1e-5 is refused (the published "
+    "variant of the law, which cannot close, excepted).",
+    "continuum": "A continuum run above 2 % is stopped.",
+}
 _BALANCE = "balance"
 _MOST_OPEN = 12  # runs whose table is not folded
 #: Largest accepted error of the balance over the input, by kind of run.
@@ -108,32 +135,62 @@ def _answer(inputs: Inputs, failures: str, studies: Sequence[Study], picture: Fi
 
 
 def _notes(inputs: Inputs, failures: str) -> list[Note]:
+    """Return notes on points and runs that lack something or are doubtful; if there are none, one that says so."""
     notes: list[Note] = []
     for scan in inputs.scans:
-        failed, missing = scan.count("failed"), sum(point.run is None for point in scan.points) - scan.count("failed")
-        if failed:
-            notes.append(Note(f"Scan {scan.label}: {failed} of {len(scan.points)} points failed.", "bad", failures))
-        if missing:
-            text = f"Scan {scan.label}: {missing} of {len(scan.points)} points are missing."
-            notes.append(Note(text, "note", failures))
-    results = [run for run in inputs.results() if run.has_balance]
-    refused = [run.label for run in results if run.status == "refused"]
-    if refused:
-        notes.append(Note(f"Refused, as the energy balance did not close: {named(refused)}.", "bad", _BALANCE))
-    notes += balance_notes(results)
-    notes += zone_notes(results)
-    without = [run.label for run in results if not run.case]
-    if without:
-        notes.append(Note(f"No readable case.toml, so settings are not known: {named(without)}.", "note"))
-    for run in (run for run in results if run.damaged):
-        text = (
-            f"The {RESULT_FILE} of {run.label} is damaged, so studies and comparisons leave it out: make it anew with"
-        )
-        notes.append(Note(f"{text} granwave analyse {inputs.path(run.directory)}", "bad"))
-    if not notes and results:
-        text = "Every run finished, its energy balance closed, and no contact left the range of its law."
-        notes.append(Note(text, "good"))
-    return notes
+        failed = scan.count("failed")
+        missing = sum(point.run is None for point in scan.points) - failed
+        undone: list[tuple[int, str, Tone]] = [(failed, "failed", "bad"), (missing, "are missing", "note")]
+        notes += [
+            Note(f"Scan {scan.label}: {count} of {len(scan.points)} points {what}.", tone, failures)
+            for count, what, tone in undone
+            if count
+        ]
+    runs = [run for run in inputs.results() if run.has_balance]
+    poor = [run for run in runs if verdict(run)[1] == "bad"]
+    idle = [
+        run.label for run in runs if run.number("energy_balance_error") is None and run.number("energy_input_J") == 0
+    ]
+    unknown = [run.label for run in runs if run.number("energy_balance_error") is None and run.label not in idle]
+    beyond = [(run, f"{run.label} ({run.number('contacts_beyond_law'):.0f})") for run in runs if _beyond_law(run)]
+    cut = [
+        f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})" for run in runs if mark_of(run.summary) is Mark.CUT
+    ]
+    waves = [
+        f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
+        for run in runs
+        if mark_of(run.summary) is Mark.WAVE
+    ]
+    told: list[tuple[str, Sequence[str], Tone, str]] = [
+        (_REFUSED, [run.label for run in runs if run.status == "refused"], "bad", _BALANCE),
+        *((_POOR.format(off=significant(max(map(_error_of, found)), 2), most=significant(LIMITS[kind], 2)),
+           [run.label for run in found], "bad", _BALANCE)
+          for kind in LIMITS if (found := [run for run in poor if run.kind == kind])),
+        (_IDLE, idle, "note", _BALANCE),
+        (_UNKNOWN, unknown, "note", _BALANCE),
+        (_BEYOND_FIT, [text for run, text in beyond if _fitted(run)], "note", _BALANCE),
+        (_BEYOND_SMALL, [text for run, text in beyond if not _fitted(run)], "note", _BALANCE),
+        (_CUT, cut, "note", RESULTS),
+        (_WAVES, waves, "note", RESULTS),
+        (_NO_CASE, [run.label for run in runs if not run.case], "note", ""),
+    ]  # fmt: skip
+    notes += [Note(f"{text}: {named(labels)}.", tone, section) for text, labels, tone, section in told if labels]
+    notes += [
+        Note(f"{_DAMAGED.format(run.label)} granwave analyse {inputs.path(run.directory)}", "bad")
+        for run in runs
+        if run.damaged
+    ]
+    return notes or [Note(_GOOD, "good")] * bool(runs)
+
+
+def _beyond_law(run: Run) -> bool:
+    return (run.number("contacts_beyond_law") or 0) > 0
+
+
+def _error_of(run: Run) -> float:
+    """Return the error of the balance; infinite where it is no number."""
+    error = run.number("energy_balance_error") or 0.0
+    return math.inf if math.isnan(error) else error
 
 
 def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
@@ -155,18 +212,15 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
 def _versions(inputs: Inputs) -> list[Block]:
     """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
     runs = list(inputs.results())
-    users: dict[str, dict[str, list[Run]]] = {}
-    for run in runs:
-        for name, version in run.versions.items():
-            users.setdefault(name, {}).setdefault(version, []).append(run)
     same, others = [], []
-    for name, found in users.items():
-        of_name = [run for alike in found.values() for run in alike]
-        kinds = {run.kind for run in of_name}
-        if len(found) == 1 and len(of_name) == sum(run.kind in kinds for run in runs):
+    for name in dict.fromkeys(name for run in runs for name in run.versions):
+        users = [run for run in runs if name in run.versions]
+        found = list(dict.fromkeys(run.versions[name] for run in users))
+        if len(found) == 1 and len(users) == sum(run.kind in {user.kind for user in users} for run in runs):
             same.append((name, *found))
         else:
-            others += [(name, version, named([run.label for run in alike])) for version, alike in found.items()]
+            labels = [named([run.label for run in users if run.versions[name] == version]) for version in found]
+            others += [(name, version, text) for version, text in zip(found, labels, strict=True)]
     blocks: list[Block] = []
     if same:
         title = "Versions, the same in all" if len(runs) > 1 else "Versions"
@@ -175,21 +229,17 @@ def _versions(inputs: Inputs) -> list[Block]:
     if others:
         blocks.append(Note("Not all runs were made with the same versions.", "note"))
         blocks.append(text_table("Versions that differ", ("Program", "Version", "Runs"), others))
-    unknown = [run.label for run in runs if not run.versions]
-    if unknown:
+    if unknown := [run.label for run in runs if not run.versions]:
         blocks.append(Note(f"No versions are recorded: {named(unknown)}.", "note"))
     return blocks
 
 
 def verdict(run: Run) -> tuple[str, Tone]:
     """Assess the energy balance of a run."""
-    error = run.number("energy_balance_error")
-    largest = LIMITS[run.kind]
-    if error is None:
+    if run.number("energy_balance_error") is None:
         return "not known", "note"
-    if math.isnan(error) or error > largest:
-        return f"poor: above {plain(f'{largest:.0e}')}", "bad"
-    return "good", "good"
+    largest = LIMITS[run.kind]
+    return (f"poor: above {plain(f'{largest:.0e}')}", "bad") if _error_of(run) > largest else ("good", "good")
 
 
 def balance_section(inputs: Inputs) -> Section:
@@ -198,42 +248,10 @@ def balance_section(inputs: Inputs) -> Section:
     if not runs:
         nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
         return Section("Energy balance", _BALANCE, nothing)
-    text = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
-    limits = {
-        "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated "
-        "friction, viscous losses, the support's damper and absorbing spheres. A granular run above 1e-5 is refused "
-        "(the published variant of the law, which cannot close, excepted).",
-        "continuum": "A continuum run above 2 % is stopped.",
-    }
-    text = " ".join([text, *(limits[kind] for kind in LIMITS if any(run.kind == kind for run in runs))])
+    text = " ".join([_ERROR, *(words for kind, words in _LIMITS.items() if any(run.kind == kind for run in runs))])
     table = _table(runs)
     shown = Group("Energies of all runs", (table,), folded=True) if len(runs) > _MOST_OPEN else table
     return Section("Energy balance", _BALANCE, (Note(text), shown))
-
-
-def balance_notes(runs: Sequence[Run]) -> list[Note]:
-    """Return warnings about poor balances and contacts beyond the law, for the top of the report."""
-    notes = []
-    for kind, largest in LIMITS.items():
-        poor = [run for run in runs if run.kind == kind and verdict(run)[1] == "bad"]
-        if poor:
-            labels = named([run.label for run in poor])
-            text = f"Poor energy balance, do not trust ({_errors(poor)}, more than {_share(largest)}): {labels}."
-            notes.append(Note(text, "bad", _BALANCE))
-    unknown = [run for run in runs if verdict(run)[0] == "not known"]
-    still = [run for run in unknown if run.number("energy_input_J") == 0]
-    for found, text in (
-        (still, "No energy came in before the end"),
-        ([run for run in unknown if run not in still], "No energy balance is recorded"),
-    ):
-        if found:
-            notes.append(Note(f"{text}: {named([run.label for run in found])}.", "note", _BALANCE))
-    beyond = [run for run in runs if (run.number("contacts_beyond_law") or 0) > 0]
-    for fitted, text in ((True, "the law, which was fitted up to an overlap of 0.2 R*"), (False, _BEYOND_SMALL)):
-        counts = [f"{run.label} ({run.number('contacts_beyond_law'):.0f})" for run in beyond if _fitted(run) == fitted]
-        if counts:
-            notes.append(Note(f"Contacts beyond {text}: {named(counts)}.", "note", _BALANCE))
-    return notes
 
 
 def _fitted(run: Run) -> bool:
@@ -242,66 +260,26 @@ def _fitted(run: Run) -> bool:
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
-def _errors(runs: Sequence[Run]) -> str:
-    """Describe the errors of the balances of runs, with a note on those that are not a number."""
-    errors = [run.number("energy_balance_error") or 0.0 for run in runs]
-    finite = [error for error in errors if math.isfinite(error)]
-    if not finite:
-        return "the error is not a number"
-    up_to = "up to " if len(finite) > 1 else ""
-    return f"off by {up_to}{_share(max(finite))} of the input" + (", or not a number" * (len(finite) < len(errors)))
-
-
-def _share(value: float) -> str:
-    """Format a share with two digits, in per cent from 0.1 % on."""
-    return f"{100 * value:.2g} %" if value >= 1e-3 else plain(f"{value:.2g}")
-
-
 def _table(runs: Sequence[Run]) -> Table:
     parts = [f"energy_{part}_J" for part in _PARTS]
     shown = [key for key in ("energy_input_J", *parts) if any(run.summary.get(key) is not None for run in runs)]
     shown += [key for key in _SHARES if any(run.summary.get(key) for run in runs)]
-    columns = [
-        *(Column("Run", key=True), *map(value_column, shown)),
-        *(Column("Error over input", numeric=True), Column("Balance"), Column("Timestep", "s", numeric=True)),
-        *(Column("Timesteps dropped", numeric=True), Column("Contacts beyond the law", numeric=True)),
+    verdicts, dropped = [verdict(run) for run in runs], [run.record.get("attempts") for run in runs]
+    errors = [
+        value_cell(run.summary.get("energy_balance_error"), tone=tone if tone == "bad" else "")
+        for run, (_, tone) in zip(runs, verdicts, strict=True)
     ]
-    rows = []
-    for run in runs:
-        (text, tone), dropped = verdict(run), run.record.get("attempts")
-        noted: Tone = "note" if (run.number("contacts_beyond_law") or 0) > 0 else ""
-        rows.append(
-            (
-                Cell(run.label, run.label),
-                *(value_cell(run.summary.get(key)) for key in shown),
-                value_cell(run.summary.get("energy_balance_error"), tone=tone if tone == "bad" else ""),
-                Cell(text, text, tone),
-                value_cell(run.summary.get("timestep_s")),
-                value_cell(len(dropped) if isinstance(dropped, list) else None),
-                value_cell(run.summary.get("contacts_beyond_law"), tone=noted),
-            )
-        )
-    return Table("Energies at the end, and the error of the balance", tuple(columns), tuple(rows), sortable=True)
-
-
-def zone_notes(runs: Sequence[Run]) -> list[Note]:
-    """Return notes on runs whose zone reaches a boundary, and on runs in which a wave returned from one."""
-    notes = []
-    cut = _with_bounds([run for run in runs if mark_of(run.summary) is Mark.CUT])
-    if cut:
-        text = "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds "
-        notes.append(Note(f"{text}99 % of its energy: {cut}.", "note", RESULTS))
-    returned = [run for run in runs if mark_of(run.summary) is Mark.WAVE]
-    waves = [f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)" for run in returned]
-    if waves:
-        text = f"More than {100 * NOTED_SHARE:g} % of the energy of yielding was dissipated after a wave could be back "
-        notes.append(Note(f"{text}from a bound: {named(waves)}.", "note", RESULTS))
-    return notes
-
-
-def _with_bounds(runs: Sequence[Run]) -> str:
-    """Name runs with the bounds that their zones reach; those that all reach only once."""
-    labels, bounds = [run.label for run in runs], [bounds_in_words(run.summary["zone_cut"]) for run in runs]
-    if len(runs) > 1 and len(set(bounds)) == 1:
-        return f"{named(labels)} (all: {bounds[0]})"
-    return named([f"{label} ({one})" for label, one in zip(labels, bounds, strict=True)])
+    beyond = [
+        value_cell(run.summary.get("contacts_beyond_law"), tone="note" if _beyond_law(run) else "") for run in runs
+    ]
+    columns = [
+        (Column("Run", key=True), [Cell(run.label, run.label) for run in runs]),
+        *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
+        (Column("Error over input", numeric=True), errors),
+        (Column("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),
+        (Column("Timestep", "s", numeric=True), [value_cell(run.summary.get("timestep_s")) for run in runs]),
+        (Column("Timesteps dropped", numeric=True),
+         [value_cell(len(one) if isinstance(one, list) else None) for one in dropped]),
+        (Column("Contacts beyond the law", numeric=True), beyond),
+    ]  # fmt: skip
+    return column_table("Energies at the end, and the error of the balance", columns, sortable=True)

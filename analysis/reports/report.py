@@ -37,16 +37,8 @@ Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
 _FOLDER = Path(__file__).with_name("templates")
 
 
-def template(name: str, *, escapes: bool, filters: Filters) -> jinja2.Template:
-    """Read a template, in which an unknown name is an error.
-
-    Parameters
-    ----------
-    escapes
-        True if all texts are escaped for HTML.
-    filters
-        Functions that it applies to texts and parts of a report.
-    """
+def _rendered(name: str, filters: Filters, *, escapes: bool, **values: Any) -> str:
+    """Fill in a template, in which an unknown name is an error; with ``escapes`` all texts are escaped for HTML."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_FOLDER),
         autoescape=escapes,
@@ -56,7 +48,7 @@ def template(name: str, *, escapes: bool, filters: Filters) -> jinja2.Template:
         keep_trailing_newline=True,
     )
     environment.filters.update(filters)
-    return environment.get_template(name)
+    return environment.get_template(name).render(**values)
 
 
 def text_of(name: str) -> str:
@@ -81,9 +73,8 @@ def html_page(report: Report, *, paper: bool = False) -> str:
     policy = f"default-src 'none'; img-src data:; {own}; base-uri 'none'; form-action 'none'"
     titles = {section.slug: section.title for section in report.sections}
     filters: Filters = {"data_uri": data_uri, "breakable": breakable, "parts": parts}
-    form = template("report.html.j2", escapes=True, filters=filters)
-    page = form.render(report=report, titles=titles, css=Markup(css), script=Markup(script), policy=policy, paper=paper)
-    return page.lstrip()
+    values = {"titles": titles, "css": Markup(css), "script": Markup(script), "policy": policy, "paper": paper}
+    return _rendered("report.html.j2", filters, escapes=True, report=report, **values).lstrip()
 
 
 def data_uri(png: bytes) -> str:
@@ -147,8 +138,7 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
     filters: Filters = {
         "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
     }  # fmt: skip
-    form = template("report.md.j2", escapes=False, filters=filters)
-    text = form.render(report=report, titles=titles, anchors=anchors)
+    text = _rendered("report.md.j2", filters, escapes=False, report=report, titles=titles, anchors=anchors)
     return _BLANK_LINES.sub("\n\n", text).strip() + "\n", pictures
 
 
@@ -257,23 +247,20 @@ def write_report(
     output = output_path(output)
     errors = _errors_in(output)
     if len(directories) == 1 and is_design(directories[0]) and not errors:
-        return _written(design_report(Path(directories[0])), output)
-    named, faults = find_studies(studies, Path())
-    errors += [f"--study: {fault}" for fault in faults]
-    try:
-        inputs = read_inputs(directories, output.parent, {*study_files, *named})
-    except InputError as error:
-        errors += error.errors
-    if errors:
-        raise InputError(errors)
-    try:
-        report = build_report(inputs, named)
-    except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
-        raise InputError(str(error)) from None
-    return _written(report, output)
-
-
-def _written(report: Report, output: Path) -> Path:
+        report = design_report(Path(directories[0]))
+    else:
+        named, faults = find_studies(studies, Path())
+        errors += [f"--study: {fault}" for fault in faults]
+        try:
+            inputs = read_inputs(directories, output.parent, {*study_files, *named})
+        except InputError as error:
+            errors += error.errors
+        if errors:
+            raise InputError(errors)
+        try:
+            report = build_report(inputs, named)
+        except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
+            raise InputError(str(error)) from None
     try:
         _write(cleaned(report), output)
     except OSError as error:
@@ -282,23 +269,23 @@ def _written(report: Report, output: Path) -> Path:
 
 
 def _errors_in(output: Path) -> list[str]:
-    errors = []
-    if output.suffix.lower() not in SUFFIXES:
-        found = f"the suffix {output.suffix}" if output.suffix else "no suffix"
+    errors, suffix, parent = [], output.suffix.lower(), output.parent
+    if suffix not in SUFFIXES:
+        found = f"the suffix {output.suffix}" if suffix else "no suffix"
         errors.append(f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
     if output.is_dir():
         errors.append(f"{output}: is a directory, expected the name of a file")
-    elif not output.parent.is_dir():
-        errors.append(f"{output}: there is no directory {output.parent}; make it first")
-    elif not os.access(output.parent, os.W_OK | os.X_OK):
-        errors.append(f"{output}: the directory {output.parent.resolve()} cannot be written to; choose another with -o")
-    elif output.suffix.lower() == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
+    elif not parent.is_dir():
+        errors.append(f"{output}: there is no directory {parent}; make it first")
+    elif not os.access(parent, os.W_OK | os.X_OK):
+        errors.append(f"{output}: the directory {parent.resolve()} cannot be written to; choose another with -o")
+    elif suffix == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
         errors.append(
             f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
         )
-    elif own := _OWN.get(output.suffix.lower()):
+    elif suffix in SUFFIXES:
         try:
-            refuse_other_file(output, own)
+            refuse_other_file(output, _OWN[suffix])
         except InputError as error:
             errors += error.errors
     return errors
@@ -310,28 +297,21 @@ def _folder(output: Path) -> Path:
 
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
-    if suffix == ".html":
-        replace_text(output, html_page(report))
-    elif suffix == ".pdf":
-        replace_bytes(output, pdf_file(report))
-    else:
-        folder = _folder(output)
-        text, pictures = markdown(report, folder.name)
-        before = _pictures_of(output, folder)
-        if others := [name for name in pictures if name not in before and os.path.lexists(folder / name)]:
-            raise InputError(
-                f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
-            )
-        if pictures:
-            folder.mkdir(exist_ok=True)
-        for name, png in pictures.items():
-            replace_bytes(folder / name, png)
-        replace_text(output, text)
-        for name in set() if folder.is_symlink() else before - pictures.keys():
-            (folder / name).unlink(missing_ok=True)
-
-
-def _pictures_of(report: Path, folder: Path) -> set[str]:
-    """Return the names of the pictures that a Markdown report shows from its folder."""
-    text = head(report).decode("utf-8", "replace")
-    return set(re.findall(rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)", text))
+    if suffix != ".md":
+        replace_bytes(output, html_page(report).encode("utf-8") if suffix == ".html" else pdf_file(report))
+        return
+    folder = _folder(output)
+    text, pictures = markdown(report, folder.name)
+    shown = rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)"  # pictures that the older report shows
+    before = set(re.findall(shown, head(output).decode("utf-8", "replace")))
+    if others := [name for name in pictures if name not in before and os.path.lexists(folder / name)]:
+        raise InputError(
+            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
+        )
+    if pictures:
+        folder.mkdir(exist_ok=True)
+    for name, png in pictures.items():
+        replace_bytes(folder / name, png)
+    replace_text(output, text)
+    for name in set() if folder.is_symlink() else before - pictures.keys():
+        (folder / name).unlink(missing_ok=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from granwave.analysis.document.model import (
@@ -18,6 +19,7 @@ from granwave.analysis.document.model import (
     Table,
     Tone,
     case_column,
+    column_table,
     is_number,
     label_of,
     meaning_in,
@@ -32,10 +34,12 @@ from granwave.analysis.formatting.values import grains_called_in, unique_labels,
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports import other_kinds
-from granwave.analysis.reports.inputs import Inputs, Point, Run, Scan
+from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.setting import differing, target_of
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+
+Columns = list[tuple[Column, list[Cell]]]
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
@@ -44,7 +48,7 @@ MOST_ROWS = 14  # values of one run in the first section
 MOST_OF_A_RUN, MOST_KEYS = 4, 2  # keys and values, and keys, in the compact table of runs
 _NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
 _LONGEST = 600  # characters of a reason
-_STATUS = "Status"
+_STATUS, _NUMBER = "Status", Column("#", numeric=True, key=True)
 _MATERIAL, _OF_MATERIAL = "material.name", "material."
 #: Values that packings and blocks do not share, or mean otherwise.
 _OF_ONE_KIND = (
@@ -65,6 +69,7 @@ _OF_A_TARGET = (
     "unprotected_ground_peak_force_N", "target_peak_displacement_m",
 )  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
+_OF_GROUND = ("ground_peak_force_N", "energy_target_J")
 #: Values that compare with the load on the bare target, which tell nothing where it oscillates.
 _OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
@@ -113,27 +118,28 @@ def compact_table(runs: Sequence[Run]) -> Table:
 
 def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
-    called = grains_called_in([run.summary])
     if not run.has_balance:
         return other_kinds.table_of([run], f"Run {run.label}")
-    first = [key for key in _FIRST if run.number(key) is not None]
-    first += _OF_A_TARGET if target_of(run.case) and "transmission" not in first else ()
+    summary, driven = run.summary, run.number("transmission") is not None
+    plate, bottom, ground = map(run.number, ("plate_velocity_m_s", "wall_peak_force_N", "ground_peak_force_N"))
+    first = [*_FIRST, *(_OF_A_TARGET if target_of(run.case) and not driven else ())]
     first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
     first = [key for key in first if run.number(key) is not None]
-    left_out = {*_OF_COST, *first}
-    left_out |= set() if _yields(run) else set(_OF_YIELDING)
-    left_out |= set(_OF_STRUCK) if "plate_velocity_m_s" in first else set()
-    left_out |= {*_OF_STRUCK, *_OF_TARGETS} if "transmission" in first else set()
-    left_out |= set() if run.number("wall_peak_force_N") else set(_OF_BOTTOM)
-    if run.number("ground_peak_force_N") == run.number("wall_peak_force_N"):  # a bottom at rest
-        left_out |= {"ground_peak_force_N", "energy_target_J"}
-    left_out |= {key for key in _NOTHING if not run.summary.get(key)}
-    shown = [*first, *(key for key in _worth_showing([run.summary]) if key not in left_out)][:MOST_ROWS]
+    left_out = {*_OF_COST, *first, *(key for key in _NOTHING if not summary.get(key))}
+    for told, keys in (
+        (_yields(run), _OF_YIELDING),
+        (plate is None and not driven, _OF_STRUCK),
+        (not driven, _OF_TARGETS),
+        (bottom, _OF_BOTTOM),
+        (ground != bottom, _OF_GROUND),  # else a bottom at rest
+    ):
+        left_out |= set() if told else set(keys)
+    called = grains_called_in([summary])
     rows = []
-    for key in shown:
+    for key in [*first, *(key for key in _worth_showing([summary]) if key not in left_out)][:MOST_ROWS]:
         label, (unit, scale) = label_of(key, called), _readable(key)
-        cell = _result_cell(key, run.summary, scale)
-        rows.append((Cell(label, label, meaning=meaning_in(key, called)), cell, Cell(unit)))
+        name = Cell(label, label, meaning=meaning_in(key, called))
+        rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
 
@@ -158,29 +164,31 @@ def status_cell(status: str) -> Cell:
 
 
 def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False) -> Table:
-    heads = [Cell(run.label, run.label) for run in runs]
-    settings = _settings(keys, [[run.case.get(key) for key in keys] for run in runs], [run.case for run in runs])
-    results = [(run.status, run.summary) for run in runs]
-    return _table("Runs", Column("Run", key=True), heads, settings, results, shown, readable=readable)
+    cases = [run.case for run in runs]
+    names = Column("Run", key=True), [Cell(run.label, run.label) for run in runs]
+    results = _results([(run.status, run.summary) for run in runs], shown, readable=readable)
+    return column_table("Runs", [names, *_settings(keys, cases, cases), *results], sortable=True)
 
 
 def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
-    points, keys = scan.points, list(scan.source.varied)
-    results = [(point.run.status, point.run.summary) if point.run else (point.result.status, {}) for point in points]
-    head = Column("#", numeric=True, key=True)
-    heads = []
-    for one in (point.result for point in points):
-        link = inputs.link(one.directory, str(one.number)) if one.directory else None
-        heads.append(Cell(str(one.number), one.number, link=link))
-    settings = _settings(keys, [[_label(point, key) for key in keys] for point in points], _cases(scan))
-    shown = _worth_showing([summary for _, summary in results])
-    table = _table(f"Scan {scan.label}", head, heads, settings, results, shown)
-    blocks: list[Part] = [table]
-    if SEED in keys and all(isinstance(point.result.summary, dict) for point in points):
+    found = [point.result for point in scan.points]
+    numbers = [
+        Cell(str(one.number), one.number, link=inputs.link(one.directory, str(one.number)) if one.directory else None)
+        for one in found
+    ]
+    results = [
+        (point.run.status, point.run.summary) if point.run else (point.result.status, {}) for point in scan.points
+    ]
+    columns = [
+        (_NUMBER, numbers),
+        *_settings(scan.source.varied, [one.labels for one in found], _cases(scan)),
+        *_results(results, _worth_showing([summary for _, summary in results])),
+    ]
+    blocks: list[Part] = [column_table(f"Scan {scan.label}", columns, sortable=True)]
+    if SEED in scan.source.varied and all(isinstance(one.summary, dict) for one in found):
         blocks += _replicates(scan)
     files = [scan.directory / name for name in (SCAN_TABLE, SCAN_MEANS)]
-    links = tuple(inputs.link(path) for path in files if path.is_file())
-    if links:
+    if links := tuple(inputs.link(path) for path in files if path.is_file()):
         blocks.append(Note(f"All values of scan {scan.label}:", links=links))
     return blocks
 
@@ -190,62 +198,43 @@ def _cases(scan: Scan) -> list[Mapping[str, Any]]:
     return [point.run.case for point in scan.points if point.run]
 
 
-def _label(point: Point, key: str) -> Any:
-    """Return the value of a varied key; None if the case of the point lacks it."""
-    value = point.result.labels.get(key)
-    return None if value == "" else value
-
-
-def _settings(
-    keys: Sequence[str], values: Sequence[Sequence[Any]], cases: Sequence[Mapping[str, Any]]
-) -> tuple[list[Column], list[tuple[Cell, ...]]]:
-    """Return columns of keys of the case, and their cells by row; tables are given by their labels.
+def _settings(keys: Iterable[str], rows: Sequence[Mapping[str, Any]], cases: Sequence[Mapping[str, Any]]) -> Columns:
+    """Return columns of keys of the case; tables are given by their labels, and an empty value is none.
 
     Parameters
     ----------
-    values
-        By row and key.
+    rows
+        Values by dotted key.
     cases
         Cases by dotted key, from which units follow.
     """
-    columns, cells = [], []
-    for key, column in zip(keys, zip(*values, strict=True), strict=True):
-        numbers = [is_number(value) or value is None for value in column]
-        columns.append(case_column(key, unit_in_cases(key, cases), numeric=all(numbers)))
-        shown = zip(column, unique_labels(column), numbers, strict=True)
-        cells.append([value_cell(one) if number or one == text else Cell(text, text) for one, text, number in shown])
-    return columns, list(zip(*cells, strict=True)) if cells else [()] * len(values)
+    columns: Columns = []
+    for key in keys:
+        values = [None if row.get(key, "") == "" else row[key] for row in rows]
+        numbers = [is_number(value) or value is None for value in values]
+        shown = zip(values, unique_labels(values), numbers, strict=True)
+        cells = [value_cell(one) if number or one == text else Cell(text, text) for one, text, number in shown]
+        columns.append((case_column(key, unit_in_cases(key, cases), numeric=all(numbers)), cells))
+    return columns
 
 
-def _table(
-    caption: str,
-    head: Column,
-    heads: Sequence[Cell],
-    settings: tuple[list[Column], list[tuple[Cell, ...]]],
-    results: Sequence[tuple[str, Mapping[str, Any]]],
-    shown: Sequence[str],
-    *,
-    readable: bool = False,
-) -> Table:
-    """Make a table with the column ``head``, keys of the case, status, and the values ``shown``.
+def _results(
+    results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[str], *, readable: bool = False
+) -> Columns:
+    """Return columns of the status and of values, of the status and the summary of each row.
 
     Parameters
     ----------
-    settings
-        As of `_settings`.
-    results
-        Status and summary of each row.
     readable
         Lengths and times are in the units of sentences and figures, else in those of summary.json.
     """
-    units = {key: _readable(key) if readable else (unit_of_value(key), 1.0) for key in shown}
     called = grains_called_in(summary for _, summary in results)
-    values = [dataclasses.replace(value_column(key, called), unit=units[key][0]) for key in shown]
-    rows = [
-        (cell, *setting, status_cell(status), *(_result_cell(key, summary, units[key][1]) for key in shown))
-        for cell, setting, (status, summary) in zip(heads, settings[1], results, strict=True)
-    ]
-    return Table(caption, (head, *settings[0], Column(_STATUS), *values), tuple(rows), sortable=True)
+    columns: Columns = [(Column(_STATUS), [status_cell(status) for status, _ in results])]
+    for key in shown:
+        unit, scale = _readable(key) if readable else (unit_of_value(key), 1.0)
+        cells = [_result_cell(key, summary, scale) for _, summary in results]
+        columns.append((dataclasses.replace(value_column(key, called), unit=unit), cells))
+    return columns
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -258,18 +247,14 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Cell:
+    """Return the cell of a value of a summary, marked where it is doubtful; a list holds names of boundaries."""
     if not summary:
         return Cell("")
     value = summary.get(key)
     value = scale * float(value) if scale != 1 and isinstance(value, int | float) else value
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
-    return _summary_cell(value, tone="note" if noted else "")
-
-
-def _summary_cell(value: Any, tone: Tone = "") -> Cell:
-    """Return the cell of a value of a summary; a list holds names of boundaries."""
-    return value_cell(bounds_in_words(value) if isinstance(value, list) else value, tone=tone)
+    return value_cell(bounds_in_words(value) if isinstance(value, list) else value, tone="note" if noted else "")
 
 
 def _side_by_side(runs: Sequence[Run]) -> Table:
@@ -280,7 +265,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     columns = [Column("Quantity", key=True), Column("Unit", key=True), *(Column(one, numeric=True) for one in numbers)]
     rows, called = [], grains_called_in([run.summary for run in runs])
     for key in keys:
-        cells = [_summary_cell(run.summary.get(key)) for run in runs]
+        cells = [_result_cell(key, run.summary) for run in runs]
         label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(key, called)
         row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
         if pair:
@@ -303,35 +288,28 @@ def _replicates(scan: Scan) -> list[Table]:
     rows = [dict(zip(found, values, strict=True)) for values in zip(*found.values(), strict=True)]
     if not any(row[COUNT] > 1 for row in rows):
         return []
-    keys = [key for key in scan.source.varied if key != SEED]
-    shown = _worth_showing([{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows])
-    values = [[None if row[key] == "" else row[key] for key in keys] for row in rows]
-    settings, heads = _settings(keys, values, _cases(scan))
-    columns = (*settings, Column("Replicates", numeric=True), *map(value_column, shown))
-    cells = tuple(
-        (*head, value_cell(row[COUNT]), *(spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for key in shown))
-        for head, row in zip(heads, rows, strict=True)
-    )
-    return [Table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, cells, sortable=True)]
+    columns = _settings([key for key in scan.source.varied if key != SEED], rows, _cases(scan))
+    columns.append((Column("Replicates", numeric=True), [value_cell(row[COUNT]) for row in rows]))
+    for key in _worth_showing([{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows]):
+        columns.append((value_column(key), [spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for row in rows]))
+    return [column_table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, sortable=True)]
 
 
 def failures_section(inputs: Inputs) -> Section:
     """Make the section of points that failed or are missing, with reasons."""
     blocks: list[Block] = []
     for scan in inputs.scans:
-        points = [point for point in scan.points if point.run is None]
-        if not points:
-            continue
-        keys = list(scan.source.varied)
-        after = (Column("Status"), Column("Attempts", numeric=True), Column("Why"), Column("Directory"))
-        columns = (Column("#", numeric=True, key=True), *(Column(key, key=True) for key in keys), *after)
-        settings = _settings(keys, [[_label(point, key) for key in keys] for point in points], ())[1]
-        results = [point.result for point in points]
-        rows = tuple(
-            (value_cell(one.number), *cells, status_cell(one.status), value_cell(one.attempts), *_why(point, inputs))
-            for one, cells, point in zip(results, settings, points, strict=True)
-        )
-        blocks.append(Table(f"Scan {scan.label}: points that are not done", columns, rows))
+        if points := [point for point in scan.points if point.run is None]:
+            found = [point.result for point in points]
+            columns = [
+                (_NUMBER, [value_cell(one.number) for one in found]),
+                *_settings(scan.source.varied, [one.labels for one in found], ()),
+                (Column(_STATUS), [status_cell(one.status) for one in found]),
+                (Column("Attempts", numeric=True), [value_cell(one.attempts) for one in found]),
+                (Column("Why"), [Cell(_short(point.reason)) for point in points]),
+                (Column("Directory"), [_where(one.directory, inputs) for one in found]),
+            ]
+            blocks.append(column_table(f"Scan {scan.label}: points that are not done", columns))
     for run in inputs.runs:
         if run.status != "done":
             reason = run.record.get("reason") or "its energy balance did not close"
@@ -339,14 +317,13 @@ def failures_section(inputs: Inputs) -> Section:
     return Section("Failed and missing", "failures", tuple(blocks))
 
 
-def _why(point: Point, inputs: Inputs) -> tuple[Cell, Cell]:
-    """Return the reason why a point is not done, and where to read on."""
-    reason, directory = Cell(_short(point.reason)), point.result.directory
+def _where(directory: Path | None, inputs: Inputs) -> Cell:
+    """Return the cell of the log of a point, or of its directory."""
     if directory is None:
-        return reason, Cell(BLANK)
+        return Cell(BLANK)
     log = directory / "point.log"
     target = log if log.is_file() else directory
-    return reason, Cell(inputs.path(target), link=inputs.link(target))
+    return Cell(inputs.path(target), link=inputs.link(target))
 
 
 def _short(text: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
@@ -32,6 +32,12 @@ _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text an
     "contact.initial_overlap": ("initial dents", ""),
     "replace": ("some spheres replaced", ""),
 }
+_NORMALISED = (
+    "the normalised velocity, (2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v, with E* of two grains, density "
+    "rho and yield strength sigma_y"
+)
+_OF_PUNCH = "the unit of energies of the punch, with its diameter D and the block's yield strength and modulus"
+_OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.length")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
 
 
@@ -53,41 +59,41 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     called
         What its grains are called.
     """
-    parts = [part(case) for part in (_body, _material, _size, _load, _static, _bottom, _contacts)]
-    return in_grains(", ".join(text for text in parts if text), called)
+    diameter = case.get("packing.diameter")
+    parts = [
+        _body(case),
+        str(case.get("material.name") or case.get("material") or ""),
+        quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
+        _load(case),
+        _static(case),
+        _bottom(case),
+        *_contacts(case),
+    ]
+    return in_grains(", ".join(filter(None, parts)), called)
 
 
 def symbols_note(inputs: Inputs) -> list[Note]:
     """Define the symbols in which figures and tables of these runs give forces, energies and velocities."""
     runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
     packings = [run for run in runs if run.kind == "run"]
-    laws = [law for law in _by_constants(packings, _law_of) if law is not None]
-    plastic = [law for law in laws if math.isfinite(law.yield_force)]
-    said = []
-    if plastic:
-        force, overlap = _range([law.yield_force for law in plastic], "N"), [1e6 * law.yield_overlap for law in plastic]
-        energy = _range([law.yield_force * law.yield_overlap for law in plastic], "J")
-        called = grains_called_in([run.summary for run in packings])
-        said.append(
-            f"F_y = {force} and alpha_y = {_range(overlap, 'µm')} are the force and the overlap at which a contact of "
-            f"two {called} first yields; F_y alpha_y = {energy} is the unit of energies."
-        )
-    elif packings and (largest := [run.number("peak_force_N") or 0.0 for run in packings]) and max(largest) > 0:
-        said.append(f"F_max = {_range(largest, 'N')} is the largest contact force of the run.")
-    if packings and (given := [run.number("energy_input_J") or 0.0 for run in packings]) and min(given) > 0:
-        lost = "e_dis what is dissipated of it; " if any(run.number("dissipated_fraction") for run in packings) else ""
-        said.append(f"e_in = {_range(given, 'J')} is the energy put in, {lost}".rstrip("; ,") + ".")
-    if velocities := [value for run in packings if (value := run.number("velocity_normalised")) is not None]:
-        said.append(
-            f"v\u0304_0 = {_range(velocities, '')}, the normalised velocity, is (2/sqrt 3) (2/(1.6 pi))^2 E*^2 "
-            "sqrt(rho) sigma_y^-2.5 v, with E* of two grains, density rho and yield strength sigma_y."
-        )
-    blocks = [run for run in runs if run.kind == "continuum" and "punch.diameter" in run.case]
-    if units := [unit for unit in _by_constants(blocks, _unit_of_block) if unit]:
-        said.append(
-            f"Energies of the punch are in sigma_y^2 D^3/E = {_range(units, 'J')}, with its diameter D and the block's "
-            "yield strength and modulus."
-        )
+    unlike = {str([item for item in run.case.items() if item[0].startswith(_OF_LAW)]): run for run in packings}
+    laws = [law for law in map(_law_of, unlike.values()) if law is not None and math.isfinite(law.yield_force)]
+    largest, given = ([run.number(key) or 0.0 for run in packings] for key in ("peak_force_N", "energy_input_J"))
+    velocities = [run.number("velocity_normalised") for run in packings]
+    put_in = "the energy put in"
+    if any(run.number("dissipated_fraction") for run in packings):
+        put_in += ", and e_dis what is dissipated of it"
+    called = grains_called_in([run.summary for run in packings])
+    rows: list[tuple[str, Sequence[float], str, str]] = [
+        ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
+        ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
+        ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
+        ("F_max", largest if not laws and any(largest) else (), "N", "the largest contact force of the run"),
+        ("e_in", given if all(given) else (), "J", put_in),
+        ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
+        ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),
+    ]  # fmt: skip
+    said = [f"{symbol} = {range_in(values, unit)} is {what}." for symbol, values, unit, what in rows if values]
     return [Note(" ".join(said))] if said else []
 
 
@@ -97,6 +103,11 @@ def quantity_in(value: float, unit: str) -> str:
         return f"{plain(f'{value:.4g}')} {unit}".rstrip()
     scale, prefix = next((one for one in _PREFIXES if abs(value) >= 0.9995 * one[0]), _PREFIXES[-1])
     return f"{plain(f'{value / scale:.4g}')} {prefix}{unit}"
+
+
+def range_in(values: Sequence[float], unit: str) -> str:
+    """Write the range of values, as `quantity_in` writes them."""
+    return " to ".join(dict.fromkeys(quantity_in(value, unit) for value in (min(values), max(values))))
 
 
 def _of_item(item: Run | Scan) -> str:
@@ -141,15 +152,6 @@ def _body(case: Mapping[str, Any]) -> str:
         return "packing of a file"
     shape = " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
     return f"chain of {shape}" if kind == "chain" and shape else f"{kind} {shape}".rstrip()
-
-
-def _material(case: Mapping[str, Any]) -> str:
-    return str(case.get("material.name") or case.get("material") or "")
-
-
-def _size(case: Mapping[str, Any]) -> str:
-    diameter = case.get("packing.diameter")
-    return quantity_in(diameter, "m") if isinstance(diameter, float | int) else ""
 
 
 def _load(case: Mapping[str, Any]) -> str:
@@ -199,28 +201,16 @@ def target_of(case: Mapping[str, Any]) -> str:
     return next((one for one in ("plate", "half_space", "bar", "damper") if isinstance(found.get(one), dict)), "")
 
 
-def _contacts(case: Mapping[str, Any]) -> str:
+def _contacts(case: Mapping[str, Any]) -> list[str]:
     """Return the law, unless it is the usual one, and what is not ideal; nothing where it is not known."""
     law = case.get("contact.law")
-    parts = [] if law is None else [_LAWS.get(law, str(law))]
     there = [
         text.format(quantity_in(value, unit) if unit and isinstance(value, float) else show(value))
         for key, (text, unit) in _NOT_IDEAL.items()
         if (value := case.get(key))
     ]
     known = all(key in case for key in ("contact.friction", "packing.diameter_scatter"))
-    return ", ".join(filter(None, [*parts, *(there or ["ideal"] * known)]))
-
-
-def _by_constants(runs: Sequence[Run], make: Callable[[Run], Any]) -> Iterator[Any]:
-    """Yield what is made of each run, once for equal materials, contacts and sizes."""
-    seen: list[dict[str, Any]] = []
-    for run in runs:
-        of_law = ("material", "contact", "packing.diameter", "packing.shape", "packing.length", "punch.diameter")
-        constants = {key: value for key, value in run.case.items() if key.startswith(of_law)}
-        if constants not in seen:
-            seen.append(constants)
-            yield make(run)
+    return ["" if law is None else _LAWS.get(law, str(law)), *(there or ["ideal"] * known)]
 
 
 def _law_of(run: Run) -> Any:
@@ -233,27 +223,21 @@ def _law_of(run: Run) -> Any:
 
 
 def _unit_of_block(run: Run) -> float:
-    strength, modulus = run.case.get("material.yield_strength"), run.case.get("material.youngs_modulus")
-    return strength**2 * run.case["punch.diameter"] ** 3 / modulus if strength and modulus else 0.0
-
-
-def _range(values: Sequence[float], unit: str) -> str:
-    texts = [f"{plain(f'{value:.4g}')}" for value in (min(values), max(values))]
-    return f"{' to '.join(dict.fromkeys(texts))} {unit}".rstrip()
+    keys = ("punch.diameter", "material.yield_strength", "material.youngs_modulus")
+    diameter, strength, modulus = (run.case.get(key) for key in keys)
+    return strength**2 * diameter**3 / modulus if strength and diameter and modulus else 0.0
 
 
 def settings_blocks(inputs: Inputs) -> list[Block]:
     """Make tables of the settings that runs share, for each scan and for the runs given directly."""
-    groups: list[tuple[str, list[Run], list[str]]] = []
-    if inputs.runs:
-        groups.append(("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", list(inputs.runs), []))
-    groups += [
-        (f"scan {scan.label}", [point.run for point in scan.points if point.run], list(scan.source.varied))
-        for scan in inputs.scans
+    groups: list[tuple[str, Sequence[Run | None], Sequence[str]]] = [
+        (f"scan {scan.label}", [point.run for point in scan.points], scan.source.varied) for scan in inputs.scans
     ]
+    if inputs.runs:
+        groups.insert(0, ("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", inputs.runs, ()))
     blocks: list[Block] = []
     for title, runs, varied in groups:
-        known = [run for run in runs if run.case]
+        known = [run for run in runs if run and run.case]
         if not known:
             continue
         different = {*differing(known), *varied}

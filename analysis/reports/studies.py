@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from granwave.analysis.document.model import (
     Note,
     Section,
     Table,
+    column_table,
     named,
     percent,
     significant,
@@ -29,9 +31,10 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
 from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS, is_study_file
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, finished_runs, read_run
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
@@ -53,17 +56,17 @@ _VERIFIES = (
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     """The section of the report; without blocks where there is no study, and without the picture at the top of all."""
-    texts = [study.text for study in found]
-    first = [texts.index(text) == n for n, text in enumerate(texts)]
-    if (above := _with_main_picture(found, inputs)) is not None:
-        shown = [dataclasses.replace(one, pictures=one.pictures[1:]) if one is above else one for one in found]
-        found = shown
-    return Section("Studies", SLUG, tuple(_group(study, inputs, new) for study, new in zip(found, first, strict=True)))
-
-
-def leads(found: Sequence[Study]) -> tuple[Note, ...]:
-    """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
-    return tuple(Note(text, "lead") for text in [_agreement(found), *(text for _, text in _firsts(found))] if text)
+    above = _with_main_picture(found, inputs)
+    groups = []
+    for n, study in enumerate(found):
+        pictures = study.pictures[1:] if study is above else study.pictures
+        blocks: list[Table | Gallery | Note] = [*row_tables(study), *study.tables]
+        blocks += pictures_of(dataclasses.replace(study, pictures=pictures), inputs, SLUG)
+        if not blocks or study.text not in [one.text for one in found[:n]]:
+            blocks.insert(0, Note(study.text))
+        title = f"{study.title}: tables and figures" if study.verdict else study.title
+        groups.append(Group(title, tuple(blocks)))
+    return Section("Studies", SLUG, tuple(groups))
 
 
 def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
@@ -80,45 +83,34 @@ def _with_main_picture(found: Sequence[Study], inputs: Inputs) -> Study | None:
     return next((study for study in found if study.pictures), None) if alone else None
 
 
+def leads(found: Sequence[Study]) -> tuple[Note, ...]:
+    """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
+    rows = [row for study in found for row in study.rows if row.kind == "source" and row.deviation is not None]
+    texts = []
+    if rows:
+        off = [abs(row.deviation or 0.0) for row in rows]
+        within = " and ".join(f"within {100 * most:g} % for {sum(one <= most for one in off)}" for most in _CLOSE)
+        worst = max(zip(off, rows, strict=True), key=itemgetter(0))
+        texts.append(
+            f"Of {len(rows)} values that the sources give, ours are {within}; the largest difference is "
+            f"{plain(f'{100 * worst[0]:.2g}')} % ({worst[1].quantity[:1].lower()}{worst[1].quantity[1:]})."
+        )
+    return tuple(Note(text, "lead") for text in [*texts, *_firsts(found).values()])
+
+
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
     """Return the verdicts of studies without what `leads` has said."""
-    said = {study.name: 1 for study, _ in _firsts(found)}
-    rest = [(study, study.verdict[said.get(study.name, 0) :]) for study in found]
+    said = _firsts(found)
+    rest = [(study, study.verdict[study.name in said :]) for study in found]
     return tuple(Group(study.title, tuple(map(Note, verdict))) for study, verdict in rest if verdict)
 
 
-def _firsts(found: Sequence[Study]) -> list[tuple[Study, str]]:
+def _firsts(found: Sequence[Study]) -> dict[str, str]:
     """Return the first sentences of the verdicts, unless there are many; several have their titles before them."""
     judged = [study for study in found if study.verdict]
     if len(judged) > _MOST_VERDICTS:
-        return []
-    return [(study, f"{study.title}: {study.verdict[0]}" if len(judged) > 1 else study.verdict[0]) for study in judged]
-
-
-def _agreement(found: Sequence[Study]) -> str:
-    """Say how far our values are from those of the sources; empty if there are none of theirs."""
-    compared = [row for study in found for row in study.rows if row.kind == "source"]
-    rows = [(abs(row.deviation), row) for row in compared if row.deviation is not None]
-    if not rows:
-        return ""
-    if len(rows) == 1:
-        return f"The one value that a source gives, and ours, differ by {_percent(rows[0][0])}."
-    close = [sum(deviation <= limit for deviation, _ in rows) for limit in _CLOSE]
-    text = f"Of {len(rows)} values that the sources give, {close[0]} of ours lie within {_percent(_CLOSE[0])}"
-    text += f" and {close[1]} within {_percent(_CLOSE[1])}"
-    far = [row for deviation, row in rows if deviation > _CLOSE[1] and row.theory and row.ours is not None]
-    as_theory = sum(abs(row.ours / row.theory - 1) <= _CLOSE[0] for row in far)  # type: ignore[operator]
-    if as_theory:
-        text += f"; {as_theory} more lie within {_percent(_CLOSE[0])} of theory"
-    worst, row = max(rows, key=lambda pair: pair[0])
-    if worst > 1:
-        return f"{text}. Remarks tell why the rest differ."
-    return f"{text}; the largest difference is {_percent(worst)} ({row.quantity[:1].lower()}{row.quantity[1:]})."
-
-
-def _percent(share: float) -> str:
-    """Return a share in per cent, with two digits."""
-    return f"{plain(f'{100 * share:.2g}')} %"
+        return {}
+    return {study.name: f"{study.title}: " * (len(judged) > 1) + study.verdict[0] for study in judged}
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
@@ -131,65 +123,74 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     """
     offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
-    read: dict[Path, tuple[FinishedRun | SphereContactRun, ...]] = {}
-    nothing: Mapping[str, Any] = {}
-    asked = [(run, nothing, tuple(named)) for run in inputs.runs]
+    read: dict[Path, FinishedRun | SphereContactRun | None] = {}
+    asked: list[tuple[Run | None, Mapping[str, Any], Sequence[str]]] = [(run, {}, named) for run in inputs.runs]
     asked += [
-        (point.run, point.result.labels, (*scan.studies, *named))
-        for scan in inputs.scans
-        for point in scan.points
-        if point.run
+        (point.run, point.result.labels, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points
     ]
     for run, labels, names in asked:
-        if not names or run.damaged:
-            continue
-        for name in filter(is_study_file, names):
-            if run.status == "done":
-                offered.setdefault(name, {}).setdefault(run.directory, notebook.Run(run.directory, labels))
-        names = tuple(name for name in names if not is_study_file(name))
-        if run.directory not in read:
-            read[run.directory] = _read(run)
         for name in names:
-            wanted = SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
-            found = {one.directory: one for one in read[run.directory] if isinstance(one, wanted)}
-            if found or run.kind == "run":
-                offered.setdefault(name, {}).update(found)
-    for scan in inputs.scans:
-        for name in (*scan.studies, *named):
-            undone.setdefault(name, []).extend(point.result.labels for point in scan.points if point.run is None)
+            if run is None:
+                undone.setdefault(name, []).append(labels)
+            elif run.damaged:
+                continue
+            elif is_study_file(name):
+                if run.status == "done":
+                    offered.setdefault(name, {}).setdefault(run.directory, notebook.Run(run.directory, labels))
+            else:
+                if run.directory not in read:
+                    read[run.directory] = _read(run)
+                found, wanted = read[run.directory], SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
+                if isinstance(found, wanted):
+                    offered.setdefault(name, {})[run.directory] = found
+                elif run.kind == "run":
+                    offered.setdefault(name, {})
     return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
-def _read(run: Run) -> tuple[FinishedRun | SphereContactRun, ...]:
-    """Read a run for studies; nothing if there are none of its kind, or it was refused or cannot be read."""
-    if run.kind == "run":
-        return tuple(finished_runs([(run.label, run.directory, run.summary)]))
-    found = read_run(run.label, run.directory, run.summary)
+def _read(run: Run) -> FinishedRun | SphereContactRun | None:
+    """Read a run for studies; None if there are none of its kind, or it was refused or cannot be read."""
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
-    return (found,) if isinstance(found, SphereContactRun) and whole else ()
-
-
-def _group(study: Study, inputs: Inputs, new: bool) -> Group:
-    """A study; its text where it is new, or where there is nothing else."""
-    blocks: list[Table | Gallery | Note] = [Note(study.text)] if new else []
-    blocks += row_tables(study)
-    blocks += study.tables
-    blocks += pictures_of(study, inputs, SLUG)
-    title = f"{study.title}: tables and figures" if study.verdict else study.title
-    return Group(title, tuple(blocks) or (Note(study.text),))
+    if (run.kind != "run" and not whole) or run.summary.get("end_reason") == BALANCE_REFUSED:
+        return None
+    found = read_run(run.label, run.directory, run.summary)
+    return found if isinstance(found, FinishedRun | SphereContactRun) else None
 
 
 def row_tables(study: Study) -> list[Table | Note]:
-    """Tables of the rows of a study, one for each kind."""
+    """Tables of the rows of a study, one for each kind; a report leaves out columns without a value."""
     blocks: list[Table | Note] = []
     for kind, (caption, theory) in _KINDS.items():
-        rows = tuple(_cells(row) for row in study.rows if row.kind == kind)
-        if rows and kind == "verification":
-            blocks.append(Note(_VERIFIES))
-        if rows:
-            table = Table(f"{study.title}: {caption}", _columns(theory), rows, sortable=True, by_row=True)
-            blocks.append(table)
+        rows = [row for row in study.rows if row.kind == kind]
+        if not rows:
+            continue
+        names = [f"{row.quantity} ({row.unit})" if row.unit else row.quantity for row in rows]
+        columns = [
+            (Column("Quantity", key=True), [Cell(name, name) for name in names]),
+            (Column("Source", numeric=True), [_source(row) for row in rows]),
+            (Column("Ours", numeric=True), [_number(row.ours, row.digits) for row in rows]),
+            (Column("Difference", numeric=True), [_difference(row.deviation) for row in rows]),
+            (Column(theory, numeric=True), [value_cell(row.theory) for row in rows]),
+            (Column("Where"), [Cell(row.where, row.where) for row in rows]),
+            (Column("Remark"), [Cell(row.remark, row.remark) for row in rows]),
+        ]
+        blocks += [Note(_VERIFIES)] if kind == "verification" else []
+        blocks.append(column_table(f"{study.title}: {caption}", columns, sortable=True, by_row=True))
     return blocks
+
+
+def _source(row: Row) -> Cell:
+    if row.bound and row.source is not None:
+        return Cell(f"{significant(row.source, 5)} (bound)", row.source)
+    return value_cell(row.source)
+
+
+def _number(value: float | None, digits: int) -> Cell:
+    return value_cell(None) if value is None else Cell(significant(value, digits), value)
+
+
+def _difference(deviation: float | None) -> Cell:
+    return Cell(BLANK) if deviation is None else Cell(percent(100 * deviation), deviation)
 
 
 def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | Note, ...]:
@@ -211,30 +212,6 @@ def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | N
         failed.append(figure) if isinstance(figure, NotDrawn) else figures.append(figure)
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *(Note(f"The {one}.", "bad") for one in failed))
-
-
-def _columns(theory: str) -> tuple[Column, ...]:
-    """Return the columns of a table of rows; those without a value are left out of a report."""
-    numbers = ("Source", "Ours", "Difference", theory)
-    return (
-        Column("Quantity", key=True), *(Column(one, numeric=True) for one in numbers), Column("Where"), Column("Remark")
-    )  # fmt: skip
-
-
-def _cells(row: Row) -> tuple[Cell, ...]:
-    deviation = row.deviation
-    name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
-    return (
-        Cell(name, name),
-        Cell(f"{significant(row.source, 5)} (bound)", row.source)
-        if row.bound and row.source is not None
-        else value_cell(row.source),
-        value_cell(row.ours) if row.ours is None else Cell(significant(row.ours, row.digits), row.ours),
-        Cell(percent(100 * deviation), deviation) if deviation is not None else Cell(BLANK),
-        value_cell(row.theory),
-        Cell(row.where, row.where),
-        Cell(row.remark, row.remark),
-    )
 
 
 _COMPARISON = "comparison"

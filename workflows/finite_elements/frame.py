@@ -54,10 +54,9 @@ class ElementCase(abc.ABC):
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
         own = [field.name for field in dataclasses.fields(cls)]
-        others = [name for name in data if name in KNOWN and name not in own]
-        for name in others:
+        for name in [name for name in data if name in KNOWN and name not in own]:
             errors.add_unknown(name, "belongs to a granular case: granwave run runs it")
-        refuse_unknown({name: table for name, table in data.items() if name not in others}, own, "", errors)
+        refuse_unknown({name: data[name] for name in data if name in own or name not in KNOWN}, own, "", errors)
         parts = read_parts(data, source, errors, sections=cls.SECTIONS, required=cls.REQUIRED)
         cls._complete(parts, data, errors)
         errors.report(parts["name"])
@@ -82,9 +81,9 @@ class ElementCase(abc.ABC):
         return cls.from_dict(data, path, overridden=changes)
 
     @property
-    @abc.abstractmethod
     def elements(self) -> int:
-        """Approximate number of elements of the mesh."""
+        """Approximate number of elements of the mesh, or of both spheres together."""
+        return int(self.run.elements)  # type: ignore[attr-defined]
 
     @property
     def memory(self) -> float:
@@ -93,7 +92,11 @@ class ElementCase(abc.ABC):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the case as nested tables of TOML values, all defaults filled in."""
-        return _without_none(dataclasses.asdict(self))
+
+        def known(items: list[tuple[str, Any]]) -> dict[str, Any]:
+            return {key: value for key, value in items if value is not None}
+
+        return dataclasses.asdict(self, dict_factory=known)
 
     def to_toml(self) -> str:
         """Return the case as the text of a TOML file."""
@@ -130,11 +133,3 @@ def check_memory(case: ElementCase, available: float | None = None) -> None:
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
     refuse_too_large(what, case.memory, "take fewer elements", available)
-
-
-def _without_none(tables: dict[str, Any]) -> dict[str, Any]:
-    return {
-        key: _without_none(value) if isinstance(value, dict) else value
-        for key, value in tables.items()
-        if value is not None
-    }

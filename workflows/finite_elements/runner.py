@@ -42,6 +42,9 @@ from granwave.workflows.finite_elements.frame import ElementCase, check_memory
 
 Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a data set
 
+#: Names of energies in summary.json where they differ from those of the solvers.
+SUMMARY_NAMES = {"plastic": "dissipated", "work": "input", "penalty": "contact"}
+
 logger = logging.getLogger("granwave")
 _COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
 

@@ -103,12 +103,6 @@ def test_means_over_seeds(tmp_path):
     assert shown.table.caption == "Means of 3 replicates, with 95 % confidence intervals" and len(shown.table.rows) == 2
 
 
-def test_scan_in_which_nothing_varies(tmp_path):
-    scan = scan_with(tmp_path / "scan", grid(load__velocity=[1, 2]), lambda _: 0.5)
-    text, _ = answer(build([scan], tmp_path))
-    assert "at all points" in text or "from" in text  # another quantity may vary
-
-
 def test_one_run(tmp_path):
     run = write_run(tmp_path / "run", energy_input_J=2.0, dissipated_fraction=0.8731, peak_force_N=696.84)
     report = build([run], tmp_path)
@@ -118,7 +112,7 @@ def test_one_run(tmp_path):
     assert rows["Peak contact force"][1].value == 696.84 and rows["Peak contact force"][2].text == "N"
     assert any(row[0].meaning for row in shown.table.rows)
     elastic = write_run(tmp_path / "elastic", energy_input_J=2.0, dissipated_fraction=0.0)
-    assert answer(build([elastic], tmp_path))[0].startswith("Nothing of the 2 J put in was dissipated.")
+    assert answer(build([elastic], tmp_path))[0].startswith("0 % of the 2 J put in was dissipated.")
 
 
 def test_several_runs(tmp_path):
@@ -207,25 +201,15 @@ def test_scans_of_a_suite(tmp_path):
     assert text.startswith("# Report: all-of-it\n") and "### The other 4 scans" in text
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [
-        ([(1.0, 1.01, None), (1.0, 1.05, None), (1.0, 1.5, None)],
-         "Of 3 values that the sources give, 1 of ours lie within 2 % and 2 within 10 %; the largest difference is 50 % "
-         "(quantity 3)."),
-        ([(1.0, 1.0, None), (1.0, 3.0, 3.0), (None, 7.0, None)],
-         "Of 2 values that the sources give, 1 of ours lie within 2 % and 1 within 10 %; 1 more lie within 2 % of theory. "
-         "Remarks tell why the rest differ."),
-        ([(1.0, 1.2, None)], "The one value that a source gives, and ours, differ by 20 %."),
-    ],
-)  # fmt: skip
-def test_agreement_with_the_sources(values, said):
-    rows = [
-        Row(f"Quantity {n}", "", source, ours, "1.1", "", theory) for n, (source, ours, theory) in enumerate(values, 1)
-    ]
-    (lead,) = leads([Study("study", "Study", "", tuple(rows))])
-    assert (lead.text, lead.tone) == (said, "lead")
-    assert leads([Study("study", "Study", "", tuple(row for row in rows if row.source is None))]) == ()
+def test_agreement_with_the_sources():
+    values = [(1.0, 1.01), (1.0, 1.05), (1.0, 1.5), (None, 7.0)]
+    rows = tuple(Row(f"Quantity {n}", "", source, ours, "1.1") for n, (source, ours) in enumerate(values, 1))
+    (lead,) = leads([Study("study", "Study", "", rows)])
+    assert (lead.text, lead.tone) == (
+        "Of 3 values that the sources give, ours are within 2 % for 1 and within 10 % for 2; the largest difference is 50 % "
+        "(quantity 3).", "lead",
+    )  # fmt: skip
+    assert leads([Study("study", "Study", "", rows[3:])]) == ()
 
 
 def test_verdicts_begin_a_report_and_are_said_once():

@@ -161,29 +161,25 @@ def parts(blocks: Sequence[Block]) -> Iterator[Block | Figure]:
             yield from block.figures
 
 
-def twice(found: Sequence[object]) -> list[object]:
-    return [one for one, n in Counter(found).items() if n > 1]
-
-
 def repeated(report: Report) -> dict[str, list[object]]:
+    """What a report shows twice, by its kind."""
     everything = [part for section in report.sections for part in parts(section.blocks)]
-    figures = [part for part in everything if isinstance(part, Figure)]
-    tables = [part for part in everything if isinstance(part, Table)]
-    headings = [section.title for section in report.sections]
-    headings += [part.title for part in everything if isinstance(part, Group)]
-    headings += [part.caption for part in tables if part.captioned]
+    figures, tables, groups, notes = (
+        [part for part in everything if isinstance(part, kind)] for kind in (Figure, Table, Group, Note)
+    )
     verdicts = [section for section in report.sections if section.slug == "verdict"]
     said = {id(part) for section in verdicts for part in parts(section.blocks)}  # one per packing
-    notes = [part.text for part in everything if isinstance(part, Note) and id(part) not in said]
     assert figures and tables and notes
-    return {
-        "pictures": twice([figure.png for figure in figures]),
-        "data of pictures": twice([figure.data.href for figure in figures if figure.data]),
-        "captions": twice([figure.caption for figure in figures]),
-        "headings": twice(headings),
-        "tables": twice([(table.columns, table.rows) for table in tables]),
-        "notes": twice(notes),
-    }
+    found: dict[str, list[object]] = {
+        "pictures": [figure.png for figure in figures],
+        "data of pictures": [figure.data.href for figure in figures if figure.data],
+        "captions": [figure.caption for figure in figures],
+        "headings": [*(section.title for section in report.sections), *(group.title for group in groups),
+                     *(table.caption for table in tables if table.captioned)],
+        "tables": [(table.columns, table.rows) for table in tables],
+        "notes": [note.text for note in notes if id(note) not in said],
+    }  # fmt: skip
+    return {kind: [one for one, n in Counter(shown).items() if n > 1] for kind, shown in found.items()}
 
 
 def test_report_of_a_scan(tolerances):

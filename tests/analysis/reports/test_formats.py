@@ -22,33 +22,37 @@ from granwave.lammps_inputs.errors import InputError
 from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
 
-@pytest.fixture
-def runs(tmp_path):
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
     """Two runs and a scan in which points failed and are missing."""
-    return write_inputs(tmp_path)
+    return write_inputs(tmp_path_factory.mktemp("runs"))
 
 
-@pytest.mark.parametrize("suffix", ["html", "pdf", "md"])
-def test_same_inputs_same_bytes(runs, tmp_path, suffix):
+@pytest.fixture(scope="module")
+def nasty(tmp_path_factory):
+    """Inputs all of whose texts would break a page that takes them as they are."""
+    return nasty_inputs(tmp_path_factory.mktemp("nasty"))
+
+
+def test_same_inputs_same_bytes(runs, tmp_path):
     """Reports are identical in another process and directory, with other hashes and files made in another order."""
-    write_report(runs, tmp_path / f"report.{suffix}")
-    there = tmp_path / "elsewhere"
-    there.mkdir()
-    for path in reversed(runs):
-        (there / path.name).mkdir()
-        for file in sorted(path.rglob("*"), reverse=True):
-            if file.is_file():
-                (there / file.relative_to(tmp_path)).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(file, there / file.relative_to(tmp_path))
-    names = [path.name for path in runs]
-    code = f"from granwave.analysis.reports.report import write_report; write_report({names}, 'report.{suffix}')"
-    environment = {**os.environ, "PYTHONHASHSEED": "7"}
-    subprocess.run([sys.executable, "-c", code], cwd=there, env=environment, check=True)
-    assert (there / f"report.{suffix}").read_bytes() == (tmp_path / f"report.{suffix}").read_bytes()
-    if suffix == "md":
-        pictures = sorted(path.name for path in (tmp_path / "report_files").iterdir())
-        assert pictures == sorted(path.name for path in (there / "report_files").iterdir())
-        assert pictures
+    here, there = tmp_path / "here", tmp_path / "there"
+    shutil.copytree(runs[0].parent, here)
+    for path in sorted(here.rglob("*"), reverse=True):
+        if path.is_file():
+            (there / path.relative_to(here)).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(path, there / path.relative_to(here))
+    reports = [f"report.{suffix}" for suffix in ("html", "pdf", "md")]
+    for name in reports:
+        write_report([here / path.name for path in runs], here / name)
+    code = f"""from granwave.analysis.reports.report import write_report
+for name in {reports}:
+    write_report({[path.name for path in runs]}, name)"""
+    subprocess.run([sys.executable, "-c", code], cwd=there, env={**os.environ, "PYTHONHASHSEED": "7"}, check=True)
+    pictures = sorted(f"report_files/{path.name}" for path in (here / "report_files").iterdir())
+    assert pictures and pictures == sorted(f"report_files/{path.name}" for path in (there / "report_files").iterdir())
+    for name in (*reports, *pictures):
+        assert (there / name).read_bytes() == (here / name).read_bytes(), name
     assert not [path for path in there.iterdir() if path.name.startswith(".")]
 
 
@@ -68,8 +72,8 @@ class Page(HTMLParser):
         self.words.append(data)
 
 
-def test_html_escapes_everything(tmp_path):
-    page = write_report(nasty_inputs(tmp_path), tmp_path / "r.html").read_text(encoding="utf-8")
+def test_html_escapes_everything(nasty, tmp_path):
+    page = write_report(nasty, tmp_path / "r.html").read_text(encoding="utf-8")
     tags = Page(page).tags
     assert [tag for tag, _ in tags].count("script") == 1
     assert not [tag for tag, _ in tags if tag == "i"]
@@ -81,8 +85,8 @@ def test_html_escapes_everything(tmp_path):
             assert re.fullmatch(r"#[a-z]+|[\w%./~-]+", attributes["href"]), attributes["href"]
 
 
-def test_markdown_escapes_everything(tmp_path):
-    text = write_report(nasty_inputs(tmp_path), tmp_path / "r.md").read_text(encoding="utf-8")
+def test_markdown_escapes_everything(nasty, tmp_path):
+    text = write_report(nasty, tmp_path / "r.md").read_text(encoding="utf-8")
     assert "<" not in text
     for line in text.splitlines():
         if line.startswith("| "):
@@ -94,25 +98,15 @@ def test_markdown_escapes_everything(tmp_path):
         assert (tmp_path / path).is_file()
 
 
-@pytest.mark.parametrize(
-    ("text", "shown"),
-    [
-        ("75.5 % of it", "75.5 % of it"),
-        ("5. of May", "5\\. of May"),
-        ("- no list", "\\- no list"),
-        ("-e of it", "-e of it"),
-    ],
-)
-def test_markdown_has_no_lists_by_accident(text, shown):
-    report = Report(
-        "R", "1 run. SI units.", (Section("In short", "short", (Note(text), Note("Answer", "lead", "short"))),)
-    )
-    found, _ = markdown(report, "r_files")
-    assert f"\n{shown}\n\n**Answer** [In short](#in-short)\n" in found
+@pytest.mark.parametrize("text", ["75.5 % of it", "5\\. of May", "\\- no list", "-e of it"])
+def test_markdown_has_no_lists_by_accident(text):
+    blocks = (Note(text.replace("\\", "")), Note("Answer", "lead", "short"))
+    found, _ = markdown(Report("R", "1 run. SI units.", (Section("In short", "short", blocks),)), "r_files")
+    assert f"\n{text}\n\n**Answer** [In short](#in-short)\n" in found
 
 
-def test_pdf_takes_anything(tmp_path):
-    pdf = write_report(nasty_inputs(tmp_path), tmp_path / "r.pdf").read_bytes()
+def test_pdf_takes_anything(nasty, tmp_path):
+    pdf = write_report(nasty, tmp_path / "r.pdf").read_bytes()
     assert pdf.startswith(b"%PDF") and b"%%EOF" in pdf[-60:]
 
 
@@ -134,13 +128,11 @@ def test_pdf_is_the_page_on_paper(runs, tmp_path):
     assert b"/Title (Report: " in inside and b"/Author (granwave)" in inside
     assert b"DejaVuSans" in inside and b"DejaVuSans-Bold" in inside
     assert b"/URI" not in inside and b"file:" not in inside
-    page = Page(html_page(build(runs, tmp_path), paper=True))
-    tags = {tag for tag, _ in page.tags}
-    assert not tags & {"details", "summary", "script", "button", "nav", "dialog"}
+    report = build(runs, tmp_path)
+    page, screen = Page(html_page(report, paper=True)), Page(html_page(report))
+    assert not {tag for tag, _ in page.tags} & {"details", "summary", "script", "button", "nav", "dialog"}
     assert all(attributes["href"].startswith("#") for tag, attributes in page.tags if tag == "a")
-    assert len([tag for tag, _ in page.tags if tag == "img"]) == len(
-        [tag for tag, _ in Page(html_page(build(runs, tmp_path))).tags if tag == "img"]
-    )
+    assert [tag for tag, _ in page.tags].count("img") == [tag for tag, _ in screen.tags].count("img") > 0
 
 
 def test_tables_of_a_pdf_fill_its_page():
@@ -208,14 +200,10 @@ def test_wide_tables_in_parts(columns):
 def test_markdown_has_the_same_content(runs, tmp_path):
     report = build(runs, tmp_path)
     text = write_report(runs, tmp_path / "report.md").read_text(encoding="utf-8")
-    for section in report.sections:
-        assert f"## {section.title}" in text
+    assert all(f"## {section.title}" in text for section in report.sections)
     n_figures = sum(len(b.figures) for s in report.sections for b in blocks(report, s.slug) if isinstance(b, Gallery))
     assert text.count("![") == n_figures == len(list((tmp_path / "report_files").iterdir()))
-    assert "the disk is full no space left" in text
-    assert "**failed**" in text
-    for width in {line.count("|") for line in text.splitlines() if line.startswith("| 3 | ")}:
-        assert width > 5
+    assert "the disk is full no space left" in text and "**failed**" in text
 
 
 def test_html_headings_and_figures(runs, tmp_path):

@@ -24,50 +24,46 @@ def runs(tmp_path):
     return write_inputs(tmp_path)
 
 
-def test_sections_and_order_of_the_inputs(runs, tmp_path):
-    report = build(runs, tmp_path)
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """Such inputs, which no test changes, and their report."""
+    place = tmp_path_factory.mktemp("both")
+    found = write_inputs(place)
+    return found, build(found, place)
+
+
+def test_sections_and_order_of_the_inputs(both):
+    inputs, report = both
     slugs = [section.slug for section in report.sections]
     assert slugs == ["short", "comparison", "figures", "failures", "results", "balance", "inputs"]
-    assert [row["Name"].text for row in table(report, "inputs", "What this report is about")] == [
-        "first",
-        "second",
-        "scan",
-    ]
-    turned = build(runs[::-1], tmp_path)
-    assert [row["Name"].text for row in table(turned, "inputs", "What this report is about")] == [
-        "scan",
-        "second",
-        "first",
-    ]
+    for directories in (inputs, inputs[::-1]):
+        rows = table(build(directories, inputs[0].parent), "inputs", "What this report is about")
+        assert [row["Name"].text for row in rows] == [path.name for path in directories]
     assert report.lead == (
         "2 runs and 1 scan with 6 of 8 points done: first (fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal); second (fcc "
         "24 x 24 x 12, brass, 10 mm, 10 m/s, ideal); scan (fcc 24 x 24 x 12, 10 mm, ideal; load.velocity, material "
         "varied)."
     )
+    tables = [block for slug in slugs for block in blocks(report, slug) if isinstance(block, Table)]
+    assert all(len(row) == len(one.columns) for one in tables for row in one.rows)
 
 
-def test_scan_table_has_the_varied_keys_first_and_every_status(runs, tmp_path):
-    report = build(runs, tmp_path)
+def test_scan_table_has_the_varied_keys_first_and_every_status(both):
+    (_, _, scan), report = both
     part = next(b for b in blocks(report, "results") if isinstance(b, Table) and b.caption == "Scan scan")
-    assert [column.heading for column in part.columns][:5] == [
-        "#",
-        "load.velocity",
-        "material",
-        "Status",
-        quantity(REPORT_COLUMNS[0]).label,
-    ]
-    assert [column.unit for column in part.columns][1] == "m/s"
+    heads = ["#", "load.velocity", "material", "Status", quantity(REPORT_COLUMNS[0]).label]
+    assert [column.heading for column in part.columns][:5] == heads and part.columns[1].unit == "m/s"
     rows = table(report, "results", "Scan scan")
     assert [row["#"].text for row in rows] == [str(n) for n in range(1, 9)]
     assert [row["Status"].text for row in rows] == ["done", "done", "failed", "done", "done", "done", "done", "missing"]
     assert rows[0]["load.velocity"].value == 10.0
-    summary = json.loads(next((runs[2] / "points").glob("*/summary.json")).read_text())
+    summary = json.loads(next((scan / "points").glob("*/summary.json")).read_text())
     assert any(row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows)
     assert rows[2]["Peak contact force"].text == ""  # for a failed point
 
 
-def test_failed_and_missing_points_say_why(runs, tmp_path):
-    report = build(runs, tmp_path)
+def test_failed_and_missing_points_say_why(both):
+    _, report = both
     failed, missing = table(report, "failures", "Scan scan: points that are not done")
     assert (failed["#"].text, failed["Status"].text, failed["Attempts"].text) == ("3", "failed", "2")
     assert failed["Why"].text == "the disk is full\nno space left"
@@ -117,16 +113,12 @@ def test_limit_of_the_balance_is_the_driver_s():
     assert balance.LIMITS["run"] == TOLERANCE
 
 
-def test_contacts_beyond_the_law_are_told(tmp_path):
-    run = write_run(tmp_path / "run", figures=False, contacts_beyond_law=3)
-    texts = [note.text for note in notes(build([run], tmp_path), "short")]
-    assert any("beyond the law" in text and "run (3)" in text for text in texts)
-
-
-def test_refused_run_is_told(tmp_path):
-    run = write_run(tmp_path / "run", figures=False, energy_balance_error=3e-5)
+def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
+    run = write_run(tmp_path / "run", figures=False, contacts_beyond_law=3, energy_balance_error=3e-5)
     write_json(run / "run.json", {"state": "refused", "reason": "the balance missed by 3e-5"})
     report = build([run], tmp_path)
+    texts = [note.text for note in notes(report, "short")]
+    assert any("beyond the law" in text and "run (refused) (3)" in text for text in texts)
     assert any("3e-5" in note.text and note.tone == "bad" for note in notes(report, "failures"))
     assert table(report, "inputs", "What this report is about")[0]["Status"].text == "refused"
 
@@ -144,25 +136,20 @@ def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
 
 def test_two_runs_side_by_side(runs, tmp_path):
     report = build(runs[:2], tmp_path)
-    rows = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}
+    row = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}["Energy input"]
     values = [json.loads((run / "summary.json").read_text())["energy_input_J"] for run in runs[:2]]
-    row = rows["Energy input"]
     assert [row["first"].value, row["second"].value] == pytest.approx(values)
-    assert row["Difference"].value == pytest.approx(300.0)
-    assert row["Difference"].text == "+300 %"
+    assert row["Difference"].value == pytest.approx(300.0) and row["Difference"].text == "+300 %"
     (shown,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)][:1]
     assert shown.figures[0].caption.startswith("Dissipated share of the input against time. Where a curve is level")
-    assert [c.heading for c in next(b for b in blocks(report, "results") if b.caption == "Runs").columns][
-        1
-    ] == "load.velocity"
+    assert list(table(report, "results", "Runs")[0])[1] == "load.velocity"
 
 
 def test_many_runs_have_one_table(tmp_path):
     paths = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in range(1, 9)]
     report = build(paths, tmp_path)
     captions = [block.caption for block in blocks(report, "results") if isinstance(block, Table) and block.captioned]
-    assert captions == ["Runs"]
-    assert len(table(report, "results", "Runs")) == 8
+    assert captions == ["Runs"] and len(table(report, "results", "Runs")) == 8
 
 
 def test_damaged_result_file_leaves_a_note(runs, tmp_path):
@@ -188,29 +175,21 @@ def test_replicates_have_mean_and_confidence(tmp_path):
 
 
 def test_versions_common_once_and_differences_by_run(tmp_path):
-    first = write_run(tmp_path / "first", figures=False, versions={"granwave": "1", "numpy": "2"})
-    second = write_run(tmp_path / "second", figures=False, versions={"granwave": "1", "numpy": "3"})
-    report = build([first, second], tmp_path)
-    assert [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")] == ["granwave"]
-    found = [
-        (row["Program"].text, row["Version"].text, row["Runs"].text)
-        for row in table(report, "inputs", "Versions that differ")
-    ]
-    assert found == [("numpy", "2", "first"), ("numpy", "3", "second")]
-
-
-def test_programs_of_another_kind_of_run_are_no_difference(tmp_path):
-    """Continuum runs need no LAMMPS version; a granular run without one is reported."""
-    versions = {"granwave": "1", "lammps": "2"}
-    grains = write_run(tmp_path / "grains", figures=False, versions=versions)
+    """Programs of another kind of run are no difference: continuum runs need no LAMMPS."""
+    several = {
+        "first": {"granwave": "1", "lammps": "2"},
+        "second": {"granwave": "1", "lammps": "3"},
+        "old": {"granwave": "1"},
+    }
+    runs = [write_run(tmp_path / name, figures=False, versions=versions) for name, versions in several.items()]
     block = write_run(tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100)
-    report = build([grains, block], tmp_path)
+    report = build([runs[0], block], tmp_path)
     shared = [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")]
     assert shared == ["granwave", "lammps", "numba"]
-    old = write_run(tmp_path / "old", figures=False, versions={"granwave": "1"})
-    report = build([grains, block, old], tmp_path)
-    (row,) = table(report, "inputs", "Versions that differ")
-    assert (row["Program"].text, row["Runs"].text) == ("lammps", "grains")
+    report = build([*runs, block], tmp_path)
+    rows = table(report, "inputs", "Versions that differ")
+    found = [(row["Program"].text, row["Version"].text, row["Runs"].text) for row in rows]
+    assert found == [("lammps", "2", "first"), ("lammps", "3", "second")]
 
 
 def test_continuum_run_with_other_keys_and_nulls(tmp_path):
@@ -220,18 +199,10 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
         "[punch]\ndiameter = 0.010\nvelocity = 10.0\n[material]\nyoungs_modulus = 115e9\nyield_strength = 550e6\n"
     )
     summary = {
-        "name": "half-space",
-        "n_elements": 62500,
-        "energy_input_J": 5.0,
-        "energy_input_normalised": 1.9012,
-        "peak_force_N": None,
-    }
-    summary |= {
-        "energy_balance_error": 4e-3,
-        "plastic_zone_volume_ever_m3": 2e-6,
-        "energy_hourglass_J": 1e-3,
-        "versions": None,
-    }
+        "name": "half-space", "n_elements": 62500, "energy_input_J": 5.0, "energy_input_normalised": 1.9012,
+        "peak_force_N": None, "energy_balance_error": 4e-3, "plastic_zone_volume_ever_m3": 2e-6,
+        "energy_hourglass_J": 1e-3, "versions": None,
+    }  # fmt: skip
     write_json(run / "summary.json", summary)
     report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path, "restitution")
     first = table(report, "inputs", "What this report is about")[0]
@@ -246,13 +217,12 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
 # ---- figures ----
 
 
-def test_figures_in_a_fixed_order_made_small(runs, tmp_path):
-    report = build(runs, tmp_path)
+def test_figures_in_a_fixed_order_made_small(both):
+    runs, report = both
     gallery = next(block for block in blocks(report, "figures") if isinstance(block, Gallery))
     assert [figure.alt for figure in gallery.figures] == [
-        "Peak contact force, principal plane: run first",
-        "Energies and the error of their balance: run first",
-        "Zebra: run first",
+        f"{name}: run first"
+        for name in ("Peak contact force, principal plane", "Energies and the error of their balance", "Zebra")
     ]
     assert gallery.figures[0].caption == f"{gallery.figures[0].alt}. {FIGURES['peak_force_principal'].look}"
     figure = gallery.figures[-1]
@@ -301,14 +271,6 @@ def test_cleaned_replaces_what_formats_cannot_hold():
     assert cleaned(Note("a\x00b\ud800c\n")).text == "a\ufffdb\ufffdc\n"
     figure = Figure("n", "c", "a", b"\x00", (1, 1))
     assert cleaned(figure) == figure
-
-
-def test_tables_of_the_model_are_regular(runs, tmp_path):
-    report = build(runs, tmp_path)
-    for section in report.sections:
-        for block in blocks(report, section.slug):
-            if isinstance(block, Table):
-                assert all(len(row) == len(block.columns) for row in block.rows), block.caption
 
 
 def test_same_names_and_one_directory_twice(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from granwave.analysis.document.model import BLANK, Cell, Column, Table, spread_cell, tidied_table, value_cell
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.report import parts, text_of
+from granwave.analysis.reports.report import text_of
 from granwave.analysis.reports.results import results_section
 from granwave.analysis.reports.setting import settings_blocks
 from granwave.analysis.reports.studies import studies_section
@@ -46,12 +47,7 @@ def test_quantities_without_a_value_are_left_out():
 
 
 def test_tables_on_paper_are_as_wide_as_the_page():
-    rules = text_of("print.css")
-    assert re.search(r"table, \.beside table \{ width: 100%;", rules)
-    wide = Table("t", (Column("Run", key=True), *(Column(f"c{n}", numeric=True) for n in range(30))), ())
-    found = parts(wide)
-    assert max(len(part.columns) for part in found) <= 12
-    assert [c.heading for part in found for c in part.columns if not c.key] == [f"c{n}" for n in range(30)]
+    assert re.search(r"table, \.beside table \{ width: 100%;", text_of("print.css"))
 
 
 def test_rounding_is_no_number():
@@ -134,7 +130,7 @@ def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("errors", "number"), [([7.66e-5], "off by 7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([3e-5], "3e-5")]
+    ("errors", "number"), [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([math.nan], "infinite")]
 )
 def test_a_balance_that_is_poor_is_told_with_numbers(tmp_path, errors, number):
     runs = [write_run(tmp_path / f"r{n}", figures=False, energy_balance_error=e) for n, e in enumerate(errors)]
@@ -147,7 +143,7 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
     assert [note.tone for note in notes(build([run], tmp_path), "short")] == ["good"]
     worse = write_run(tmp_path / "worse", figures=False, n_elements=100, energy_balance_error=0.03)
     (note,) = notes(build([run, worse], tmp_path), "short")
-    assert "off by 3 % of the input, more than 2 %): worse" in note.text
+    assert "off by up to 0.03 of the input, more than 0.02): worse" in note.text
 
 
 def test_sections_have_names_of_their_own(tmp_path):

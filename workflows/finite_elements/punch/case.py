@@ -80,44 +80,35 @@ class ContinuumCase(ElementCase):
         assert material.yield_strength is not None  # checked when read
         return material.yield_strength**2 * self.punch.diameter**3 / material.youngs_modulus
 
-    @property
-    def elements(self) -> int:
-        """Approximate number of elements of the mesh."""
-        return self.run.elements
-
     @staticmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
         run: ContinuumRun | None = parts["run"]
         material: Material | None = parts.get("material")
-        if material is not None and material.yield_strength is None:
-            errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
-        if material is not None and material.hardening:
-            errors.add("material.hardening", f"found {material.hardening:g}, expected none; a block does not harden")
-        if material is not None and material.rate_sensitivity:
-            text = f"found {material.rate_sensitivity:g}, expected none; a block does not depend on the rate"
-            errors.add("material.rate_sensitivity", text)
-        if punch is not None and not 0 < punch.energy < math.inf:
-            errors.add(
-                "punch",
-                f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
-                "are they in SI units?",
-            )
-        if punch is not None and 2 * punch.taper > punch.diameter:
-            errors.add(
-                "punch.taper", f"found {punch.taper:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
-            )
-        if block is not None and punch is not None and punch.diameter >= block.diameter:
-            errors.add(
-                "punch.diameter",
-                f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
-                "make the punch narrower or the block wider",
-            )
-        edge = None if run is None or isinstance(run.edge_size, str) else run.edge_size
-        if punch is not None and edge is not None and edge > punch.diameter / 2:
-            errors.add(
-                "run.edge_size", f"found {edge:g} m, expected at most the punch's radius, {punch.diameter / 2:g} m"
-            )
+        if material is not None:
+            if material.yield_strength is None:
+                errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+            for key, what in (("hardening", "harden"), ("rate_sensitivity", "depend on the rate")):
+                if value := getattr(material, key):
+                    errors.add(f"material.{key}", f"found {value:g}, expected none; a block does not {what}")
+        if punch is not None:
+            radius, wide = punch.diameter / 2, "expected at most the punch's radius"
+            if not 0 < punch.energy < math.inf:
+                errors.add(
+                    "punch",
+                    f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
+                    "are they in SI units?",
+                )
+            if punch.taper > radius:
+                errors.add("punch.taper", f"found {punch.taper:g} m, {wide}, {radius:g} m")
+            if block is not None and punch.diameter >= block.diameter:
+                errors.add(
+                    "punch.diameter",
+                    f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
+                    "make the punch narrower or the block wider",
+                )
+            if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:
+                errors.add("run.edge_size", f"found {run.edge_size:g} m, {wide}, {radius:g} m")
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
             errors.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.dissipation import draw_zone_size
-from granwave.analysis.figures.series import one_panel, panels
+from granwave.analysis.figures.series import against_time, label, one_panel, panels
 from granwave.analysis.figures.style import BLANK, BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
@@ -24,6 +24,10 @@ from granwave.workflows.finite_elements.runner import ElementResult
 _MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
 _PANELS = 6
+_LINES = {  # of the energies
+    "punch": ("-", GREY), "kinetic": ("-", BLUE), "elastic": ("-", GREEN), "plastic": ("-", ORANGE),
+    "viscous": ("--", PURPLE), "hourglass": ("--", SKY), "contact": ("--", "black"),
+}  # fmt: skip
 _YIELDED_MAP = ListedColormap([BLANK, SKY, ORANGE])
 
 
@@ -48,19 +52,17 @@ class ContinuumResult(ElementResult):
 def energies(result: ContinuumResult) -> Drawing:
     """Draw all energies, and the residual of their sum."""
     time, given = result["energy/time"], result["energy/input"]
-    names = ("punch", "kinetic", "elastic", "plastic", "viscous", "hourglass", "contact")
-    parts = {name: result[f"energy/{name}"] for name in names}
+    parts = {name: result[f"energy/{name}"] for name in _LINES}
     residual = np.abs(np.sum(list(parts.values()), axis=0) - given) / given
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
-    for (name, values), colour in zip(parts.items(), (GREY, BLUE, GREEN, ORANGE, PURPLE, SKY, "black"), strict=True):
-        dashed = "--" if name in ("viscous", "hourglass", "contact") else "-"
-        upper.plot(time * _MICRO, values, dashed, color=colour, label=name)
-    upper.plot(time * _MICRO, given, ":", color="black", label="input")
-    upper.set(ylabel="Energy (J)", ylim=(0, 1.45 * given[0]))
+    for name, values in parts.items():
+        line, colour = _LINES[name]
+        against_time(upper, time, values, line, color=colour, label=name)
+    against_time(upper, time, given, ":", color="black", label="input")
+    label(upper, y="Energy (J)", ylim=(0, 1.45 * given[0]))
     upper.legend(ncols=3, loc="upper center", columnspacing=1.0)
-    lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
-    lower.set_ylabel("|Residual|\n/ input")
-    _time_axis(lower, time)
+    against_time(lower, time, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
+    label(lower, y="|Residual|\n/ input", log="y")
     columns = {"time_s": time, **{f"{name}_J": values for name, values in parts.items()}}
     return Drawing(figure, columns | {"input_J": given, "residual_over_input": residual})
 
@@ -71,11 +73,10 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
     figure, axes = one_panel(2.3, "", "Plastic volume / ($\\pi D^3/6$)")
-    axes.plot(time * _MICRO, now / sphere, color=ORANGE, label="at yield now")
-    axes.plot(time * _MICRO, ever / sphere, "--", color=BLUE, label="ever at yield")
+    against_time(axes, time, now / sphere, color=ORANGE, label="at yield now")
+    against_time(axes, time, ever / sphere, "--", color=BLUE, label="ever at yield")
     axes.set_ylim(bottom=0)
     axes.legend()
-    _time_axis(axes, time)
     return Drawing(figure, {"time_s": time, "volume_m3": now, "volume_ever_m3": ever})
 
 
@@ -93,12 +94,11 @@ def punch(result: ContinuumResult) -> Drawing:
     """Draw the force on the punch and its velocity."""
     time, force, velocity = (result[f"punch/{name}"] for name in ("time", "force", "velocity"))
     figure, upper, lower = panels(3.0, rows=2, sharex=True)
-    upper.plot(time * _MICRO, force / 1e3, color=BLUE)
-    upper.set_ylabel("Force (kN)")
+    against_time(upper, time, force / 1e3, color=BLUE)
+    label(upper, y="Force (kN)")
     lower.axhline(0, color="black", linewidth=0.5)
-    lower.plot(time * _MICRO, velocity, color=ORANGE)
-    lower.set_ylabel("Velocity (m/s)")
-    _time_axis(lower, time)
+    against_time(lower, time, velocity, color=ORANGE)
+    label(lower, y="Velocity (m/s)")
     columns = {"time_s": time, "force_N": force, "velocity_m_s": velocity}
     return Drawing(figure, columns | {"displacement_m": result["punch/displacement"]})
 
@@ -167,11 +167,6 @@ def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str 
     axes.fill_between([-half, half], 0, -0.15 * reach * _MILLI, color=GREY, linewidth=0)
     axes.set(xlim=(-reach * _MILLI, reach * _MILLI), ylim=(reach * _MILLI, -0.15 * reach * _MILLI), aspect="equal")
     axes.set(xlabel="r (mm)", ylabel="Depth (mm)")
-
-
-def _time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
-    axes.set_xlabel("Time (µs)")
-    axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
 
 RESULT = ContinuumResult

@@ -26,7 +26,7 @@ from granwave.workflows.finite_elements.material import PLASTIC, STRAIN, Elastop
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.mesh import mesh_of, punch_gap
 from granwave.workflows.finite_elements.punch.solver import Solver
-from granwave.workflows.finite_elements.runner import ElementRun, Tables, run_elements
+from granwave.workflows.finite_elements.runner import SUMMARY_NAMES, ElementRun, Tables, run_elements
 
 SAMPLED = 2e-7  # s, longest time between two rows of the ledger
 WINDOW, QUIET = 1e-5, 1e-4  # a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
@@ -35,6 +35,7 @@ TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
 _RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
 LARGE_STRAIN = 0.1
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
+_IN_SUMMARY = ("kinetic", "elastic", "plastic", "punch", "hourglass", "viscous", "contact")
 
 
 class BlockRun(ElementRun):
@@ -133,13 +134,7 @@ class BlockRun(ElementRun):
             "end_time_s": last["time"],
             "end_reason": self.end_reason,
             "energy_input_J": given,
-            "energy_kinetic_J": last["kinetic"],
-            "energy_elastic_J": last["elastic"],
-            "energy_dissipated_J": last["plastic"],
-            "energy_punch_J": last["punch"],
-            "energy_hourglass_J": last["hourglass"],
-            "energy_viscous_J": last["viscous"],
-            "energy_contact_J": last["contact"],
+            **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
             "dissipated_fraction": last["plastic"] / given,
             "energy_balance_error": self.balance_error,
             "energy_input_normalised": given / self.case.energy_unit,

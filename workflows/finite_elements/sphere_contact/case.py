@@ -132,11 +132,6 @@ class SphereContactCase(ElementCase):
         first = min(_FIRST_PEAK * self.yield_unit, 0.5 * largest)
         return np.geomspace(first, largest, number) if number > 1 else np.full(number, largest)
 
-    @property
-    def elements(self) -> int:
-        """Approximate number of elements of both spheres together."""
-        return self.run.elements
-
 
 def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
     """Read the partner; values that it does not give are those of the first sphere."""

@@ -15,7 +15,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import one_panel, panels
+from granwave.analysis.figures.series import label, one_panel, panels
 from granwave.analysis.figures.style import BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, Drawing
 from granwave.workflows.finite_elements.runner import ElementResult
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 _CURVE = 500  # points of a curve of a law
 _MILLI, _MEGA = 1e3, 1e-6
+_BESIDE: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5), "fontsize": 7}  # of a legend
 _SHOWN = 2.5  # half-width of the section, contact radii
 
 
@@ -65,8 +66,9 @@ class SphereContactResult(ElementResult):
         return 4 / 3 * self.case.law.effective_modulus * math.sqrt(self.case.law.effective_radius) * overlap**1.5
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
-        """Return the indices of the entries of one branch."""
-        return np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
+        """Return the indices of the entries of one branch; of unloading with that at which it began."""
+        rows = np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
+        return np.append(rows[0] - 1, rows) if branch == UNLOADING else rows
 
     @property
     def cycles(self) -> list[int]:
@@ -78,48 +80,63 @@ def force_overlap(result: SphereContactResult) -> Drawing:
     """Draw force against overlap with all cycles, the law, Hertz and Thornton."""
     unit, force_unit = result.units
     overlap, force = result["history/overlap"] / unit, result["history/force"] / force_unit
-    curve = np.linspace(0, result["loading/overlap"].max(), _CURVE)
+    curve, law = np.linspace(0, result["loading/overlap"].max(), _CURVE), result.case.law
     figure, axes = one_panel(3.0, result.overlap_label, r"Force $F/F_\mathrm{y}$")
     for cycle in result.cycles:
-        down = result.branch(UNLOADING, cycle)
-        down, up = np.append(down[0] - 1, down), result.branch(RELOADING, cycle)
-        for rows, line, colour, name in ((down, "-", ORANGE, "unloading"), (up, ":", BLUE, "reloading")):
-            label = name if cycle == result.cycles[0] else None
-            axes.plot(overlap[rows], force[rows], line, color=colour, linewidth=0.8, label=label)
+        for branch, line, colour, name in ((UNLOADING, "-", ORANGE, "unloading"), (RELOADING, ":", BLUE, "reloading")):
+            rows, title = result.branch(branch, cycle), name if cycle == result.cycles[0] else None
+            axes.plot(overlap[rows], force[rows], line, color=colour, linewidth=0.8, label=title)
     rows = result.branch(LOADING)
     rows = rows[np.argsort(overlap[rows], kind="stable")]
     axes.plot(overlap[rows], force[rows], color="black", label="loading")
-    law = result.case.law.loading_force(curve) / force_unit
-    axes.plot(curve / unit, law, "--", color=GREEN, label="contact law")
+    curves: list[tuple[str, str, Array, dict[str, Any]]] = [
+        ("law", "contact law", law.loading_force(curve), {"linestyle": "--", "color": GREEN})
+    ]
+    if result.case.yields:
+        values = result.case.contact_law("thornton").loading_force(curve)
+        curves.append(("thornton", "Thornton", values, {"linestyle": "-.", "color": PURPLE}))
+    curves.append(("hertz", "Hertz", result.hertz(curve), {"color": GREY, "linewidth": 0.8}))
     columns: dict[str, NDArray] = {"overlap_normalised": overlap, "force_normalised": force}
     columns |= {"branch": result["history/branch"], "cycle": result["history/cycle"]}
-    columns |= {"curve_overlap_normalised": curve / unit, "law_normalised": law}
-    if result.case.yields:
-        values = result.case.contact_law("thornton").loading_force(curve) / force_unit
-        axes.plot(curve / unit, values, "-.", color=PURPLE, label="Thornton")
-        columns["thornton_normalised"] = values
-    hertz = result.hertz(curve) / force_unit
-    axes.plot(curve / unit, hertz, color=GREY, linewidth=0.8, label="Hertz")
+    columns["curve_overlap_normalised"] = curve / unit
+    for column, name, values, look in curves:
+        columns[f"{column}_normalised"] = values / force_unit
+        axes.plot(curve / unit, values / force_unit, label=name, **look)
     axes.set(xlim=(0, None), ylim=(0, 1.15 * force.max()))
     axes.legend(loc="upper left", fontsize=7)
-    return Drawing(figure, columns | {"hertz_normalised": hertz})
+    return Drawing(figure, columns)
 
 
 def pressure_profiles(result: SphereContactResult) -> Drawing:
     """Draw the contact pressure along the surface."""
     effective = result.case.law.effective_radius
-    figure, axes = one_panel(2.9, "Distance from the axis $r/R^*$", r"Contact pressure $p/\sigma_\mathrm{y}$")
-    columns: dict[str, NDArray] = {}
-    scale = Normalize(0, max(1, len(result.profiles) - 1))
-    for n, (overlap, name) in enumerate(result.profiles):
+    curves = {}
+    for overlap, name in result.profiles:
         radius, pressure = result[f"{name}/radius"] / effective, result[f"{name}/pressure"] / result.strength
         end = int(np.flatnonzero(pressure).max(initial=0)) + 2
-        label = f"{overlap / effective:.3g}"
-        axes.plot(radius[:end], pressure[:end], color=_colour(scale(n)), linewidth=0.9, label=label)
-        columns |= {f"r_over_R*_{label}": radius[:end], f"pressure_normalised_{label}": pressure[:end]}
-    axes.set(xlim=(0, None), ylim=(0, None))
-    axes.legend(title=r"$\alpha/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
-    return Drawing(figure, columns)
+        curves[f"{overlap / effective:.3g}"] = radius[:end], pressure[:end]
+    drawing, axes = _family(curves, ("r_over_R*", "pressure_normalised"))
+    label(
+        axes,
+        "Distance from the axis $r/R^*$",
+        r"Contact pressure $p/\sigma_\mathrm{y}$",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
+    axes.legend(title=r"$\alpha/R^*$", **_BESIDE)
+    return drawing
+
+
+def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> tuple[Drawing, Axes]:
+    """Draw curves in the colours of a map; ``names``: of the columns of abscissae and ordinates."""
+    figure, axes = one_panel(2.9, "", "")
+    shares = np.linspace(0, 0.92, len(curves))
+    for (name, (x, y)), share in zip(curves.items(), shares, strict=True):
+        axes.plot(x, y, color=colormaps[FORCE_MAP](share), linewidth=0.9, label=name)
+    columns = {
+        f"{column}_{name}": values for name, pair in curves.items() for column, values in zip(names, pair, strict=True)
+    }
+    return Drawing(figure, columns), axes
 
 
 def _compared(result: SphereContactResult, columns: dict[str, Array], ylabel: str) -> tuple[Drawing, Axes]:
@@ -127,12 +144,9 @@ def _compared(result: SphereContactResult, columns: dict[str, Array], ylabel: st
     overlap, *curves = columns.values()
     order = np.argsort(overlap)
     figure, axes = one_panel(2.5, result.overlap_label, ylabel)
-    for values, (label, line, colour, width) in zip(
-        curves,
-        (("finite elements", "-", BLUE, 0.9), ("contact law", "--", GREEN, None), ("Hertz", "-", GREY, 0.8)),
-        strict=False,
-    ):
-        axes.plot(overlap[order], values[order], line, color=colour, linewidth=width, label=label)
+    looks = (("finite elements", "-", BLUE, 0.9), ("contact law", "--", GREEN, None), ("Hertz", "-", GREY, 0.8))
+    for values, (name, line, colour, width) in zip(curves, looks, strict=False):
+        axes.plot(overlap[order], values[order], line, color=colour, linewidth=width, label=name)
     return Drawing(figure, columns), axes
 
 
@@ -166,29 +180,24 @@ def contact_area(result: SphereContactResult) -> Drawing:
 
 def unloading(result: SphereContactResult) -> Drawing | None:
     """Draw the normalised unloading curves; None without any."""
-    if not result.cycles:
-        return None
-    figure, axes = one_panel(
-        2.9, r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$", r"Force $F/F_\mathrm{max}$"
-    )
-    columns: dict[str, NDArray] = {}
-    scale = Normalize(0, max(1, len(result.cycles) - 1))
-    grid = np.linspace(0, 1, 101)
+    curves = {}
     for n, cycle in enumerate(result.cycles):
         peak, residual, most = (
             result[f"cycles/{name}"][n] for name in ("peak_overlap", "residual_overlap", "peak_force")
         )
-        rows = result.branch(UNLOADING, cycle)
-        rows = np.append(rows[0] - 1, rows)
-        scaled, force = (result["history/overlap"][rows] - residual) / (peak - residual), result["history/force"][rows]
-        label = f"{peak / result.case.law.effective_radius:.3g}"
-        axes.plot(scaled, force / most, color=_colour(scale(n)), linewidth=0.9, label=label)
-        columns |= {f"scaled_overlap_{label}": scaled, f"force_over_peak_{label}": force / most}
+        overlap, force = (result[f"history/{name}"][result.branch(UNLOADING, cycle)] for name in ("overlap", "force"))
+        scaled = (overlap - residual) / (peak - residual)
+        curves[f"{peak / result.case.law.effective_radius:.3g}"] = scaled, force / most
+    if not curves:
+        return None
+    drawing, axes = _family(curves, ("scaled_overlap", "force_over_peak"))
     if result.case.yields:
+        grid = np.linspace(0, 1, 101)
         axes.plot(grid, grid**1.35, "--", color="black", label="$n$ = 1.35")
-    axes.set(xlim=(0, 1), ylim=(0, 1))
-    axes.legend(title=r"$\alpha_\mathrm{max}/R^*$", loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)
-    return Drawing(figure, columns)
+    abscissa = r"$(\alpha-\alpha_\mathrm{R})/(\alpha_\mathrm{max}-\alpha_\mathrm{R})$"
+    label(axes, abscissa, r"Force $F/F_\mathrm{max}$", xlim=(0, 1), ylim=(0, 1))
+    axes.legend(title=r"$\alpha_\mathrm{max}/R^*$", **_BESIDE)
+    return drawing
 
 
 def residual_overlap(result: SphereContactResult) -> Drawing | None:
@@ -202,14 +211,15 @@ def residual_overlap(result: SphereContactResult) -> Drawing | None:
     law = result.case.law.residual_overlap(curve)
     upper.loglog(peak / unit, residual / unit, "o", color=BLUE, markersize=4, label="finite elements")
     upper.loglog(curve / unit, law / unit, "--", color=GREEN, label="contact law")
-    upper.set_ylim(bottom=0.3 * max(residual.min() / unit, 1e-2))
-    upper.set_ylabel(r"Residual overlap $\alpha_\mathrm{R}/\alpha_\mathrm{y}$")
+    label(
+        upper,
+        y=r"Residual overlap $\alpha_\mathrm{R}/\alpha_\mathrm{y}$",
+        ylim=(0.3 * max(residual.min() / unit, 1e-2), None),
+    )
     upper.legend(loc="upper left")
     lower.semilogx(peak / unit, exponent, "o", color=BLUE, markersize=4)
     lower.semilogx(curve / unit, result.case.law.unloading_exponent(curve), "--", color=GREEN)
-    lower.set_ylabel("Exponent $n$")
-    lower.set_ylim(1.2, 1.6)
-    lower.set_xlabel(r"Largest overlap $\alpha_\mathrm{max}/\alpha_\mathrm{y}$")
+    label(lower, r"Largest overlap $\alpha_\mathrm{max}/\alpha_\mathrm{y}$", "Exponent $n$", ylim=(1.2, 1.6))
     columns = {"peak_overlap_m": peak, "residual_overlap_m": residual, "exponent": exponent}
     return Drawing(figure, columns | {"law_peak_overlap_m": curve, "law_residual_overlap_m": law})
 
@@ -232,10 +242,8 @@ def deviation(result: SphereContactResult) -> Drawing:
         values = result[f"deviation/{name}"][order]
         lower.semilogx(x, values, color=colour, linewidth=0.8, label=name.replace("_", " "))
         columns[f"{name}_deviation_percent"] = values
-    lower.set_ylabel("Deviation from\nthe law (%)")
-    lower.set_xlabel(result.overlap_label)
+    label(lower, result.overlap_label, "Deviation from\nthe law (%)", xlim=(RESOLVED, float(x.max())))
     lower.legend(loc="upper right", fontsize=7)
-    lower.set_xlim(RESOLVED, float(x.max()))
     return Drawing(figure, columns)
 
 
@@ -256,9 +264,7 @@ def quasi_static(result: SphereContactResult) -> Drawing:
     difference = 100 * (result["history/face_force"] / np.maximum(result["history/force"], 1e-300) - 1)[rows]
     lower.semilogx(x, difference, color=GREY, linewidth=0.6)
     lower.axhline(0, color="black", linewidth=0.5)
-    lower.set_ylabel("Force at the face\nover contact, less 1 (%)")
-    lower.set_xlabel(result.overlap_label)
-    lower.set_xlim(RESOLVED, float(x.max()))
+    label(lower, result.overlap_label, "Force at the face\nover contact, less 1 (%)", xlim=(RESOLVED, float(x.max())))
     return Drawing(figure, columns | {"face_force_difference_percent": difference})
 
 
@@ -285,10 +291,6 @@ def von_mises(result: SphereContactResult) -> Drawing | None:
     axes.set_title(rf"$\alpha/R^*$ = {result['history/overlap'].max() / result.case.law.effective_radius:.3g}")
     centre = corners.mean(axis=1) / _MILLI
     return Drawing(figure, {"body": body, "r_m": centre[:, 0], "z_m": centre[:, 1], "von_mises_Pa": stress / _MEGA})
-
-
-def _colour(share: float) -> Any:
-    return colormaps[FORCE_MAP](0.92 * share)
 
 
 RESULT = SphereContactResult

@@ -39,20 +39,16 @@ class Measured:
 
     def __init__(self, name: str, values: Mapping[str, float], rows: pd.DataFrame) -> None:
         self.name, self.held = name, name.startswith("held")
-        rigid, nu, radius = (
-            "deepest" in values,
-            values["nu"],
-            math.inf if "deepest" in values else values.get("radius", 1.0),
+        rigid, nu, hardening = "deepest" in values, values["nu"], values["hardening"]
+        radius, modulus, strength = (
+            math.inf if rigid else values.get(key, 1.0) for key in ("radius", "modulus", "strength")
         )
-        modulus = math.inf if rigid else values.get("modulus", 1.0)
-        strength = math.inf if rigid else values.get("strength", 1.0)
-        hardening = values["hardening"]
         self.bodies = {
             "youngs_modulus": (1.0, modulus),
             "poisson_ratio": (nu, 0.0 if rigid else values.get("nu2", nu)),
             "yield_strength": (1 / values["ratio"], strength / values["ratio"]),
             "radius": (1.0, radius),
-            "hardening": (hardening, 0.0 if math.isinf(strength) else values.get("hardening2", hardening)),
+            "hardening": (hardening, 0.0 if math.isinf(strength) else hardening),
         }
         law = self.law(LAW)
         size, unit = law.effective_radius, law.effective_modulus * law.effective_radius**2

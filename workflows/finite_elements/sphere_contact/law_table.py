@@ -10,7 +10,6 @@ E* R*^2. Each contact is unloaded from several depths; after each, loading goes 
 from __future__ import annotations
 
 import argparse
-import itertools
 import math
 from pathlib import Path
 from typing import Any
@@ -26,77 +25,25 @@ from granwave.workflows.finite_elements.sphere_contact.run import ContactRun
 
 _MODULUS, _RADIUS = 1e11, 0.01  # Pa, m: of the first sphere; results do not depend on them
 TABLE = Path(__file__).with_name("law_table.csv")
+CONTACTS = Path(__file__).with_name("law_contacts.csv")
 _DEEPEST = 0.22  # over R*
-_FLAT = 100.0  # radius ratio that counts as a flat
 _ELEMENTS = 2000  # of each body
 _FIRST_PEAK, _PEAKS = 2.0, 6  # overlap of the first unloading over that at first yield; number of unloadings
-_POINTS, _SMOOTHED = (
-    32,
-    0.12,
-)  # points of loading in the table; width of their smoothing, in the logarithm of the overlap
+_POINTS = 32  # of loading in the table
+_SMOOTHED = 0.12  # width of their smoothing, in the logarithm of the overlap
 _FEWEST = 20  # entries of an unloading
 
 
 def contacts() -> dict[str, dict[str, float]]:
-    """Return the contacts by name.
+    """Return the contacts by name, of ``law_contacts.csv``.
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and of the second its
-    ``radius, modulus, strength`` over those of the first, ``nu2``, ``hardening2``; equal ones are left out. Names that
-    begin with ``held`` do not enter the fit. Two equal
-    spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
+    ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones are left out. A radius of 100 counts
+    as a flat. Names that begin with ``held`` do not enter the fit. Two equal spheres to a depth of 0.88 R* are one on a
+    rigid flat to 0.22 R*.
     """
-    found: dict[str, dict[str, float]] = {}
-
-    def add(kind: str, **values: float) -> None:
-        found[kind + "".join(f"_{name}{value:g}" for name, value in values.items())] = values
-
-    for nu, ratio in itertools.product((0.0, 0.3, 0.45), (50, 200, 1000)):
-        for hardening in (0.0, 0.03, 0.1):
-            add("equal", nu=nu, ratio=ratio, hardening=hardening)
-    for nu, ratio, hardening in [(0.3, 50, 0.0), (0.3, 200, 0.0), (0.3, 1000, 0.0), (0.3, 200, 0.05), (0.45, 100, 0.0),
-                                 (0.0, 100, 0.0), (0.3, 50, 0.1)]:  # fmt: skip
-        add("rigid", nu=nu, ratio=ratio, hardening=hardening, deepest=4 * _DEEPEST)
-    for radius, ratio, hardening in itertools.product((3, _FLAT), (50, 200, 1000), (0.0, 0.05)):
-        add("radii", nu=0.3, ratio=ratio, hardening=hardening, radius=radius)
-    for radius, ratio in itertools.product((0.1, 1 / 3, 1, 3, _FLAT), (100, 500)):
-        add("unlike", nu=0.3, ratio=ratio, hardening=0.0, radius=radius, modulus=2.0, strength=np.inf)
-    for radius, modulus in itertools.product((1 / 3, 1, 3), (0.5, 2.0)):
-        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=radius, modulus=modulus, strength=1.3)
-    for ratio in (100, 500):
-        for nu in (0.0, 0.15, 0.3, 0.45):
-            if nu == 0.15 or ratio != 200:
-                add("equal", nu=nu, ratio=ratio, hardening=0.0)
-    for ratio in (50, 200, 1000):
-        add("equal", nu=0.15, ratio=ratio, hardening=0.0)
-        add("equal", nu=0.3, ratio=ratio, hardening=0.01)
-        add("radii", nu=0.3, ratio=ratio, hardening=0.0, radius=10)
-    for nu, radius in itertools.product((0.0, 0.45), (3, _FLAT)):
-        add("radii", nu=nu, ratio=200, hardening=0.0, radius=radius)
-    for strength in (1.15, 1.6):
-        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=1, strength=strength)
-    for radius in (1 / 3, 1, 3):
-        add("unlike", nu=0.3, ratio=200, hardening=0.05, radius=radius, modulus=2.0, strength=2.0)
-    for nu2 in (0.15, 0.45):
-        add("unlike", nu=0.3, ratio=200, hardening=0.0, radius=1, modulus=5.0, strength=np.inf, nu2=nu2)
-    for nu, ratio, hardening in [(0.3, 200, 0.02), (0.1, 500, 0.03), (0.45, 400, 0.01)]:
-        add("rigid", nu=nu, ratio=ratio, hardening=hardening, deepest=4 * _DEEPEST)
-    add("unlike", nu=0.3, ratio=100, hardening=0.05, radius=0.5, modulus=1.5, strength=3.0)
-    add("radii", nu=0.3, ratio=500, hardening=0.03, radius=_FLAT)
-    add("radii", nu=0.3, ratio=100, hardening=0.02, radius=5)
-    add("held", nu=0.22, ratio=140, hardening=0.0)
-    add("held", nu=0.38, ratio=330, hardening=0.05)
-    add("held", nu=0.1, ratio=70, hardening=0.015)
-    add("held", nu=0.35, ratio=800, hardening=0.0)
-    add("held", nu=0.33, ratio=260, hardening=0.02, radius=2)
-    add("held", nu=0.25, ratio=120, hardening=0.0, radius=5)
-    add("held", nu=0.2, ratio=300, hardening=0.02, deepest=4 * _DEEPEST)
-    add("held", nu=0.28, ratio=400, hardening=0.04, radius=_FLAT)
-    add("held", nu=0.4, ratio=80, hardening=0.0, radius=_FLAT)
-    add("held", nu=0.3, ratio=209.1, hardening=0.0, radius=1, modulus=1.826, strength=1.273)  # brass and steel
-    add("held", nu=0.33, ratio=260, hardening=0.0, radius=2, modulus=3.0, strength=2.5, nu2=0.28)
-    add("held", nu=0.3, ratio=150, hardening=0.03, radius=0.5, modulus=1.5, strength=4.0)
-    add("held", nu=0.2, ratio=300, hardening=0.0, radius=0.2, modulus=2.0, strength=np.inf)
-    return found
+    table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
+    return {name: row.dropna().to_dict() for name, row in table.iterrows()}
 
 
 def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
@@ -109,7 +56,6 @@ def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
     second = first | {
         "youngs_modulus": _MODULUS * values.get("modulus", 1.0),
         "poisson_ratio": values.get("nu2", nu),
-        "hardening": values.get("hardening2", values["hardening"]),
     }
     strength = values.get("strength", 1.0)
     second["yield_strength"] *= strength

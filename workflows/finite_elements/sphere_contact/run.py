@@ -45,7 +45,7 @@ from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.run_directory import CONTACT_TABLE
 from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
-from granwave.workflows.finite_elements.runner import ElementRun, Tables, run_elements
+from granwave.workflows.finite_elements.runner import SUMMARY_NAMES, ElementRun, Tables, run_elements
 from granwave.workflows.finite_elements.sphere_contact import mesh
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import (
@@ -70,6 +70,7 @@ _ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass
     "contact": "penalty",
     "input": "work",
 }
+_IN_SUMMARY = ("work", "elastic", "plastic", "kinetic", "hourglass", "viscous", "damping", "penalty")
 _OF_LOADING = {"overlap": "m", "force": "N", "contact_radius": "m", "mean_pressure": "Pa", "law_force": "N",
                "law_contact_radius": "m"}  # fmt: skip
 
@@ -210,9 +211,8 @@ class ContactRun(ElementRun):
     def progress(self) -> tuple[float, str]:
         """Share of the loading that is done, by the logarithm of the overlap, as its rate goes."""
         last = self.rows[-1]
-        return self._place(
-            last["overlap"]
-        ), f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"
+        note = f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"
+        return self._place(last["overlap"]), note
 
     def _place(self, overlap: float) -> float:
         return math.log1p(max(0.0, overlap) / self._unit)
@@ -244,14 +244,7 @@ class ContactRun(ElementRun):
             **worst(self.case, loading),
             **_of_cycles(compare_cycles(self.case, history)),
             **_quasi_static(late),
-            "energy_input_J": last["work"],
-            "energy_elastic_J": last["elastic"],
-            "energy_dissipated_J": last["plastic"],
-            "energy_kinetic_J": last["kinetic"],
-            "energy_hourglass_J": last["hourglass"],
-            "energy_viscous_J": last["viscous"],
-            "energy_damping_J": last["damping"],
-            "energy_contact_J": last["penalty"],
+            **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
             "energy_balance_error": (late["balance"] / late["work"]).abs().max(),
             "hourglass_share": last["hourglass"] / last["work"] if last["work"] else math.nan,
         }
