@@ -304,6 +304,19 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
     return directory / STUDY_ROWS
 
 
+def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:
+    """Say between which values a quantity lies: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N (2 layers).``
+
+    Parameters
+    ----------
+    values
+        By what they are of.
+    """
+    ends = [choose(values, key=lambda name: values[name].mean) for choose in (min, max)]
+    low, high = (f"{with_interval(values[name], unit=unit)} ({name})" for name in ends)
+    return f"{label}: from {low} to {high}."
+
+
 def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:
     """Columns of numbers, by heading, or by heading and unit."""
     pairs = [(head, "") if isinstance(head, str) else head for head in heads]
