@@ -171,7 +171,7 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     against = table(report, "studies", "Against the ideal packing")
     assert "not to be told from it" in against[1]["Peak force on the bottom"].text
     needed = [row["Seeds for the force to ± 10 %"].value for row in rows]
-    assert needed[:2] == needed[4:6] == [None, None] and max(filter(None, needed)) == 5
+    assert needed[:2] == [None, None] and max(filter(None, needed)) == 5
     kept = table(report, "studies", KEPT)
     texts = [[cell.text for cell in row.values()] for row in kept]
     assert texts[0][:4] == ["Diameter scatter", "Peak force on the bottom", "1330 N", "10 µm"]
