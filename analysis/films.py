@@ -20,20 +20,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from granwave.analysis.errors import did_you_mean
+from granwave.analysis.figures import sections
 from granwave.analysis.figures.packing3d import bar_location, can_be_cut, draw_packing
 from granwave.analysis.figures.rows import space_time_map
-from granwave.analysis.figures.sections import (
-    DISSIPATION_LIMITS,
-    Colouring,
-    colour_bar,
-    cut_of,
-    decades_up_to,
-    disc_radii,
-    draw_discs,
-    force_scale,
-    frame_axes,
-    window_around,
-)
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, GREY, WIDTH, new_figure, style
 from granwave.analysis.measures.geometry import Section as PlaneSection
 from granwave.analysis.result.reader import Result
@@ -58,7 +47,7 @@ class Quantity:
 
 QUANTITIES: Mapping[str, Quantity] = {
     "force": Quantity(
-        lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
+        lambda result, number: result.frame(number, "contact_force") / sections.force_scale(result)[0],
         "Contact force",
         FORCE_MAP,
     ),
@@ -116,7 +105,7 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     if view == "3d":
         return _of_packing(result, quantity, size)
     for name in PLANES if view is None else (view,):
-        if (found := cut_of(result, name)) is not None:
+        if (found := sections.cut_of(result, name)) is not None:
             return _of_section(result, quantity, found, size)
     if view == "section" and result.figure_options.plane is None:
         raise InputError("--view section: it is the plane of --plane, or of figures.plane in the case; give one")
@@ -124,7 +113,7 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     raise InputError(f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain")
 
 
-def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[Colouring]:
+def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[sections.Colouring]:
     """Return the colouring of every snapshot, on one scale."""
     shown = QUANTITIES[quantity]
     values = [shown.values(result, number) for number in range(len(result.frame_times))]
@@ -132,14 +121,17 @@ def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -
     if not largest > 0:
         raise InputError(f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity")
     options = result.figure_options
-    low, high = decades_up_to(largest, None)
+    low, high = sections.decades_up_to(largest, None)
     if quantity == "dissipation":
-        low, high = options.dissipation_limits or (DISSIPATION_LIMITS[0], max(DISSIPATION_LIMITS[1], largest))
+        low, high = options.dissipation_limits or (
+            sections.DISSIPATION_LIMITS[0],
+            max(sections.DISSIPATION_LIMITS[1], largest),
+        )
     elif quantity == "force":
         low, high = options.force_limits or (low, high)
     colours = options.colour_map or shown.map
-    label = f"{shown.label} {force_scale(result)[1]}" if quantity == "force" else shown.label
-    return [Colouring(one, label, quantity, colours, low, high) for one in values]
+    label = f"{shown.label} {sections.force_scale(result)[1]}" if quantity == "force" else shown.label
+    return [sections.Colouring(one, label, quantity, colours, low, high) for one in values]
 
 
 def _figure(height: float, size: Size) -> Figure:
@@ -157,7 +149,7 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     """Return the scene of a plane: its spheres as discs."""
     colourings = _colourings(result, quantity, cut.index)
     reached = np.max([one.values[cut.index] for one in colourings], axis=0) >= colourings[0].low
-    window = window_around(cut, reached, result.case.packing.diameter)
+    window = sections.window_around(cut, reached, result.case.packing.diameter)
     left, right, top, bottom = window
 
     def draw(number: int) -> Figure:
@@ -165,12 +157,12 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
         height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
         figure = _figure(min(max(height, 2.1), 6.0), size)
         axes = figure.subplots()
-        draw_discs(axes, cut, colouring.values[cut.index], colouring, disc_radii(result, cut))
-        frame_axes(axes, window)
+        sections.draw_discs(axes, cut, colouring.values[cut.index], colouring, sections.disc_radii(result, cut))
+        sections.frame_axes(axes, window)
         axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
         axes.set_ylabel(f"{cut.plane.down_label} (mm)")
         axes.set_title(" ", fontsize=9)  # room for the clock
-        colour_bar(figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size))
+        sections.colour_bar(figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size))
         _clock(figure, float(result.frame_times[number]))
         return figure
 

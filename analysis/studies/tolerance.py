@@ -17,6 +17,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import pandas as pd
 
+from granwave.analysis import statistics
 from granwave.analysis.document.model import BLANK, Cell, Column, Table
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales, ticks_at
@@ -25,16 +26,6 @@ from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.formatting.numbers import with_interval
 from granwave.analysis.measures.target import reached
 from granwave.analysis.result.reader import Result
-from granwave.analysis.statistics import (
-    Estimate,
-    crossing,
-    differ_significantly,
-    estimate,
-    exactly,
-    growing,
-    half_width,
-    seeds_needed,
-)
 from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label, impact_title
 from granwave.analysis.studies.study import Picture, numeric, span, table_of
 from granwave.lammps_inputs.case.case import Case
@@ -128,7 +119,7 @@ _ALL = (
 _PERFORMANCE = (FORCE, DISSIPATED, _PLASTIC)  # how much of it is left is told
 _PANELS = (FORCE, DISSIPATED, _PLASTIC, _FRICTION, _SPHERES, _ARRIVAL)
 
-Means = dict[Setting, Estimate]
+Means = dict[Setting, statistics.Estimate]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -185,7 +176,10 @@ class Packing:
     def means(self, quantity: Quantity) -> Means:
         """Estimates, SI, of the settings that have a value."""
         found = {setting: values for setting in self.runs if (values := self.values(quantity, setting))}
-        return {s: estimate(values) if self.random(s) else exactly(values[0]) for s, values in found.items()}
+        return {
+            s: statistics.estimate(values) if self.random(s) else statistics.exactly(values[0])
+            for s, values in found.items()
+        }
 
     def over_ideal(self, quantity: Quantity) -> Means:
         """Ratios to the ideal packing's value; nothing where that is random, zero or not known."""
@@ -199,7 +193,7 @@ class Packing:
         if quantity.better != "less":
             return shares
         return {
-            setting: Estimate(one.n, 1 / one.mean, one.deviation / one.mean**2, one.half_width / one.mean**2)
+            setting: statistics.Estimate(one.n, 1 / one.mean, one.deviation / one.mean**2, one.half_width / one.mean**2)
             for setting, one in shares.items()
             if one.mean
         }
@@ -308,7 +302,7 @@ def tables(packing: Packing) -> Iterator[Table]:
     }
     scattered = {s: one for s, one in packing.means(FORCE).items() if one.n > 1 and one.mean and one.deviation > 0}
     if scattered:
-        needed = {s: seeds_needed(one.deviation, _PRECISE * abs(one.mean)) for s, one in scattered.items()}
+        needed = {s: statistics.seeds_needed(one.deviation, _PRECISE * abs(one.mean)) for s, one in scattered.items()}
         means[f"Seeds for the force to ± {100 * _PRECISE:.0f} %"] = {s: Cell(str(n), n) for s, n in needed.items()}
     if means:
         yield by_setting("Mean and 95 % confidence interval", means, list(packing.runs))
@@ -368,8 +362,8 @@ def _seeds(packing: Packing, setting: Setting) -> str:
     return str(len(packing.runs[setting])) if packing.random(setting) else "not random"
 
 
-def _share_cell(share: Estimate) -> Cell:
-    alike = not share.exact and differ_significantly(exactly(1.0), share) is False
+def _share_cell(share: statistics.Estimate) -> Cell:
+    alike = not share.exact and statistics.differ_significantly(statistics.exactly(1.0), share) is False
     return Cell(with_interval(share.over(0.01)) + (", not to be told from it" if alike else ""), 100 * share.mean)
 
 
@@ -384,8 +378,8 @@ def _kept(packing: Packing) -> Iterator[tuple[str, ...]]:
             last = [setting for setting in along if setting in means][-1]
             known = {axis.of(setting): left[setting] for setting in along if setting in left}
             sure = {x: one.low for x, one in known.items() if math.isfinite(one.half_width)}
-            place = crossing(list(known), [one.mean for one in known.values()], KEPT)
-            surely = crossing(list(sure), list(sure.values()), KEPT)
+            place = statistics.crossing(list(known), [one.mean for one in known.values()], KEPT)
+            surely = statistics.crossing(list(sure), list(sure.values()), KEPT)
             kept = "every value tried"
             if place is not None:
                 after = bisect.bisect_right(tried := [axis.of(setting) for setting in along], place)
@@ -406,7 +400,7 @@ def _alike(packing: Packing) -> Iterator[tuple[str, ...]]:
         means = packing.means(quantity)
         for base, along in packing.along(axis).items():
             for pair in itertools.pairwise(setting for setting in along if setting in means):
-                if differ_significantly(*(means[setting] for setting in pair)) is False:
+                if statistics.differ_significantly(*(means[setting] for setting in pair)) is False:
                     ends = (axis.show(axis.of(setting)) for setting in pair)
                     at = _told(base) if base != IDEAL else ""
                     yield axis.words.capitalize(), quantity.words.capitalize(), *ends, at
@@ -494,10 +488,10 @@ def _convergence(packing: Packing, setting: Setting) -> Drawing | None:
         values = packing.values(quantity, setting)
         if len(values) < _FEWEST_SEEDS or not np.std(values):
             continue
-        found = growing(values)[_FEWEST_SHOWN - 2 :]
+        found = statistics.growing(values)[_FEWEST_SHOWN - 2 :]
         mean, seeds = found[-1].mean, np.array([one.n for one in found])
         half = np.array([one.half_width for one in found])
-        expected = np.array([half_width(found[-1].deviation, int(n)) for n in seeds])
+        expected = np.array([statistics.half_width(found[-1].deviation, int(n)) for n in seeds])
         axes.plot(seeds, 100 * half / mean, marker, color=colour, markersize=4, label=quantity.words)
         axes.plot(seeds, 100 * expected / mean, color=colour, linewidth=0.8)
         root = np.sqrt(seeds[-1] / seeds) * expected[-1]
