@@ -36,30 +36,22 @@ _DECADES = 3.0  # of the forces of a chain
 _MOST_INSTANTS = 120  # of a chain, which has up to a thousand
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """Quantity that a film shows: values of the spheres at a snapshot, and how they are coloured."""
-
-    values: Callable[[Result, int], NDArray[np.float64]]
-    label: str
-    map: str
-
-
-QUANTITIES: Mapping[str, Quantity] = {
-    "force": Quantity(
+#: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
+QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str, str]] = {
+    "force": (
         lambda result, number: result.frame(number, "contact_force") / sections.force_scale(result)[0],
         "Contact force",
         FORCE_MAP,
     ),
-    "velocity": Quantity(
+    "velocity": (
         lambda result, number: np.linalg.norm(result.frame(number, "velocity"), axis=1), "Speed (m/s)", FORCE_MAP
     ),
-    "dissipation": Quantity(
+    "dissipation": (
         lambda result, number: result.frame(number, "dissipated_energy") / result.energy_input,
         r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$",
         DISSIPATION_MAP,
     ),
-}
+}  # fmt: skip
 PLANES = ("orthogonal", "principal", "section")
 VIEWS = (*PLANES, "3d", "chain")
 
@@ -115,8 +107,8 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
 
 def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[sections.Colouring]:
     """Return the colouring of every snapshot, on one scale."""
-    shown = QUANTITIES[quantity]
-    values = [shown.values(result, number) for number in range(len(result.frame_times))]
+    value_of, label, usual_map = QUANTITIES[quantity]
+    values = [value_of(result, number) for number in range(len(result.frame_times))]
     largest = max(float(np.max(one[rows], initial=0.0)) for one in values)
     if not largest > 0:
         raise InputError(f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity")
@@ -129,8 +121,8 @@ def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -
         )
     elif quantity == "force":
         low, high = options.force_limits or (low, high)
-    colours = options.colour_map or shown.map
-    label = f"{shown.label} {sections.force_scale(result)[1]}" if quantity == "force" else shown.label
+    colours = options.colour_map or usual_map
+    label += f" {sections.force_scale(result)[1]}" if quantity == "force" else ""
     return [sections.Colouring(one, label, quantity, colours, low, high) for one in values]
 
 
@@ -328,21 +320,16 @@ def _check(
 
 
 def _pictures(film: Scene, width: int, progress: Callable[[int, int], None] | None) -> Iterator[NDArray[np.uint8]]:
+    """Yield the pictures in red, green, blue: (height, width, 3), both even as films need."""
     for number in range(len(film.times)):
-        yield _pixels(film.draw(number), width)
+        figure = film.draw(number)
+        figure.set_dpi(width / figure.get_figwidth())
+        figure.canvas.draw()
+        pixels = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
+        height, across = (size // 2 * 2 for size in pixels.shape[:2])
+        yield np.ascontiguousarray(pixels[:height, :across])
         if progress is not None:
             progress(number + 1, len(film.times))
-
-
-def _pixels(figure: Figure, width: int) -> NDArray[np.uint8]:
-    """Return the picture in red, green, blue: (height, width, 3), both even as films need."""
-    inches = figure.get_figwidth()
-    figure.set_dpi(width / inches)
-    canvas = figure.canvas
-    canvas.draw()
-    pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
-    height, across = (size // 2 * 2 for size in pixels.shape[:2])
-    return np.ascontiguousarray(pixels[:height, :across])
 
 
 def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:

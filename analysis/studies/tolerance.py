@@ -464,14 +464,14 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
     if min(len(columns), len(lines)) < 2 or len(settings) != len(columns) * len(lines) or not shown:
         return None
     figure, *row = panels(0.32 * len(lines) + 1.25, len(shown), width=_WIDTH, sharey=True)
+    names = tuple([f"{value:g}" for value in values] for values in (columns, lines))
     table = {axis.column: np.array([getattr(setting, axis.name) for setting in settings]) for axis in (across, up)}
     for axes, quantity in zip(row, shown, strict=True):
         found = packing.over_ideal(quantity)
         shares = np.array([100 * found[setting].mean if setting in found else np.nan for setting in settings])
-        numbered_map(axes, shares.reshape(len(columns), len(lines)).T, 100.0, "% of the ideal packing's")
-        axes.set_xticks(np.arange(len(columns)) + 0.5, [f"{value:g}" for value in columns])
-        axes.set_yticks(np.arange(len(lines)) + 0.5, [f"{value:g}" for value in lines])
-        axes.tick_params(which="both", length=0)
+        ends = 0.0, max(100.0, float(np.nanmax(shares)))
+        table_of_shares = shares.reshape(len(columns), len(lines)).T
+        numbered_map(axes, table_of_shares, ends, "% of the ideal packing's", names, ".0f")
         axes.set(xlabel=across.title + not_to_scale(columns), title=quantity.words.capitalize())
         table[f"{quantity.name}_over_ideal"] = shares / 100
     row[0].set_ylabel(up.title + not_to_scale(lines))
