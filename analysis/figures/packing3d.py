@@ -89,9 +89,19 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
         bottom -= _BELOW * (right - left)  # for the scale bar
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
-    _scale_bar(axes, left, right, bottom)
+    wanted = 0.2 * (right - left)  # a scale bar of a round length, mm, in the lower left corner
+    power = 10 ** np.floor(np.log10(wanted))
+    length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
+    start, above = left + 0.02 * (right - left), {"textcoords": "offset points", "ha": "center", "va": "bottom"}
+    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
+    axes.annotate(f"{length:g} mm", (start + length / 2, bottom), (0, 3), **above)
+    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see, and it points down
     place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
-    _mark_impact(axes, place * _MILLI, beyond - place, right - left)
+    seen = float(np.hypot(*(beyond - place)))
+    back = (place - beyond) / seen if seen > 0.1 else np.array([0.0, 1.0])
+    tip, tail = (tuple(place * _MILLI + share * (right - left) * back) for share in (0.02, 0.12))
+    arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=tip, xytext=tail, arrowprops=arrow, annotation_clip=False)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
     rows = kept[surface.visible]
     columns = {"id": result["spheres/id"][rows]}
@@ -108,31 +118,6 @@ def can_be_cut(result: Result) -> bool:
     """Return True for a packing that extends along x and y; of a chain curves show more."""
     positions = result["spheres/position"]
     return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
-
-
-def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
-    """Draw a scale bar of a round length, mm, in the lower left corner."""
-    wanted = 0.2 * (right - left)
-    power = 10 ** np.floor(np.log10(wanted))
-    length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
-    start = left + 0.02 * (right - left)
-    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
-    axes.annotate(
-        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
-    )
-
-
-def _mark_impact(axes: Axes, place: NDArray[np.float64], way: NDArray[np.float64], width: float) -> None:
-    """Draw an arrow at the struck sphere, along a direction in the picture."""
-    length = float(np.hypot(*way))
-    back = -way / length if length > 0.1 else np.array([0.0, 1.0])  # towards the viewer there is nothing to see
-    axes.annotate(
-        "",
-        xy=tuple(place + 0.02 * width * back),
-        xytext=tuple(place + 0.12 * width * back),
-        arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0},
-        annotation_clip=False,
-    )
 
 
 def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
