@@ -135,8 +135,9 @@ def _write_csv(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units:
         for start in range(0, max(n_rows, 1), _ROWS):
             table: dict[str, NDArray] = {}
             for name, values in columns.items():
-                is_text = isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype)
-                part = np.asarray((values.asstr() if is_text else values)[start : start + _ROWS])
+                if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
+                    values = values.asstr()
+                part = np.asarray(values[start : start + _ROWS])
                 part = part.astype(np.int64) if name == _STEP else part
                 parts = (
                     {f"{name}_{axis}": part[:, n] for n, axis in enumerate("xyz")} if part.ndim == 2 else {name: part}

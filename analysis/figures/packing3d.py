@@ -92,9 +92,11 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     wanted = 0.2 * (right - left)  # a scale bar of a round length, mm, in the lower left corner
     power = 10 ** np.floor(np.log10(wanted))
     length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
-    start, above = left + 0.02 * (right - left), {"textcoords": "offset points", "ha": "center", "va": "bottom"}
+    start = left + 0.02 * (right - left)
     axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
-    axes.annotate(f"{length:g} mm", (start + length / 2, bottom), (0, 3), **above)
+    axes.annotate(
+        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
+    )
     # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see, and it points down
     place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
     seen = float(np.hypot(*(beyond - place)))

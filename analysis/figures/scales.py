@@ -114,7 +114,7 @@ def numbered_map(
     values: NDArray[np.float64],
     ends: tuple[float, float],
     title: str,
-    names: tuple[Sequence[str], Sequence[str]],
+    names: Sequence[Sequence[str]],
     form: str = ".3g",
     most: int = _MOST_NAMED,
 ) -> None:

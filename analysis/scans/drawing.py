@@ -165,7 +165,7 @@ def draw_map(
     figure = new_figure(min(max(0.34 * len(lines) + 0.7, of_title, 1.9), 3.4))
     axes = figure.subplots()
     low, high = float(np.nanmin(table)), float(np.nanmax(table))
-    names = tuple([shown(number) for number in numbers] for numbers in values)
+    names = [[shown(number) for number in numbers] for numbers in values]
     room = int((_AXIS - _BAR) / (_CHARACTER * (max(map(len, names[0])) + 1)))
     axes.set_facecolor(BLANK)
     numbered_map(axes, table, (low, high if high > low else low + 1e-3), title, names, most=room)

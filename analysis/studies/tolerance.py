@@ -399,9 +399,9 @@ def _alike(packing: Packing) -> Iterator[tuple[str, ...]]:
     for axis, quantity in itertools.product(packing.axes, (FORCE, DISSIPATED)):
         means = packing.means(quantity)
         for base, along in packing.along(axis).items():
-            for pair in itertools.pairwise(setting for setting in along if setting in means):
-                if statistics.differ_significantly(*(means[setting] for setting in pair)) is False:
-                    ends = (axis.show(axis.of(setting)) for setting in pair)
+            for first, second in itertools.pairwise(setting for setting in along if setting in means):
+                if statistics.differ_significantly(means[first], means[second]) is False:
+                    ends = (axis.show(axis.of(setting)) for setting in (first, second))
                     at = _told(base) if base != IDEAL else ""
                     yield axis.words.capitalize(), quantity.words.capitalize(), *ends, at
 
@@ -464,7 +464,7 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
     if min(len(columns), len(lines)) < 2 or len(settings) != len(columns) * len(lines) or not shown:
         return None
     figure, *row = panels(0.32 * len(lines) + 1.25, len(shown), width=_WIDTH, sharey=True)
-    names = tuple([f"{value:g}" for value in values] for values in (columns, lines))
+    names = [[f"{value:g}" for value in values] for values in (columns, lines)]
     table = {axis.column: np.array([getattr(setting, axis.name) for setting in settings]) for axis in (across, up)}
     for axes, quantity in zip(row, shown, strict=True):
         found = packing.over_ideal(quantity)

@@ -69,7 +69,9 @@ def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Draw
     for axes, energy, quantity in zip(row, ("energy_J", "energy_normalised"), ("Input energy (J)", title), strict=True):
         for n, (name, runs) in enumerate(curves.items()):
             axes.plot(runs[energy], runs.dissipated_fraction, label=name, **look(n, lines=False))
-        label(axes, quantity, xscale=scale, **({"xlim": (0, None)} if scale == "linear" else {}))
+        label(axes, quantity, xscale=scale)
+        if scale == "linear":
+            axes.set_xlim(left=0)
     label(row[0], y=FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
     legend_outside(figure, 2, fontsize=7, columnspacing=1.0)
     return Drawing(figure, columns)
