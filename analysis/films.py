@@ -20,20 +20,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from granwave.analysis.errors import did_you_mean
+from granwave.analysis.figures import sections
 from granwave.analysis.figures.packing3d import bar_location, can_be_cut, draw_packing
 from granwave.analysis.figures.rows import space_time_map
-from granwave.analysis.figures.sections import (
-    DISSIPATION_LIMITS,
-    Colouring,
-    colour_bar,
-    cut_of,
-    decades_up_to,
-    disc_radii,
-    draw_discs,
-    force_scale,
-    frame_axes,
-    window_around,
-)
 from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, GREY, WIDTH, new_figure, style
 from granwave.analysis.measures.geometry import Section as PlaneSection
 from granwave.analysis.result.reader import Result
@@ -47,30 +36,22 @@ _DECADES = 3.0  # of the forces of a chain
 _MOST_INSTANTS = 120  # of a chain, which has up to a thousand
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """Quantity that a film shows: values of the spheres at a snapshot, and how they are coloured."""
-
-    values: Callable[[Result, int], NDArray[np.float64]]
-    label: str
-    map: str
-
-
-QUANTITIES: Mapping[str, Quantity] = {
-    "force": Quantity(
-        lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
+#: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
+QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str, str]] = {
+    "force": (
+        lambda result, number: result.frame(number, "contact_force") / sections.force_scale(result)[0],
         "Contact force",
         FORCE_MAP,
     ),
-    "velocity": Quantity(
+    "velocity": (
         lambda result, number: np.linalg.norm(result.frame(number, "velocity"), axis=1), "Speed (m/s)", FORCE_MAP
     ),
-    "dissipation": Quantity(
+    "dissipation": (
         lambda result, number: result.frame(number, "dissipated_energy") / result.energy_input,
         r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$",
         DISSIPATION_MAP,
     ),
-}
+}  # fmt: skip
 PLANES = ("orthogonal", "principal", "section")
 VIEWS = (*PLANES, "3d", "chain")
 
@@ -116,7 +97,7 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     if view == "3d":
         return _of_packing(result, quantity, size)
     for name in PLANES if view is None else (view,):
-        if (found := cut_of(result, name)) is not None:
+        if (found := sections.cut_of(result, name)) is not None:
             return _of_section(result, quantity, found, size)
     if view == "section" and result.figure_options.plane is None:
         raise InputError("--view section: it is the plane of --plane, or of figures.plane in the case; give one")
@@ -124,22 +105,25 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     raise InputError(f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain")
 
 
-def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[Colouring]:
+def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[sections.Colouring]:
     """Return the colouring of every snapshot, on one scale."""
-    shown = QUANTITIES[quantity]
-    values = [shown.values(result, number) for number in range(len(result.frame_times))]
+    value_of, label, usual_map = QUANTITIES[quantity]
+    values = [value_of(result, number) for number in range(len(result.frame_times))]
     largest = max(float(np.max(one[rows], initial=0.0)) for one in values)
     if not largest > 0:
         raise InputError(f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity")
     options = result.figure_options
-    low, high = decades_up_to(largest, None)
+    low, high = sections.decades_up_to(largest, None)
     if quantity == "dissipation":
-        low, high = options.dissipation_limits or (DISSIPATION_LIMITS[0], max(DISSIPATION_LIMITS[1], largest))
+        low, high = options.dissipation_limits or (
+            sections.DISSIPATION_LIMITS[0],
+            max(sections.DISSIPATION_LIMITS[1], largest),
+        )
     elif quantity == "force":
         low, high = options.force_limits or (low, high)
-    colours = options.colour_map or shown.map
-    label = f"{shown.label} {force_scale(result)[1]}" if quantity == "force" else shown.label
-    return [Colouring(one, label, quantity, colours, low, high) for one in values]
+    colours = options.colour_map or usual_map
+    label += f" {sections.force_scale(result)[1]}" if quantity == "force" else ""
+    return [sections.Colouring(one, label, quantity, colours, low, high) for one in values]
 
 
 def _figure(height: float, size: Size) -> Figure:
@@ -157,7 +141,7 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     """Return the scene of a plane: its spheres as discs."""
     colourings = _colourings(result, quantity, cut.index)
     reached = np.max([one.values[cut.index] for one in colourings], axis=0) >= colourings[0].low
-    window = window_around(cut, reached, result.case.packing.diameter)
+    window = sections.window_around(cut, reached, result.case.packing.diameter)
     left, right, top, bottom = window
 
     def draw(number: int) -> Figure:
@@ -165,12 +149,12 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
         height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
         figure = _figure(min(max(height, 2.1), 6.0), size)
         axes = figure.subplots()
-        draw_discs(axes, cut, colouring.values[cut.index], colouring, disc_radii(result, cut))
-        frame_axes(axes, window)
+        sections.draw_discs(axes, cut, colouring.values[cut.index], colouring, sections.disc_radii(result, cut))
+        sections.frame_axes(axes, window)
         axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
         axes.set_ylabel(f"{cut.plane.down_label} (mm)")
         axes.set_title(" ", fontsize=9)  # room for the clock
-        colour_bar(figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size))
+        sections.colour_bar(figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size))
         _clock(figure, float(result.frame_times[number]))
         return figure
 
@@ -336,21 +320,16 @@ def _check(
 
 
 def _pictures(film: Scene, width: int, progress: Callable[[int, int], None] | None) -> Iterator[NDArray[np.uint8]]:
+    """Yield the pictures in red, green, blue: (height, width, 3), both even as films need."""
     for number in range(len(film.times)):
-        yield _pixels(film.draw(number), width)
+        figure = film.draw(number)
+        figure.set_dpi(width / figure.get_figwidth())
+        figure.canvas.draw()
+        pixels = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
+        height, across = (size // 2 * 2 for size in pixels.shape[:2])
+        yield np.ascontiguousarray(pixels[:height, :across])
         if progress is not None:
             progress(number + 1, len(film.times))
-
-
-def _pixels(figure: Figure, width: int) -> NDArray[np.uint8]:
-    """Return the picture in red, green, blue: (height, width, 3), both even as films need."""
-    inches = figure.get_figwidth()
-    figure.set_dpi(width / inches)
-    canvas = figure.canvas
-    canvas.draw()
-    pixels = np.asarray(canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
-    height, across = (size // 2 * 2 for size in pixels.shape[:2])
-    return np.ascontiguousarray(pixels[:height, :across])
 
 
 def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:

@@ -87,7 +87,7 @@ def build(run: Path) -> Any:
 
     coloured("particles")
     if columns:
-        later = f"time_first < 0 || time_first > Timestep*{_timestep(case)!r}*(1+1e-9)"
+        later = f"time_first < 0 || time_first > Timestep*{float(case['resolved']['timestep'])!r}*(1+1e-9)"
         pipeline.modifiers.append(ExpressionSelectionModifier(operate_on="bonds", expression=later))
         pipeline.modifiers.append(DeleteSelectedModifier(operate_on={"bonds"}))
         coloured("bonds")
@@ -144,10 +144,6 @@ def _columns(path: Path) -> list[str]:
             if line.startswith("ITEM: ENTRIES"):
                 return [ids.get(name, name) for name in line.split()[2:]] if count else []
     raise SystemExit(f"{path}: found no line 'ITEM: ENTRIES ...', expected the contacts of a finished run")
-
-
-def _timestep(case: dict[str, Any]) -> float:
-    return float(case["resolved"]["timestep"])
 
 
 def main() -> None:

@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -130,26 +130,21 @@ def place_of_column(column: str) -> int:
 
 def _write_csv(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Mapping[str, str]) -> None:
     """Write columns, (n,) or (n, 3), of equal length."""
-    header: list[str] = []
-    for name, values in columns.items():
-        parts = [f"{name}_{axis}" for axis in "xyz"] if values.ndim == 2 else [name]
-        header += [column_name(part, units.get(name, "1")) for part in parts]
     n_rows = max((len(values) for values in columns.values()), default=0)
     with open(path, "w", encoding="utf-8", newline="") as file:
-        write_csv_rows(file, [header])
-        for start in range(0, n_rows, _ROWS):
-            rows = slice(start, start + _ROWS)
-            cells = [text for name, values in columns.items() for text in _cells(values, rows, whole=name == _STEP)]
-            write_csv_rows(file, zip(*cells, strict=True))
-
-
-def _cells(values: NDArray | h5py.Dataset, rows: slice, *, whole: bool) -> Sequence[list[object]]:
-    """Return one list of cells for each component, of whole numbers if all are."""
-    if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
-        values = values.asstr()
-    part = np.asarray(values[rows])
-    part = part.astype(np.int64) if whole else part
-    return [["" if cell != cell else cell for cell in column] for column in np.atleast_2d(part.T).tolist()]
+        for start in range(0, max(n_rows, 1), _ROWS):
+            table: dict[str, NDArray] = {}
+            for name, values in columns.items():
+                if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
+                    values = values.asstr()
+                part = np.asarray(values[start : start + _ROWS])
+                part = part.astype(np.int64) if name == _STEP else part
+                parts = (
+                    {f"{name}_{axis}": part[:, n] for n, axis in enumerate("xyz")} if part.ndim == 2 else {name: part}
+                )
+                table |= {column_name(own, units.get(name, "1")): column for own, column in parts.items()}
+            cells = [["" if cell != cell else cell for cell in column.tolist()] for column in table.values()]
+            write_csv_rows(file, [*([] if start else [table]), *zip(*cells, strict=True)])
 
 
 _COMPRESSED_FROM = 4096  # values
@@ -194,7 +189,7 @@ def write_scan_netcdf(scan: ScanData, path_of: Callable[[str], Path]) -> None:
         file.attrs["varied"] = json.dumps(scan.varied)
         _add(file, "point", ("point",), np.arange(1, scan.n_points + 1), long_name="number of the point")
         for name in scan:
-            coordinates = {} if name in scan.varied else {"coordinates": _joined(scan.varied)}
+            coordinates = {} if name in scan.varied else {"coordinates": " ".join(scan.varied)}
             _add(file, name, ("point",), scan[name], scan.unit(name), name, **coordinates)
 
 
@@ -212,21 +207,15 @@ def _create(path_of: Callable[[str], Path], name: str) -> Iterator[h5netcdf.File
 def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
     dimension, prefix, whose, coordinates = _TABLES[group]
     names = result.names(group)
-    own = {name: _variable(dimension, prefix, name) for name in names}
-    others = _joined(own[name] for name in coordinates if own.get(name, dimension) != dimension)
+    axes = (("sphere", "id"), ("time", "time"), ("probe_time", "time"))  # coordinates of their dimensions
+    own = {name: dimension if (dimension, name) in axes else f"{prefix}_{name}" for name in names}
+    others = " ".join(own[name] for name in coordinates if own.get(name, dimension) != dimension)
     for name in names:
         values = result[f"{group}/{name}"]
         dimensions = (dimension, "axis")[: values.ndim]
         described = name if own[name] == dimension else f"{name.replace('_', ' ')} {whose}"
         extra = {"coordinates": others} if others and name not in coordinates else {}
         _add(file, own[name], dimensions, values, result.unit(f"{group}/{name}"), described, **extra)
-
-
-def _variable(dimension: str, prefix: str, name: str) -> str:
-    """Return the variable name of a column; ids of spheres and times are coordinates of their dimensions."""
-    if (dimension, name) in (("sphere", "id"), ("time", "time"), ("probe_time", "time")):
-        return dimension
-    return f"{prefix}_{name}"
 
 
 def _add_chain(file: h5netcdf.File, result: Result) -> None:
@@ -299,7 +288,3 @@ def _add(
 
 def _attributes(unit: str, long_name: str, **others: str) -> Mapping[str, str]:
     return {"long_name": long_name} | ({"units": unit.replace("^", "")} if unit else {}) | others
-
-
-def _joined(names: Any) -> str:
-    return " ".join(names)

@@ -51,13 +51,15 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
         positions = result.frame(number, "position")
         quantities = [name for name in result.quantities if name != "position"]
         values: dict[str, NDArray] = {name: result.frame(number, name) for name in quantities}
-        values["contacts_yielded"] = _contacts_yielded(result, time)
+        yielded = result["contacts/yielded"].astype(np.int8) & _since(result["contacts/time_yield"], time)
+        ends = result.ends[yielded > 0]
+        values["contacts_yielded"] = np.bincount(ends.ravel(), minlength=result.n_spheres)
         spheres = {"id": result["spheres/id"], "radius": radius, **values}
         vertices = np.arange(len(positions)).reshape(-1, 1)
         _write(path_of(_name("spheres", number)), positions, vertices, spheres, time)
         points, lines, overlap = _lines(result, positions, radius)
         contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
-        contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": _yielded(result, time)}
+        contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": yielded}
         contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result}
         _write(path_of(_name("contacts", number)), points, lines, contacts, time)
     for what in ("spheres", "contacts"):
@@ -71,17 +73,6 @@ def _name(what: str, number: int) -> str:
 def _since(began: NDArray[np.float64], time: float) -> NDArray[np.int8]:
     """Return 1 for events up to a time (NaN: never), else 0."""
     return (began <= time).astype(np.int8)
-
-
-def _yielded(result: Result, time: float) -> NDArray[np.int8]:
-    return result["contacts/yielded"].astype(np.int8) & _since(result["contacts/time_yield"], time)
-
-
-def _contacts_yielded(result: Result, time: float) -> NDArray[np.int64]:
-    """Count the contacts of each sphere that have yielded by a time: (n_spheres,)."""
-    yielded = _yielded(result, time) > 0
-    ends = result.ends[yielded]
-    return np.bincount(ends.ravel(), minlength=result.n_spheres)
 
 
 def _lines(

@@ -24,19 +24,10 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
+from granwave.analysis.measures import waves
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.waves import (
-    LAYER_BINS,
-    PER_RING,
-    RINGS,
-    Spread,
-    energy_of_spheres,
-    is_layer,
-    spread,
-    travelling_frame,
-)
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding, packing_zone
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
@@ -283,16 +274,16 @@ def directions(result: Result) -> Drawing | None:
         return None
     if result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
         return None
-    frame = travelling_frame(result)
+    frame = waves.travelling_frame(result)
     time = result.frame_times[frame]
     found = {
-        f"Energy at {time * _MICRO:.0f} µs": spread(result, energy_of_spheres(result, frame)),
-        "Dissipation": spread(result, result["spheres/dissipated_energy"]),
+        f"Energy at {time * _MICRO:.0f} µs": waves.spread(result, waves.energy_of_spheres(result, frame)),
+        "Dissipation": waves.spread(result, result["spheres/dissipated_energy"]),
     }
     shown = {name: one for name, one in found.items() if one is not None}
     if not shown:
         return None
-    layer = is_layer(result)
+    layer = waves.is_layer(result)
     height = (WIDTH / 2 if len(shown) > 1 else 0.7 * WIDTH) + _TITLE_HEIGHT + (0.0 if layer else 0.5)
     polar = {"projection": "polar"}
     figure, *row = panels(height, len(shown), width=WIDTH, subplot_kw=polar)
@@ -309,19 +300,19 @@ def directions(result: Result) -> Drawing | None:
     return Drawing(figure, columns)
 
 
-def _draw_layer(_: Result, axes: Any, one: Spread, colour: str, __: str) -> dict[str, NDArray]:
+def _draw_layer(_: Result, axes: Any, one: waves.Spread, colour: str, __: str) -> dict[str, NDArray]:
     """Draw the shares of a layer as bars; return the columns of the directions."""
-    angle = np.arange(LAYER_BINS) * 360 / LAYER_BINS - 180
-    axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / LAYER_BINS), color=colour)
+    angle = np.arange(waves.LAYER_BINS) * 360 / waves.LAYER_BINS - 180
+    axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / waves.LAYER_BINS), color=colour)
     axes.yaxis.set_major_formatter("{x:.0f} %")
     axes.yaxis.get_major_locator().base.set_params(nbins=3)
     return {"angle_deg": angle}
 
 
-def _draw_half_sphere(result: Result, axes: Any, one: Spread, _: str, colours: str) -> dict[str, NDArray]:
+def _draw_half_sphere(result: Result, axes: Any, one: waves.Spread, _: str, colours: str) -> dict[str, NDArray]:
     """Draw the shares below the impact in a stereographic view; return the columns of the directions."""
-    edges = np.deg2rad(np.arange(PER_RING + 1) * 360 / PER_RING - 180 - 180 / PER_RING)
-    depth = 1 - np.arange(RINGS + 1) / RINGS  # cosine of the angle to the impact axis
+    edges = np.deg2rad(np.arange(waves.PER_RING + 1) * 360 / waves.PER_RING - 180 - 180 / waves.PER_RING)
+    depth = 1 - np.arange(waves.RINGS + 1) / waves.RINGS  # cosine of the angle to the impact axis
     axis, norm = preferred_directions(result.case.packing.kind), Normalize(0, float(one.relative.max()))
     colours = result.figure_options.colour_map or colours
     radius = 2 * np.tan(np.arccos(depth) / 2)
@@ -333,6 +324,6 @@ def _draw_half_sphere(result: Result, axes: Any, one: Spread, _: str, colours: s
     axes.grid(alpha=0.3)
     axes.figure.colorbar(mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12)
     return {
-        "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), PER_RING),
-        "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), RINGS),
+        "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), waves.PER_RING),
+        "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), waves.RINGS),
     }

@@ -11,7 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.sections import Colouring, colour_bar, dissipation_colouring, peak_force_colouring
+from granwave.analysis.figures.sections import (
+    Colouring,
+    colour_bar,
+    dissipation_colouring,
+    half_axes,
+    peak_force_colouring,
+)
 from granwave.analysis.figures.sphere_renderer import Camera, Surface, lit_surface, painted
 from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
@@ -19,7 +25,7 @@ from granwave.lammps_inputs.packing.walls import walls
 
 _PIXELS = 1000  # width of the picture, about that of the figure at its resolution
 _HIGHEST = 6.5  # inches, of the picture
-_AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees
+AZIMUTH, ELEVATION = -58.0, 30.0  # degrees
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
@@ -54,59 +60,55 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     if not can_be_cut(result):
         return None
     positions = result["spheres/position"]
-    camera = Camera.looking(_AZIMUTH, _ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
+    camera = Camera.looking(AZIMUTH, ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
     beyond, towards = (positions - result.origin)[:, :2], np.sign(camera.towards[:2])
     facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)  # the quarter that is cut away
     kept = np.flatnonzero(~facing)
     values = colouring.values[kept]
     colours = colormaps[colouring.map](colouring.norm(np.clip(values, colouring.low, colouring.high)))[:, :3]
     colours[values < colouring.low] = to_rgb(BLANK)
-    surface = _surface(result, kept, camera)
+    surface = _SURFACES.get(result)
+    if surface is None:  # which is the same for the next picture of the same result
+        places, radii = positions[kept], result["spheres/radius"][kept]
+        across, up = np.ptp(camera.project(places)[:, :2], axis=0) + 2 * radii.max()
+        pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
+        surface = _SURFACES[result] = lit_surface(places, radii, camera, pixels, half_axes(result, kept))
     left, right, bottom, top = (edge * _MILLI for edge in surface.extent)
     figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    pixels = painted(surface, colours)
-    if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
-        alpha = pixels[..., 3:]
-        pixels = np.concatenate([pixels[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
-    axes.imshow(np.rint(pixels * 255).astype(np.uint8), extent=(left, right, bottom, top), interpolation="antialiased")
+    image, outlined = painted(surface, colours), any(wall.tube or wall.plate for wall in walls(result.assembly))
+    if not outlined:  # on white, as no lines are seen behind: files are smaller
+        alpha = image[..., 3:]
+        image = np.concatenate([image[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
+    axes.imshow(np.rint(image * 255).astype(np.uint8), extent=(left, right, bottom, top), interpolation="antialiased")
     axes.set_axis_off()
-    if _has_outlines(result):
+    if outlined:
         _draw_walls(axes, result, camera)
         bottom -= _BELOW * (right - left)  # for the scale bar
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
-    _scale_bar(axes, left, right, bottom)
+    wanted = 0.2 * (right - left)  # a scale bar of a round length, mm, in the lower left corner
+    power = 10 ** np.floor(np.log10(wanted))
+    length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
+    start = left + 0.02 * (right - left)
+    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
+    axes.annotate(
+        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
+    )
+    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see, and it points down
     place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
-    _mark_impact(axes, place * _MILLI, beyond - place, right - left)
+    seen = float(np.hypot(*(beyond - place)))
+    back = (place - beyond) / seen if seen > 0.1 else np.array([0.0, 1.0])
+    tip, tail = (tuple(place * _MILLI + share * (right - left) * back) for share in (0.02, 0.12))
+    arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=tip, xytext=tail, arrowprops=arrow, annotation_clip=False)
     colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
     rows = kept[surface.visible]
     columns = {"id": result["spheres/id"][rows]}
     columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
     return Drawing(figure, columns | {colouring.column: colouring.values[rows]})
-
-
-def _surface(result: Result, kept: NDArray[np.int64], camera: Camera) -> Surface:
-    """Return what is seen of the cut packing; it is kept for the next picture of the same result."""
-    before = _SURFACES.get(result)
-    if before is None:
-        places, radii = result["spheres/position"][kept], result["spheres/radius"][kept]
-        across, up = np.ptp(camera.project(places)[:, :2], axis=0) + 2 * radii.max()
-        pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
-        before = lit_surface(places, radii, camera, pixels, _axes(result, kept))
-        _SURFACES[result] = before
-    return before
-
-
-def _axes(result: Result, kept: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_kept, 3), m; None without any."""
-    if not result.assembly.has_cylinders:
-        return None
-    shapes = result.assembly.grain_shapes()
-    nothing = np.zeros(3)
-    return np.array([nothing if (one := shapes[row]) is None else one.vector * one.length / 2 for row in kept])
 
 
 def bar_location(size: tuple[float, float] | None) -> str:
@@ -118,31 +120,6 @@ def can_be_cut(result: Result) -> bool:
     """Return True for a packing that extends along x and y; of a chain curves show more."""
     positions = result["spheres/position"]
     return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
-
-
-def _scale_bar(axes: Axes, left: float, right: float, bottom: float) -> None:
-    """Draw a scale bar of a round length, mm, in the lower left corner."""
-    wanted = 0.2 * (right - left)
-    power = 10 ** np.floor(np.log10(wanted))
-    length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
-    start = left + 0.02 * (right - left)
-    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
-    axes.annotate(
-        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
-    )
-
-
-def _mark_impact(axes: Axes, place: NDArray[np.float64], way: NDArray[np.float64], width: float) -> None:
-    """Draw an arrow at the struck sphere, along a direction in the picture."""
-    length = float(np.hypot(*way))
-    back = -way / length if length > 0.1 else np.array([0.0, 1.0])  # towards the viewer there is nothing to see
-    axes.annotate(
-        "",
-        xy=tuple(place + 0.02 * width * back),
-        xytext=tuple(place + 0.12 * width * back),
-        arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0},
-        annotation_clip=False,
-    )
 
 
 def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
@@ -163,10 +140,6 @@ def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
                 width, order = (0.4, 3) if is_before else (0.8, -1)
                 pair = zip(start[:2], end[:2], strict=True)
                 axes.plot(*pair, color=GREY, clip_on=False, linewidth=width, zorder=order)
-
-
-def _has_outlines(result: Result) -> bool:
-    return any(wall.tube or wall.plate is not None for wall in walls(result.assembly))
 
 
 _CORNERS = 64  # of the rim of a tube; a multiple of 4

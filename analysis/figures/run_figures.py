@@ -49,152 +49,87 @@ class RunFigure:
         return drawing
 
 
-def _on_planes(
-    name: str, caption: str, function: Callable[..., Drawing | None], look: str
-) -> Iterator[tuple[str, RunFigure]]:
-    """Yield the figures of one quantity on the three planes."""
-    for plane, where in (
-        ("principal", "principal plane"),
-        ("orthogonal", "plane orthogonal to it"),
-        ("section", "plane of the case"),
-    ):
-        yield f"{name}_{plane}", RunFigure(f"{caption}, {where}", partial(function, name=plane), look)
+#: Figures in the order of reports: name, function, caption, what to look for; with * on each of the three planes.
+_TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
+    ("peak_force_*", sections.peak_force_section, "Peak contact force",
+     "Bright lines are rows of contacts that carry the wave; beside them the force falls fast."),
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth",
+     "On a logarithmic axis a straight line is an exponential decay; marks are the preferred directions."),
+    ("dissipation_*", sections.dissipation_section, "Dissipation",
+     "How far from the impact spheres are coloured is the size of the plastic zone."),
+    ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, friction and viscous losses",
+     "The panels have one scale: compare where spheres yield with where they slide or are damped."),
+    ("dents_*", sections.dents_section, "Dents from before the run",
+     "A contact is elastic up to the force that dented it, so that large dents lose less."),
+    ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
+     "The steeper the fall, the fewer spheres take the energy."),
+    ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulated dissipation against the volume involved",
+     "Where the curve turns up, the last per cents of the energy are spread over most of the volume."),
+    ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
+     "Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run."),
+    ("plastic_zone_size", dissipation.plastic_zone_size,
+     "Size of the plastic zone: energy of yielding that lies farther out",
+     "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly."),
+    ("energies", histories.energies, "Energies and the error of their balance",
+     "Where the dissipated energy is level, the impact is over; the residual must stay small."),
+    ("timestep", histories.timestep, "Timestep, and the error of the energy balance that it follows",
+     "Steps are short while contacts are stiff; the residual stays below the line, the tolerance."),
+    ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
+     "The first rise is the arrival of the wave; the impulse is the area below the force."),
+    ("target", histories.target, "What reaches the target, and the force there without the packing",
+     "Compare the two peaks of force: their ratio is the peak reduction. The packing makes the pulse longer."),
+    ("impactor_velocity", histories.impactor_velocity, "Velocity of the sphere that is struck or loaded",
+     "Below zero the sphere rebounds; where the curve is level, it touches nothing."),
+    ("packing_3d", packing3d.packing_3d, "Packing cut open, peak contact force",
+     "A quarter is cut away at the impact; bright rows of spheres carry the wave."),
+    ("packing_3d_dissipation", packing3d.packing_3d_dissipation, "Packing cut open, dissipation",
+     "A quarter is cut away at the impact; bright spheres take most of the energy."),
+    ("probes", histories.probes, "Probes",
+     "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay."),
+    ("wave_front", sections.wave_front, "Wave front",
+     "The edge of the coloured region is the front: how far it is in each direction shows where the wave is fast."),
+    ("force_map", rows.force_map, "Contact force in place and time",
+     "A wave is a slanted line, the faster the flatter; it decays where its colour fades, and is reflected "
+     "where it turns back."),
+    ("force_histories", rows.force_histories, "Forces of single contacts",
+     "Equal pulses one after the other are a steady wave; pulses that become lower and longer lose energy."),
+    ("along_chain", rows.along_chain, "Peak force and dissipation along the chain",
+     "Level dots are a wave that keeps its force; falling ones are its decay."),
+    ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
+     "Each curve is the whole row at one instant: the front goes to the right, and its height tells the decay."),
+    ("transmission", rows.transmission,
+     "Amplitude along the row, or transmission against frequency, of a load that oscillates",
+     "Where the curve is near zero, nothing comes through."),
+    ("amplitude_sweep", rows.amplitude_sweep, "Answer of the row against the amplitude of its load",
+     "A jump, or two curves apart, means two states of the row at one amplitude."),
+    ("bars", rows.bars, "Bars: contact force and energy",
+     "A second peak is the reflected pulse; the energies add up to what came in."),
+    ("sensors", rows.sensors, "Sensors",
+     "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay."),
+    ("line_speeds", rows.line_speeds, "Speeds along lines of grains",
+     "The first peak of each grain is the wave; what follows is rattling and what walls send back."),
+    ("line_decay", rows.line_decay, "Peak speed along lines of grains, and its decay in two regions",
+     "A straight line is an exponential decay; where the two lines meet, it changes."),
+    ("accelerations", histories.sensors, "Accelerations of the sensors",
+     "Compare sensors that lie alike: ideally their curves are the same."),
+    ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
+     "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike."),
+)  # fmt: skip
+_PLANES = {"principal": "principal plane", "orthogonal": "plane orthogonal to it", "section": "plane of the case"}
+
+
+def _figures() -> Iterator[tuple[str, RunFigure]]:
+    """Yield the figures of the table by name."""
+    for name, function, caption, look in _TABLE:
+        if not name.endswith("*"):
+            yield name, RunFigure(caption, function, look)
+            continue
+        for plane, where in _PLANES.items():
+            yield name.replace("*", plane), RunFigure(f"{caption}, {where}", partial(function, name=plane), look)
 
 
 #: Figures by name, in the order of reports.
-FIGURES: dict[str, RunFigure] = {
-    **dict(
-        _on_planes(
-            "peak_force", "Peak contact force", sections.peak_force_section,
-            "Bright lines are rows of contacts that carry the wave; beside them the force falls fast.",
-        )
-    ),
-    "peak_force_depth": RunFigure(
-        "Peak contact force against depth", dissipation.peak_force_depth,
-        "On a logarithmic axis a straight line is an exponential decay; marks are the preferred directions.",
-    ),
-    **dict(
-        _on_planes(
-            "dissipation", "Dissipation", sections.dissipation_section,
-            "How far from the impact spheres are coloured is the size of the plastic zone.",
-        )
-    ),
-    **dict(
-        _on_planes(
-            "dissipation_parts", "Dissipation by yielding, friction and viscous losses",
-            sections.dissipation_parts_section,
-            "The panels have one scale: compare where spheres yield with where they slide or are damped.",
-        )
-    ),
-    **dict(
-        _on_planes(
-            "dents", "Dents from before the run", sections.dents_section,
-            "A contact is elastic up to the force that dented it, so that large dents lose less.",
-        )
-    ),
-    "dissipation_ranked": RunFigure(
-        "Dissipation of spheres in descending order", dissipation.dissipation_ranked,
-        "The steeper the fall, the fewer spheres take the energy.",
-    ),
-    "dissipation_cumulated": RunFigure(
-        "Cumulated dissipation against the volume involved", dissipation.dissipation_cumulated,
-        "Where the curve turns up, the last per cents of the energy are spread over most of the volume.",
-    ),
-    "plastic_zone_growth": RunFigure(
-        "Growth of the plastic zone", dissipation.plastic_zone_growth,
-        "Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run.",
-    ),
-    "plastic_zone_size": RunFigure(
-        "Size of the plastic zone: energy of yielding that lies farther out", dissipation.plastic_zone_size,
-        "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly.",
-    ),
-    "energies": RunFigure(
-        "Energies and the error of their balance", histories.energies,
-        "Where the dissipated energy is level, the impact is over; the residual must stay small.",
-    ),
-    "timestep": RunFigure(
-        "Timestep, and the error of the energy balance that it follows", histories.timestep,
-        "Steps are short while contacts are stiff; the residual stays below the line, the tolerance.",
-    ),
-    "bottom_force": RunFigure(
-        "Force and impulse on the bottom", histories.bottom_force,
-        "The first rise is the arrival of the wave; the impulse is the area below the force.",
-    ),
-    "target": RunFigure(
-        "What reaches the target, and the force there without the packing", histories.target,
-        "Compare the two peaks of force: their ratio is the peak reduction. The packing makes the pulse longer.",
-    ),
-    "impactor_velocity": RunFigure(
-        "Velocity of the sphere that is struck or loaded", histories.impactor_velocity,
-        "Below zero the sphere rebounds; where the curve is level, it touches nothing.",
-    ),
-    "packing_3d": RunFigure(
-        "Packing cut open, peak contact force", packing3d.packing_3d,
-        "A quarter is cut away at the impact; bright rows of spheres carry the wave.",
-    ),
-    "packing_3d_dissipation": RunFigure(
-        "Packing cut open, dissipation", packing3d.packing_3d_dissipation,
-        "A quarter is cut away at the impact; bright spheres take most of the energy.",
-    ),
-    "probes": RunFigure(
-        "Probes", histories.probes,
-        "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay.",
-    ),
-    "wave_front": RunFigure(
-        "Wave front", sections.wave_front,
-        "The edge of the coloured region is the front: how far it is in each direction shows where the wave is fast.",
-    ),
-    "force_map": RunFigure(
-        "Contact force in place and time", rows.force_map,
-        "A wave is a slanted line, the faster the flatter; it decays where its colour fades, and is reflected where it "
-        "turns back.",
-    ),
-    "force_histories": RunFigure(
-        "Forces of single contacts", rows.force_histories,
-        "Equal pulses one after the other are a steady wave; pulses that become lower and longer lose energy.",
-    ),
-    "along_chain": RunFigure(
-        "Peak force and dissipation along the chain", rows.along_chain,
-        "Level dots are a wave that keeps its force; falling ones are its decay.",
-    ),
-    "bead_velocities": RunFigure(
-        "Velocities along the chain", rows.bead_velocities,
-        "Each curve is the whole row at one instant: the front goes to the right, and its height tells the decay.",
-    ),
-    "transmission": RunFigure(
-        "Amplitude along the row, or transmission against frequency, of a load that oscillates",
-        rows.transmission,
-        "Where the curve is near zero, nothing comes through.",
-    ),
-    "amplitude_sweep": RunFigure(
-        "Answer of the row against the amplitude of its load", rows.amplitude_sweep,
-        "A jump, or two curves apart, means two states of the row at one amplitude.",
-    ),
-    "bars": RunFigure(
-        "Bars: contact force and energy", rows.bars,
-        "A second peak is the reflected pulse; the energies add up to what came in.",
-    ),
-    "sensors": RunFigure(
-        "Sensors", rows.sensors,
-        "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay.",
-    ),
-    "line_speeds": RunFigure(
-        "Speeds along lines of grains", rows.line_speeds,
-        "The first peak of each grain is the wave; what follows is rattling and what walls send back.",
-    ),
-    "line_decay": RunFigure(
-        "Peak speed along lines of grains, and its decay in two regions", rows.line_decay,
-        "A straight line is an exponential decay; where the two lines meet, it changes.",
-    ),
-    "accelerations": RunFigure(
-        "Accelerations of the sensors", histories.sensors,
-        "Compare sensors that lie alike: ideally their curves are the same.",
-    ),
-    "directions": RunFigure(
-        "Energy and dissipation by direction from the impact point", dissipation.directions,
-        "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike.",
-    ),
-}  # fmt: skip
+FIGURES: dict[str, RunFigure] = dict(_figures())
 
 #: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
 _LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",), ("directions",))

@@ -27,6 +27,7 @@ _NARROW = 30.0  # largest over smallest value up to which labels are plain numbe
 _LEAST_PLAIN, _MOST_PLAIN = 1e-3, 1e4
 _LEAST_DECADE = 3.0  # limits of a logarithmic axis over its value: ticks at two of 1, 2 and 5 at least
 _LEAST_SPAN = 1e-3  # of an axis, over its values: labels of ticks have four digits
+_MOST_NAMED = 8  # columns and lines of a map that are named, and whose cells have numbers
 _BREAK: dict[str, Any] = {
     "ha": "center", "va": "center", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
 }  # fmt: skip
@@ -108,20 +109,40 @@ def ticks_at(axis: Axis, places: Iterable[float]) -> None:
     axis.set_minor_locator(NullLocator())
 
 
-def numbered_map(axes: Axes, values: NDArray[np.float64], top: float, title: str) -> None:
-    """Draw values (n_y, n_x), none negative, by colour and as numbers, a cell each, with a colour bar.
+def numbered_map(
+    axes: Axes,
+    values: NDArray[np.float64],
+    ends: tuple[float, float],
+    title: str,
+    names: Sequence[Sequence[str]],
+    form: str = ".3g",
+    most: int = _MOST_NAMED,
+) -> None:
+    """Draw values (n_y, n_x) by colour, and as numbers if they are few, in cells of equal size, with a colour bar.
 
     Parameters
     ----------
-    top
-        Upper end of the colours, at least.
+    ends
+        Lower and upper end of the colours.
+    title
+        Title of the colour bar.
+    names
+        Of the columns and of the lines.
+    form
+        Format of the numbers.
+    most
+        Largest number of columns that are named.
     """
-    top = max(top, float(np.nanmax(values)))
-    mesh = axes.pcolormesh(values, cmap="viridis", vmin=0, vmax=top, rasterized=True)
-    for (line, place), value in np.ndenumerate(values):
+    low, top = ends
+    mesh = axes.imshow(values, cmap="viridis", vmin=low, vmax=top, origin="lower", aspect="auto")
+    for (line, place), value in np.ndenumerate(values if max(values.shape) <= _MOST_NAMED else np.empty((0, 0))):
         if np.isfinite(value):
-            colour = "black" if value > 0.6 * top else "white"
-            axes.text(place + 0.5, line + 0.5, f"{value:.0f}", ha="center", va="center", fontsize=7, color=colour)
+            colour = "black" if value - low > 0.6 * (top - low) else "white"
+            axes.text(place, line, f"{value:{form}}", ha="center", va="center", fontsize=6.5, color=colour)
+    for axis, words, room in zip((axes.xaxis, axes.yaxis), names, (min(most, _MOST_NAMED), _MOST_NAMED), strict=True):
+        step = -(-len(words) // max(1, room))
+        axis.set_ticks(range(0, len(words), step), words[::step])
+    axes.tick_params(which="both", length=0)
     assert axes.figure is not None
     axes.figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
 

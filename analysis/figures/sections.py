@@ -259,11 +259,16 @@ def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
     radius = result["spheres/radius"][cut.index]
     if cut.plane.name != "section":
         return radius
-    of_cut = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
+    of_cut, axes = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0)), half_axes(result, cut.index)
+    return of_cut if axes is None else np.where(axes.any(axis=1), radius, of_cut)
+
+
+def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_rows, 3), m; None without any."""
     if not result.assembly.has_cylinders:
-        return of_cut
+        return None
     shapes = result.assembly.grain_shapes()
-    return np.where([shapes[row] is not None for row in cut.index], radius, of_cut)
+    return np.array([one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(3) for row in rows])
 
 
 def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
@@ -271,10 +276,9 @@ def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
 
     None if there are only spheres.
     """
-    if not result.assembly.has_cylinders:
+    if (axes := half_axes(result, cut.index)) is None:
         return None
-    shapes, seen = result.assembly.grain_shapes(), np.stack([cut.plane.across, cut.plane.down])
-    half = np.array([seen @ one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(2) for row in cut.index])
+    half = axes @ np.stack([cut.plane.across, cut.plane.down], axis=1)
     length = np.linalg.norm(half, axis=1, keepdims=True)
     return np.where(length > _SEEN_ALONG * result["spheres/radius"][cut.index][:, None], half, 0.0)
 

@@ -22,7 +22,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame
 
-from granwave.analysis.figures.scales import not_to_scale
+from granwave.analysis.figures.scales import not_to_scale, numbered_map
 from granwave.analysis.figures.style import BLANK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.zone_size import LABELS, Mark
 from granwave.analysis.scans.keys import Key, shown
@@ -39,7 +39,6 @@ _BAR = 0.24 * WIDTH  # inches, width of a colour scale
 _CHARACTER = 0.066  # inches, approximate width of a character
 _HANDLE = 5  # characters that a mark in a legend takes
 _LINE_OF_NAME, _LINE_OF_LEGEND = 28, 52  # characters
-_MOST_ANNOTATED = 8  # columns and rows of a map with numbers in its cells
 _MOST_MARKED = 60  # points of a curve with markers
 _SPREAD, _DECADE = 30.0, 10.0  # largest over smallest value from which an axis of values, of abscissae is logarithmic
 
@@ -74,8 +73,11 @@ def draw_curves(
     chosen
         True if the abscissae are values of a key, False if they are results.
     """
-    along = _scale_key(found, others)
-    norm = _norm(along, found) if along else None
+    numeric = [key for key in others if key.numeric] if found.curve.nunique() > len(_COLOURS) else []
+    along = max(numeric, key=lambda key: len({key.values[row] for row in found.row}), default=None)
+    if along:  # too many curves for a legend: a colour scale of the key with most values
+        shades = np.unique([along.values[row] for row in found.row])
+        norm = (LogNorm if even_in_log(shades) else Normalize)(float(shades[0]), float(shades[-1]) * (1 + 1e-12))
     curves = [
         (", ".join(key.text(part.row.iloc[0]) for key in others if key is not along), part)
         for _, part in found.groupby("curve")
@@ -87,7 +89,7 @@ def draw_curves(
     for label, part in curves:
         kind = kinds.index(label)
         look = _look(kind, len(kinds), joined=joined)
-        if along and norm:
+        if along:
             colour = mpl.colormaps[_SCALE_MAP](0.92 * norm(along.values[part.row.iloc[0]]))
             look |= {"color": colour, "linestyle": _LINES[kind % len(_LINES)] if joined else "none"}
         handles[label] = Line2D([], [], **(look | ({"color": "black"} if along else {})))
@@ -101,11 +103,13 @@ def draw_curves(
         axes.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
     _scale_values(axes, found)
     axes.set(xlabel=x_title, ylabel=y_title)
-    if along and norm:
+    if along:
         colours = mpl.colors.ListedColormap(mpl.colormaps[_SCALE_MAP](np.linspace(0, 0.92, 256)))
         figure.colorbar(mpl.cm.ScalarMappable(norm, colours), ax=axes, pad=0.02).set_label(along.title)
     shown_kinds = handles if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else {}
-    marks = {text: Line2D([], [], **marked_marker(mark, "o", 4.5, "black")) for mark, text in _marks(found).items()}
+    marks = {
+        text: Line2D([], [], **marked_marker(mark, "o", 4.5, "black")) for mark, text in marks_of(found["mark"]).items()
+    }
     _legend(figure, shown_kinds | marks)
     return Drawing(figure, _columns(found, others, columns, found.x.to_numpy() * scale))
 
@@ -141,7 +145,7 @@ def draw_bars(
                 bar.set(**(_marked_fill(Mark(mark), look["color"]) if mark else {}))
         label = ", ".join(key.text(part.row.iloc[0]) for key in others)
         handles |= {label: Line2D([], [], **look) if logarithmic else mpl.patches.Patch(**fill)} if label else {}
-    for mark, text in _marks(found).items():
+    for mark, text in marks_of(found["mark"]).items():
         open_marker = Line2D([], [], **marked_marker(mark, "o", 4.5, "black"))
         handles[text] = open_marker if logarithmic else mpl.patches.Patch(**_marked_fill(mark, "black"))
     _legend(figure, handles)
@@ -160,22 +164,12 @@ def draw_map(
     of_title = 0.55 + _CHARACTER * len(keys[1].title + not_to_scale(lines))  # which must not be longer than its axis
     figure = new_figure(min(max(0.34 * len(lines) + 0.7, of_title, 1.9), 3.4))
     axes = figure.subplots()
-    axes.set_facecolor(BLANK)
     low, high = float(np.nanmin(table)), float(np.nanmax(table))
-    top = high if high > low else low + 1e-3
-    mesh = axes.imshow(table, cmap=_SCALE_MAP, vmin=low, vmax=top, origin="lower", aspect="auto")
-    for (line, place), value in np.ndenumerate(table if max(table.shape) <= _MOST_ANNOTATED else np.empty((0, 0))):
-        if np.isfinite(value):
-            colour = "black" if value - low > 0.6 * (top - low) else "white"
-            axes.text(place, line, f"{value:.3g}", ha="center", va="center", fontsize=6.5, color=colour)
-    for axis, numbers, key in ((axes.xaxis, columns, keys[0]), (axes.yaxis, lines, keys[1])):
-        names = [shown(number) for number in numbers]
-        room = (_AXIS - _BAR) / (_CHARACTER * (max(map(len, names)) + 1)) if axis is axes.xaxis else _MOST_ANNOTATED
-        step = -(-len(names) // max(1, min(int(room), _MOST_ANNOTATED)))
-        axis.set_ticks(range(0, len(names), step), names[::step])
-        axis.set_label_text(key.title + not_to_scale(numbers))
-    axes.tick_params(length=0)
-    figure.colorbar(mesh, ax=axes, pad=0.02).set_label(title)
+    names = [[shown(number) for number in numbers] for numbers in values]
+    room = int((_AXIS - _BAR) / (_CHARACTER * (max(map(len, names[0])) + 1)))
+    axes.set_facecolor(BLANK)
+    numbered_map(axes, table, (low, high if high > low else low + 1e-3), title, names, most=room)
+    axes.set(xlabel=keys[0].title + not_to_scale(columns), ylabel=keys[1].title + not_to_scale(lines))
     x, y = np.meshgrid(columns, lines)
     return Drawing(
         figure,
@@ -222,10 +216,6 @@ def _marked_fill(mark: Mark, colour: str) -> dict[str, Any]:
     return {"facecolor": "white" if mark is Mark.CUT else to_rgba(colour, 0.35), "edgecolor": colour, "linewidth": 1.0}
 
 
-def _marks(found: DataFrame) -> dict[Mark, str]:
-    return marks_of(found["mark"].tolist())
-
-
 def _look(kind: int, n_kinds: int, *, joined: bool) -> dict[str, Any]:
     """Return the style of a curve; markers are larger for the first, so that coinciding ones remain visible."""
     n, turn = kind % len(_COLOURS), kind // len(_COLOURS)
@@ -268,21 +258,10 @@ def _columns(found: DataFrame, others: Sequence[Key], columns: Titles, x: NDArra
     if (found["count"] > 1).any():
         names = {"standard_deviation": "deviation", "confidence_95": "half_width", "n": "count"}
         table |= {name: found[column].to_numpy() for name, column in names.items()}
-    marks = {label.replace(" ", "_"): (found["mark"] == mark).astype(int) for mark, label in _marks(found).items()}
+    marks = {
+        label.replace(" ", "_"): (found["mark"] == mark).astype(int) for mark, label in marks_of(found["mark"]).items()
+    }
     return table | {name: column.to_numpy() for name, column in marks.items()}
-
-
-def _scale_key(found: DataFrame, others: Sequence[Key]) -> Key | None:
-    """Return the key for a colour scale, the one with most values, if the curves are too many for a legend."""
-    numeric = [key for key in others if key.numeric]
-    if found.curve.nunique() <= len(_COLOURS) or not numeric:
-        return None
-    return max(numeric, key=lambda key: len({key.values[row] for row in found.row}))
-
-
-def _norm(key: Key, found: DataFrame) -> Normalize:
-    values = np.unique([key.values[row] for row in found.row])
-    return (LogNorm if even_in_log(values) else Normalize)(float(values[0]), float(values[-1]) * (1 + 1e-12))
 
 
 def _legend(figure: Figure, entries: Mapping[str, Any]) -> None:

@@ -292,20 +292,20 @@ class Means:
 
     def sentence(self, main: str) -> str:
         """Say between which values a quantity lies, where, and how it depends on each key."""
-        return in_grains(self._sentence(main), self.called)
-
-    def _sentence(self, main: str) -> str:
         values = self.values[main]
         low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
         label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
         unit = f" {unit}" if unit else ""
         least, most = (self.text(main, row) + unit for row in (low, high))
-        if not self.varies(main):
-            return f"{label}: {most} at all points."
-        text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
-        found = {word: [key for n, key in enumerate(self.keys) if self._trend(main, n) == word] for word in _TRENDS}
-        said = [f"{word} with {_listed(keys)}" for word, keys in found.items() if keys]
-        return f"{text} It {', '.join(said)}." if said else text
+        text = f"{label}: {most} at all points."
+        if self.varies(main):
+            text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
+            said = []
+            for word in _TRENDS:
+                names = [key.naming.label for n, key in enumerate(self.keys) if self._trend(main, n) == word]
+                said += [f"{word} with {' and '.join(name[:1].lower() + name[1:] for name in names)}"] if names else []
+            text += f" It {', '.join(said)}." if said else ""
+        return in_grains(text, self.called)
 
     def _trend(self, main: str, n: int) -> str:
         """Return how a quantity changes with the n-th key, all others equal; empty if not in one direction."""
@@ -369,8 +369,3 @@ def means_of(scan: ScanResult) -> Means:
         protects(scan.varied, summaries),
         grains_called_in(summaries),
     )
-
-
-def _listed(keys: Sequence[Key]) -> str:
-    names = [key.naming.label[:1].lower() + key.naming.label[1:] for key in keys]
-    return " and ".join(names)

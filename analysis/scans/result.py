@@ -115,7 +115,12 @@ class ScanResult:
         name = entry["id"]
         finished, unfinished = self.directory / POINTS / name, self.directory / UNFINISHED / name
         status: Status = "missing"
-        summary = self._summary(name, finished)
+        if name not in self._summaries:
+            if other := other_point(finished):
+                raise OutputFormatError(other)
+            if found := read_summary(finished):
+                self._summaries[name] = found
+        summary = self._summaries.get(name, {})
         directory = finished if summary else unfinished if unfinished.is_dir() else None
         noted = read_point(directory) if directory else {}
         reason = ""
@@ -127,16 +132,6 @@ class ScanResult:
             reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
         attempts = noted.get("attempts", 0)
         return PointResult(entry["number"], name, entry["labels"], status, reason, attempts, directory, summary)
-
-    def _summary(self, name: str, directory: Path) -> dict[str, Any]:
-        if name not in self._summaries:
-            if other := other_point(directory):
-                raise OutputFormatError(other)
-            summary = read_summary(directory)
-            if not summary:
-                return {}
-            self._summaries[name] = summary
-        return self._summaries[name]
 
 
 def _checked(entry: dict[str, Any]) -> dict[str, Any]:

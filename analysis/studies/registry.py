@@ -55,7 +55,7 @@ STUDIES: dict[str, str] = {
     "protected-bottoms": "protection.bottoms",
     "protected-spectrum": "protection.spectrum",
     "protected-checks": "protection.checks",
-    "tolerance": "tolerance.study",
+    "tolerance": "tolerance",
     "sphere-contact": "sphere_contact",
 }
 

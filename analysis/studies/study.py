@@ -6,8 +6,7 @@ import dataclasses
 import importlib
 import io
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -21,8 +20,7 @@ from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 
 if TYPE_CHECKING:
-    from granwave.analysis.document.model import Note, Table
-    from granwave.analysis.figures.style import Drawing, NotDrawn
+    from granwave.analysis.figures.style import NotDrawn
     from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun
 
 Kind = Literal["source", "theory", "verification", "alone"]
@@ -112,31 +110,23 @@ class Picture:
         Of its files. One that is empty or begins with an underscore goes on after the study's: ``_pulses`` of
         ``square-in-plane`` becomes ``square_in_plane_pulses``.
     drawing
-        The figure; one of matplotlib's is given its data.
+        The figure; one of matplotlib's is given its data. A function that draws it, for a figure whose failure shall
+        not cost the next.
     data
         Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as CSV beside it.
     """
 
     name: str
     caption: str
-    drawing: Drawing
+    drawing: Any
     data: dataclasses.InitVar[Mapping[str, Any] | None] = None
 
     def __post_init__(self, data: Mapping[str, Any] | None) -> None:
         """Put a figure of matplotlib and its data together."""
         from granwave.analysis.figures.style import Drawing  # the drawing library takes a second to load
 
-        if not isinstance(self.drawing, Drawing):
+        if not isinstance(self.drawing, Drawing) and not callable(self.drawing):
             object.__setattr__(self, "drawing", Drawing(self.drawing, dict(data or {})))
-
-
-@dataclasses.dataclass(frozen=True)
-class Sketch:
-    """Figure of a study that is yet to be drawn; where that fails, the study goes on with the next."""
-
-    name: str
-    caption: str
-    draw: Callable[[], Drawing]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -203,59 +193,48 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
+    from granwave.analysis.figures.style import NotDrawn, attempt, not_made
+
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
-
-    def named(picture: str, study: str, number: int) -> str:
-        if not picture or picture.startswith("_"):
-            return study.replace("-", "_") + picture
-        return f"{picture}_{number}" if numbered else picture
-
     for number, group in enumerate(groups, start=1):
         word = module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else "")
         failed: list[NotDrawn] = []
-        parts = partial(_part, module, word, failed)
+
+        def part(which: str, *arguments: Any, word: str = word, failed: list[NotDrawn] = failed) -> Iterator[Any]:
+            """Iterate over a part, such as the rows, up to where it fails."""
+            done = 0
+            try:
+                for one in getattr(module, which)(*arguments) if hasattr(module, which) else ():
+                    yield one
+                    done += 1
+            except Exception as error:
+                if isinstance(error, MissingDataError) and is_loaded(
+                    module
+                ):  # a name that no run has, in a user's code
+                    error = KeyError(str(error)).with_traceback(error.__traceback__)
+                failed.append(not_made(f"{which} of the study {word}, from number {done + 1} on,", error))
+
+        rows, pictures = tuple(part("rows", group)), []
+        for one in part("pictures", group):
+            file = f"{one.name}_{number}" if numbered else one.name
+            if not one.name or one.name.startswith("_"):
+                file = word.replace("-", "_") + one.name
+            drawing = attempt(f"figure {file}", one.drawing) if callable(one.drawing) else one.drawing
+            if isinstance(drawing, NotDrawn):
+                failed.append(drawing)
+            else:
+                pictures.append(Picture(file, one.caption, drawing))
         yield Study(
             name + f"-{number}" if numbered else word,
             module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
             module.text(group) if hasattr(module, "text") else module.TEXT,
-            tuple(parts("rows", group)),
-            tuple(_pictures(parts("pictures", group), partial(named, study=word, number=number), failed)),
-            tuple(map(as_block, parts("tables", group))),
-            (*parts("verdict", group), *parts("missing", group, undone)),
+            rows,
+            tuple(pictures),
+            tuple(map(as_block, part("tables", group))),
+            (*part("verdict", group), *part("missing", group, undone)),
             tuple(failed),
         )
-
-
-def _part(module: Any, study: str, failed: list[NotDrawn], which: str, *arguments: Any) -> Iterator[Any]:
-    """Iterate over a part of a study, such as its rows, up to where it fails."""
-    from granwave.analysis.figures.style import not_made
-
-    if not hasattr(module, which):
-        return
-    number = 0
-    try:
-        for number, one in enumerate(getattr(module, which)(*arguments), start=1):  # noqa: B007
-            yield one
-    except Exception as error:
-        if isinstance(error, MissingDataError) and is_loaded(module):  # a name that no run has, in code of the user's
-            error = KeyError(str(error)).with_traceback(error.__traceback__)
-        failed.append(not_made(f"{which} of the study {study}, from number {number + 1} on,", error))
-
-
-def _pictures(
-    planned: Iterable[Picture | Sketch], named: Callable[[str], str], failed: list[NotDrawn]
-) -> Iterator[Picture]:
-    """Draw what is yet to be drawn, and give the pictures the names of their files."""
-    from granwave.analysis.figures.style import NotDrawn, attempt
-
-    for one in planned:
-        name = named(one.name)
-        drawing = attempt(f"figure {name}", one.draw) if isinstance(one, Sketch) else one.drawing
-        if isinstance(drawing, NotDrawn):
-            failed.append(drawing)
-        else:
-            yield Picture(name, one.caption, drawing)
 
 
 def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:
@@ -302,6 +281,19 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
     claim(directory, [STUDY_ROWS])
     replace_text(directory / STUDY_ROWS, text.getvalue())
     return directory / STUDY_ROWS
+
+
+def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:
+    """Say between which values a quantity lies: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N (2 layers).``
+
+    Parameters
+    ----------
+    values
+        By what they are of.
+    """
+    ends = [choose(values, key=lambda name: values[name].mean) for choose in (min, max)]
+    low, high = (f"{with_interval(values[name], unit=unit)} ({name})" for name in ends)
+    return f"{label}: from {low} to {high}."
 
 
 def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:

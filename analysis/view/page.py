@@ -101,20 +101,13 @@ def write_view(
     with Result(directory) as result:
         if path is not None:
             refuse_other_file(target, _OWN)
-        instants, called, rows, notes = (
-            instants_of(result),
-            result.assembly.grains_called,
-            np.arange(result.n_spheres),
-            [],
-        )
+        instants, called, notes = instants_of(result), result.assembly.grains_called, []
+        rows = np.arange(result.n_spheres)
         if spheres is not None and len(rows) > spheres:
             distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
             notes.append(f"the {spheres} {called} nearest to the struck one, of {len(rows)}")
             rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
-        n, most = (
-            len(instants.times),
-            max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows))) if frames is None else frames,
-        )
+        n, most = len(instants.times), frames or max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows)))
         if n > most:
             instants = instants.at(np.unique(np.linspace(0, n - 1, most).round().astype(int)).tolist())
             notes.append(f"{len(instants.times)} of {n} snapshots")

@@ -25,8 +25,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.packing3d import plane_lines, tube_lines
+from granwave.analysis.figures.packing3d import AZIMUTH, ELEVATION, plane_lines, tube_lines
 from granwave.analysis.figures.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
+from granwave.analysis.figures.sphere_renderer import Camera
 from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP, new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result
@@ -181,7 +182,6 @@ _MILLI, _MICRO = 1e3, 1e6
 _MOVES = 0.05  # diameters: spheres that move less stay in their places
 _STOP = 0.3  # diameters: spheres of the plane of a section stay
 _FIELD_OF_VIEW = 40.0  # degrees
-_AZIMUTH, _ELEVATION = -58.0, 30.0  # degrees, as in the figures of the cut packing
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
 _SIDES = 32  # of a cylinder
@@ -371,17 +371,14 @@ def _colour_bar(field: Field) -> str:
 
 def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
     """Return position, target and upward direction of the camera: a chain lies across, a layer faces the viewer."""
-    low, high = place.min(axis=0), place.max(axis=0)
-    size = high - low
-    middle = (low + high) / 2
+    size, middle = np.ptp(place, axis=0), (place.min(axis=0) + place.max(axis=0)) / 2
     if result.case.packing.kind == "chain":
         towards, up = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
     elif size[2] == 0:
         towards, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
     else:
-        turn, rise = math.radians(_AZIMUTH), math.radians(_ELEVATION)
-        towards = np.array([math.cos(rise) * math.cos(turn), math.cos(rise) * math.sin(turn), -math.sin(rise)])
         up = np.array([0.0, 0.0, -1.0])
+        towards = Camera.looking(AZIMUTH, ELEVATION, up).towards
     reach = float(np.linalg.norm(size)) / 2 + _MILLI * result.case.packing.diameter
     distance = reach / math.tan(math.radians(_FIELD_OF_VIEW / 2))
     return [*(middle + distance * towards).tolist(), *middle.tolist(), *up.tolist()]

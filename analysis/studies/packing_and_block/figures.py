@@ -6,12 +6,11 @@ impulse at every contact, and a planar front. The impulse is the momentum of the
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
 from granwave.analysis.document.model import Table, show
-from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.series import label, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import QuadraticLaw, rays
@@ -34,7 +33,7 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     masses,
     variants,
 )
-from granwave.analysis.studies.study import Sketch, numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.lammps_inputs.errors import GranwaveError
 
 FRACTION = "Dissipation / input energy"
@@ -53,32 +52,28 @@ def columns_of(curves: Curves, names: Sequence[str]) -> dict[str, list]:
     return table[list(names)].to_dict("list")
 
 
-def open_look(n: int) -> dict[str, Any]:
-    """The reference as a line with points, the others as open marks."""
+def look(n: int, *, lines: bool = True) -> dict[str, Any]:
+    """Colour and marker of the n-th curve; without lines the first, a reference, has one, and others open marks."""
+    found: dict[str, Any] = {"color": _COLOURS[n % len(_COLOURS)], "marker": _MARKERS[n % len(_MARKERS)]}
+    if lines:
+        return found
     if n == 0:
-        return {"color": _COLOURS[0], "marker": ".", "linewidth": 0.8}
-    return {**look(n), "markerfacecolor": "none", "linestyle": "none", "markersize": 5}
-
-
-def look(n: int) -> dict[str, Any]:
-    """Colour and marker of the n-th curve."""
-    return {"color": _COLOURS[n % len(_COLOURS)], "marker": _MARKERS[n % len(_MARKERS)]}
+        return found | {"marker": ".", "linewidth": 0.8}
+    return found | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
 
 
 def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Drawing:
     """Draw the dissipated fraction against input energy, in J and normalised."""
-    figure, left, right = panels(2.6, 2, sharey=True)
-    for n, (name, runs) in enumerate(curves.items()):
-        left.plot(runs.energy_J, runs.dissipated_fraction, label=name, **open_look(n))
-        right.plot(runs.energy_normalised, runs.dissipated_fraction, **open_look(n))
+    figure, *row = panels(2.6, 2, sharey=True)
     columns = columns_of(curves, ("curve", "energy_J", "energy_normalised", "dissipated_fraction"))
-    label(left, "Input energy (J)", FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
-    label(right, title)
-    figure.legend(loc="outside upper center", ncols=2, fontsize=7, columnspacing=1.0)
-    for axes in (left, right):
-        axes.set_xscale(scale)
+    for axes, energy, quantity in zip(row, ("energy_J", "energy_normalised"), ("Input energy (J)", title), strict=True):
+        for n, (name, runs) in enumerate(curves.items()):
+            axes.plot(runs[energy], runs.dissipated_fraction, label=name, **look(n, lines=False))
+        label(axes, quantity, xscale=scale)
         if scale == "linear":
             axes.set_xlim(left=0)
+    label(row[0], y=FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
+    legend_outside(figure, 2, fontsize=7, columnspacing=1.0)
     return Drawing(figure, columns)
 
 
@@ -156,7 +151,7 @@ def loading_area(curves: Curves) -> Drawing:
     """Draw the dissipated fraction against input energy for 1, 3 and 7 struck spheres."""
     figure, axes = panels(2.6)
     for n, (name, runs) in enumerate(curves.items()):
-        axes.plot(runs.energy_normalised, runs.dissipated_fraction, label=name, **open_look(n))
+        axes.plot(runs.energy_normalised, runs.dissipated_fraction, label=name, **look(n, lines=False))
     label(axes, GRANULAR_ENERGY, FRACTION, log="x", ylim=(0, 1))
     axes.legend()
     return Drawing(figure, columns_of(curves, ("struck_spheres", "energy_normalised", "dissipated_fraction")))
@@ -199,8 +194,7 @@ _FRONT = (
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Linearity:
+class Linearity(NamedTuple):
     """Peak force against velocity, contact by contact.
 
     Attributes
@@ -209,16 +203,13 @@ class Linearity:
         (n_runs,).
     ray
         Largest peak force of the contacts on the preferred directions: (n_contacts, n_runs).
-    depth
-        Of the contacts, m: (m,).
-    exponent
-        Of force against velocity, a least-squares slope on logarithmic axes: (m,).
+    contacts
+        ``depth`` (m), and ``exponent`` of force against velocity, a least-squares slope on logarithmic axes.
     """
 
     velocity: NDArray[np.float64]
     ray: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    exponent: NDArray[np.float64]
+    contacts: DataFrame
 
 
 def linear(runs: DataFrame) -> Linearity | None:
@@ -249,7 +240,8 @@ def linear(runs: DataFrame) -> Linearity | None:
     x = np.log(velocity) - np.log(velocity).mean()
     shortest = min(map(len, along))
     ray = np.stack([one[:shortest] for one in along], axis=1)
-    return Linearity(velocity, ray, depth[kept].to_numpy(), np.log(table[kept].to_numpy()) @ x / (x @ x))
+    exponent = np.log(table[kept].to_numpy()) @ x / (x @ x)
+    return Linearity(velocity, ray, DataFrame({"depth": depth[kept], "exponent": exponent}))
 
 
 def fronts(runs: DataFrame) -> dict[float, DataFrame]:
@@ -266,12 +258,12 @@ def fronts(runs: DataFrame) -> dict[float, DataFrame]:
     return found
 
 
-def pictures(impacts: Impacts) -> Iterator[Sketch]:
+def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Peak force against impulse, and the front, of the reference."""
     if found := linear(impacts.fast):
-        yield Sketch("peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, found))
+        yield Picture("peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, found))
     if there := fronts(impacts.reference):
-        yield Sketch("front", _FRONT, partial(_front_by_depth, there))
+        yield Picture("front", _FRONT, partial(_front_by_depth, there))
 
 
 def tables(impacts: Impacts) -> Iterator[Table]:
@@ -284,10 +276,10 @@ def tables(impacts: Impacts) -> Iterator[Table]:
             f"{show(float(found.velocity[-1]))} (1: proportional)"
         )
         rows: list[tuple[Any, ...]] = []
-        for top, bottom in pairwise(np.linspace(0, float(found.depth.max()), _BANDS + 1).tolist()):
-            exponent = found.exponent[(found.depth >= top) & (found.depth <= bottom)]
+        for top, bottom in pairwise(np.linspace(0, float(found.contacts.depth.max()), _BANDS + 1).tolist()):
+            exponent = found.contacts.exponent[found.contacts.depth.between(top, bottom)]
             if len(exponent):
-                quantiles = np.quantile(exponent, (0.05, 0.5, 0.95)).tolist()
+                quantiles = exponent.quantile((0.05, 0.5, 0.95)).tolist()
                 rows.append((_MILLI * top, _MILLI * bottom, len(exponent), *quantiles))
         yield table_of(caption, columns, rows)
     if there := fronts(impacts.reference):
@@ -312,12 +304,10 @@ def _front(result: Result, unit: float) -> DataFrame:
     """
     depth, inside = result["spheres/position"][:, 2] - result.origin[2], _in_cone(result)
     diameter = result.case.packing.diameter
-    layer = np.rint(_LAYERS * depth[inside] / diameter)
-    found = Series(result["spheres/peak_force"][inside] / unit).groupby(layer).agg(["max", "mean"])
-    found = found[found["max"] > 0]
-    depths = found.index.to_numpy() * diameter / _LAYERS
-    uniformity = (found["mean"] / found["max"]).to_numpy()
-    return DataFrame({"depth": depths, "largest": found["max"].to_numpy(), "uniformity": uniformity})
+    layer = np.rint(_LAYERS * depth[inside] / diameter) * diameter / _LAYERS
+    found = Series(result["spheres/peak_force"][inside] / unit).groupby(layer).agg(largest="max", mean="mean")
+    found = found[found.largest > 0].rename_axis("depth").reset_index()
+    return found.assign(uniformity=found["mean"] / found.largest)[["depth", "largest", "uniformity"]]
 
 
 def _in_cone(result: Result) -> NDArray[np.bool_]:
@@ -342,12 +332,13 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
     label(left, r"Impact velocity $\bar v_0$, as impulse", r"Peak force $F_\mathrm{max}/F_\mathrm{y}$", log="xy")
     left.set_ylim(top=30 * float(np.nanmax(found.ray)))
     left.legend(title="lines: proportional", alignment="left", ncols=3, loc="upper left", fontsize=7, columnspacing=1)
-    right.plot(found.depth * _MILLI, found.exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
+    depth, exponent = found.contacts.depth, found.contacts.exponent
+    right.plot(depth * _MILLI, exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
     right.axhline(1, color=ORANGE, linewidth=0.8)
-    low, high = np.quantile(found.exponent, (0.005, 0.995))
+    low, high = exponent.quantile((0.005, 0.995))
     limits = min(low, 0.8), max(high, 1.2)
     label(right, "Depth of the contact (mm)", "Exponent of force against impulse", ylim=limits)
-    return Drawing(figure, columns | {"depth_m": found.depth, "exponent": found.exponent})
+    return Drawing(figure, columns | {"depth_m": depth, "exponent": exponent})
 
 
 def _front_by_depth(found: dict[float, DataFrame]) -> Drawing:

@@ -30,7 +30,7 @@ from granwave.analysis.studies.packing_and_block.impacts import (
     variants,
 )
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
-from granwave.analysis.studies.study import Sketch, numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 
 TITLE = "Comparison"
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
@@ -91,12 +91,12 @@ def text(impacts: Impacts) -> str:
     return " ".join(parts)
 
 
-def pictures(impacts: Impacts) -> Iterator[Sketch]:
+def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Packings and blocks side by side, then each of them, as far as something was varied."""
     grains, blocks = impacts.reference, impacts.continuum_reference
 
-    def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Sketch:
-        return Sketch(name, _CAPTIONS[name], partial(draw, *of))
+    def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Picture:
+        return Picture(name, _CAPTIONS[name], partial(draw, *of))
 
     if len(grains) and len(blocks):
         yield sketch("dissipated_fraction", figures.dissipated_fraction, impacts)

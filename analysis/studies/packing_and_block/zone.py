@@ -23,7 +23,7 @@ from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.figures import GRANULAR_ENERGY
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, energy_unit, rising
-from granwave.analysis.studies.study import Sketch, numeric, table_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
 
 _MARKERS = "os^"  # of the shares
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
@@ -58,19 +58,17 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
     return found
 
 
-def pictures(impacts: Impacts) -> Iterator[Sketch]:
+def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Sizes against energy, of packings and beside them of blocks."""
     sides = zones(impacts)
     every = concat(sides.values())
-    sizes = [
-        name for name in _SIZES if len(every) and (every[[f"{name}_{share}" for share in SHARES]] > 0).any(axis=None)
-    ]
+    sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
         caption = (
             "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. Straight lines are powers "
             "of the input; open marks reach a bound"
         )
-        yield Sketch("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
+        yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
@@ -124,11 +122,11 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
     tone: Tone = "note" if zone["mark"] else ""
     yield from (value_cell(zone["label"]), Cell(zone["what"]), value_cell(zone["energy"]))
     for name in _SIZES:
-        ends = () if name == "volume" else (f"outermost_{name}",)
-        for column in (*(f"{name}_{share}" for share in SHARES), *ends):
-            value, before = zone[column], "≥ " if zone.get(f"{column}_open_ended") else ""
-            text = before + show(float(f"{value:.4g}"))
-            yield value_cell(None) if math.isnan(value) else Cell(text, value, tone)
+        for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
+            if column in zone:
+                value, before = zone[column], "≥ " if zone.get(f"{column}_open_ended") else ""
+                text = before + show(float(f"{value:.4g}"))
+                yield value_cell(None) if math.isnan(value) else Cell(text, value, tone)
     yield Cell(bounds_in_words(summary.get("zone_cut")), tone=tone)
     yield value_cell(summary.get("wave_return_share"), tone=tone)
 

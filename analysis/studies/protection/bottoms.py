@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from itertools import product
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.series import column_name, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
-from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, table
+from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, spans, table
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
 
@@ -36,7 +34,8 @@ def text(runs: Sequence[TargetRun]) -> str:
     return (
         f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the same impact "
         "directly on the target over that on the target below the packing. Impulse: of the last layer on the target, "
-        "up to the end of the run. Energy: the work that it has done on the target, at most. A rigid wall takes none."
+        "up to the end of the run; a packing spreads it in space and time, it does not take it away, and spheres that "
+        "rebound add to it. Energy: the work that it has done on the target, at most. A rigid wall takes none."
     )
 
 
@@ -74,21 +73,7 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
 
 def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
     """Reduction, impulse and energy at the lowest friction."""
-    plain = _plain(runs)
-    known = [run for run in plain if math.isfinite(run.value("peak_reduction"))]
-    if known:
-        yield from _of_forces(known)
-    gained = [run.value("impulse_over_momentum") for run in plain]
-    if all(map(math.isfinite, gained)):
-        yield (
-            f"The impulse on the target is {number(min(gained))} to {number(max(gained))} times the "
-            "impactor's momentum: a packing spreads it in space and time, it does not take it away, and spheres that "
-            "rebound add to it."
-        )
-    if moving := [run for run in plain if run.moves]:
-        most = max(moving, key=lambda run: run.value("energy_over_input"))
-        share = number(100 * most.value("energy_over_input"))
-        yield f"Of the energy at most {share} % reach the target ({most.bottom})."
+    yield from spans(_plain(runs), "peak_reduction", "impulse_over_momentum", "energy_over_input")
 
 
 def _one_height(runs: Sequence[TargetRun]) -> list[TargetRun]:
@@ -105,25 +90,3 @@ def _plain(runs: Sequence[TargetRun]) -> list[TargetRun]:
     """Select the runs with the lowest friction, as many as a figure can show."""
     least = min(run.friction for run in runs)
     return [run for run in runs if run.friction == least][:_MOST]
-
-
-def _of_forces(runs: Sequence[TargetRun]) -> Iterator[str]:
-    """Make the rows of runs with a known reduction: that of the force, and the force of a single sphere."""
-    most, least = (pick(runs, key=lambda run: run.value("peak_reduction")) for pick in (max, min))
-    mass, height = (number(most.value(key)) for key in ("packing_mass_kg", "packing_height_m"))
-    layers = f"{most.layers} layer{'s' if most.layers > 1 else ''}"
-    yield f"{layers} ({mass} kg, {height} m) cut the peak force on the target {_cut(least)} to {_cut(most)}."
-    shares = {run: run.value("largest_of_one_N") / run.value("unprotected_peak_force_N") for run in runs}
-    worst = max(runs, key=lambda run: shares[run])
-    if math.isfinite(shares[worst]):
-        yield (
-            "It is spread over many spheres: a single one presses on the target with at most "
-            f"{number(100 * shares[worst])} % of the force without the packing ({worst.bottom})."
-        )
-
-
-def _cut(run: TargetRun) -> str:
-    """Reduction of the peak force, both forces, and the bottom, in words."""
-    keys = ("peak_reduction", "unprotected_peak_force_N", "wall_peak_force_N")
-    times, before, after = (number(run.value(key)) for key in keys)
-    return f"{times} times ({before} to {after} N: {run.bottom})"

@@ -6,16 +6,17 @@ import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
+from matplotlib.ticker import ScalarFormatter
 
 from granwave.analysis.document.model import Table
+from granwave.analysis.figures.scales import ticks_at
 from granwave.analysis.figures.series import column_name, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
-from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array, power
+from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series, table
 from granwave.analysis.studies.runs import FinishedRun, impact_title
-from granwave.analysis.studies.study import Picture
+from granwave.analysis.studies.study import Picture, span
 
 AllSeries = Sequence[Sequence[TargetRun]]
 
@@ -51,17 +52,17 @@ def tables(found: AllSeries) -> list[Table]:
 
 def verdict(found: AllSeries) -> Iterator[str]:
     """The reduction of each series."""
-    for runs in found:
-        first, last = runs[0], runs[-1]
-        gained = [run.value("gain_per_kg") for run in runs]
+    for runs, name in zip(found, _names(found), strict=True):
         reduction, layers = np.array([(run.value("peak_reduction"), run.layers) for run in runs]).T
-        friction = f", friction {first.friction:g}" if first.case.has_friction else ""
-        yield (
-            f"{first.bottom[:1].upper()}{first.bottom[1:]}{friction}: from {first.layers} to {last.layers} layers "
-            f"the peak reduction goes from {number(reduction[0])} to {number(reduction[-1])} times, about as "
-            f"layers^{power(layers, reduction).exponent:.2g}; a kilogram adds most in "
-            f"{runs[int(np.argmax(gained))].layers} layers ({number(max(gained))} times a kg)."
-        )
+        values = {f"{n:g} layers": exactly(value) for n, value in zip(layers, reduction, strict=True)}
+        exponent = power(layers, reduction).exponent
+        yield f"{span(f'Peak reduction, {name}', values)} It goes about as layers^{exponent:.2g}."
+
+
+def _names(found: AllSeries) -> list[str]:
+    """Label each series by its bottom, and friction where that differs."""
+    highest = [runs[-1] for runs in found]
+    return [name.replace(f", {run.layers} layers", "") for name, run in zip(names(highest), highest, strict=True)]
 
 
 def pictures(found: AllSeries) -> Iterator[Picture]:
@@ -69,12 +70,8 @@ def pictures(found: AllSeries) -> Iterator[Picture]:
     figure, *row = panels(2.9, 2, width=7.0, sharex=True)
     columns: dict[str, Array] = {}
     bottoms = list(dict.fromkeys(runs[0].bottom for runs in found))
-    frictions, ticks = (
-        sorted({runs[0].friction for runs in found}),
-        sorted({one.layers for runs in found for one in runs}),
-    )
-    for runs, name in zip(found, names([runs[-1] for runs in found]), strict=True):
-        name = name.replace(f", {runs[-1].layers} layers", "")
+    frictions = sorted({runs[0].friction for runs in found})
+    for runs, name in zip(found, _names(found), strict=True):
         place, colour = frictions.index(runs[0].friction), _COLOURS[bottoms.index(runs[0].bottom) % len(_COLOURS)]
         layers = np.array([float(run.layers) for run in runs])
         values = {column: np.array([run.value(key) for run in runs]) for key, column in _SHOWN.items()}
@@ -85,8 +82,7 @@ def pictures(found: AllSeries) -> Iterator[Picture]:
         columns |= {f"{column_name(name)}_{column}": one for column, one in {"layers": layers, **values}.items()}
     for axes, label in zip(row, ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)"), strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")
-        axes.xaxis.set(major_locator=FixedLocator(ticks), minor_locator=NullLocator())
-        axes.xaxis.set_major_formatter("{x:g}")
+        ticks_at(axes.xaxis, sorted({run.layers for runs in found for run in runs}))
     row[0].set_yscale("log")
     row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -12,8 +12,9 @@ from granwave.analysis.document.model import BLANK, Cell, Column, Table
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
+from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label
-from granwave.analysis.studies.study import numeric, table_of
+from granwave.analysis.studies.study import numeric, span, table_of
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
@@ -45,7 +46,9 @@ class TargetRun(FinishedRun):
     def value(self, name: str) -> float:
         """A number of the summary, or one of the further `QUANTITIES`; NaN where it does not apply."""
         if name == "largest_of_one_N":
-            return self._read[2]
+            with Result(self.directory) as result:
+                single = result["wall_contacts/peak_force"][result["wall_contacts/wall"] == "bottom"]
+            return float(single.max()) if len(single) else math.nan  # where a layer is held
         if name == "gain_per_kg":
             return (self.value("peak_reduction") - 1) / self.value("packing_mass_kg")
         if name == "impulse_over_momentum":
@@ -93,32 +96,26 @@ class TargetRun(FinishedRun):
         moving = velocities_of(self.assembly).items()
         return sum(self.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving)
 
-    @property
+    @cached_property
     def reached(self) -> Reached:
         """Record of the bottom against time."""
-        return self._read[0]
+        with Result(self.directory) as result:
+            found = reached(result)
+        assert found is not None  # `impacts` takes no run without a bottom
+        return found
 
-    @property
+    @cached_property
     def energy(self) -> tuple[Array, Array]:
         """Times of the ledger, s, and the work on the target by then, J; 0 if it does not move: (n_instants,) each."""
-        return self._read[1]
+        with Result(self.directory) as result:
+            time = result["energy/time"]
+            return time, result["energy/target"] if self.moves else np.zeros_like(time)
 
     @property
     def displacement(self) -> Array:
         """Displacement of the target at the same instants, outward: (n_times,), m."""
         moved = self.reached.displacement
         return np.zeros_like(self.reached.time) if moved is None else moved
-
-    @cached_property
-    def _read(self) -> tuple[Reached, tuple[Array, Array], float]:
-        """Record of the bottom, its energy, and the largest force of a single sphere; NaN where a layer is held."""
-        with Result(self.directory) as result:
-            found = reached(result)
-            assert found is not None  # `impacts` takes no run without a bottom
-            time = result["energy/time"]
-            energy = result["energy/target"] if self.moves else np.zeros_like(time)
-            single = result["wall_contacts/peak_force"][result["wall_contacts/wall"] == "bottom"]
-        return found, (time, energy), float(single.max()) if len(single) else math.nan
 
 
 def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
@@ -191,3 +188,12 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
     ]
     columns = (*heads, *numeric(*((heading, unit) for heading, unit, _ in shown.values())))
     return table_of(caption, columns, rows, sortable=True)
+
+
+def spans(runs: Sequence[TargetRun], *quantities: str) -> Iterator[str]:
+    """Say between which values quantities lie, and on which bottoms."""
+    for name in quantities:
+        heading, unit, size, _ = QUANTITIES[name]
+        found = {run.bottom: size * run.value(name) for run in runs if math.isfinite(run.value(name))}
+        if found:
+            yield span(heading, {bottom: exactly(value) for bottom, value in found.items()}, unit)

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
+from pandas import DataFrame
 
 from granwave.analysis.figures.series import column_name, label, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
-from granwave.analysis.formatting.numbers import number
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import expected_displacement, spectrum_curves
+from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun, impact_title, time_label
-from granwave.analysis.studies.study import Picture, Row
-from granwave.lammps_inputs.case.boundary import Plate
+from granwave.analysis.studies.study import Picture, Row, span
 
 TEXT = (
     "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
@@ -32,34 +30,9 @@ _CURVE = 60  # points of the theory
 _GIVES_WAY = 0.95  # of the displacement by theory: below it a remark says so
 _TURNED = 0.98  # of the run: a displacement that is largest later may still grow
 
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Spectrum:
-    """Plates of one mass on springs, by rising period, and the same packing on a wall of their material."""
-
-    runs: list[TargetRun]
-    held: TargetRun
-
-    @property
-    def plates(self) -> list[Plate]:
-        """The plate of each run."""
-        return [plate for run in self.runs if (plate := run.plate)]
-
-    @property
-    def period(self) -> Array:
-        """Period of the plates: (n_runs,), s."""
-        return np.array([period_of(plate) for plate in self.plates])
-
-    @property
-    def displacement(self) -> Array:
-        """The largest of each: (n_runs,), m."""
-        return np.array([run.displacement.max() for run in self.runs])
-
-    @property
-    def without(self) -> Array:
-        """The same without the packing, of undamped plates: (n_runs,), m; NaN where it is not known."""
-        force = np.array([run.value("unprotected_ground_peak_force_N") for run in self.runs])
-        return force / [math.nan if plate.damping else plate.stiffness for plate in self.plates]
+#: A packing on a wall of the plates' material, and runs of plates of one mass below it, by rising period: run, plate,
+#: period (s), largest displacement with the packing (m), and without (NaN where it is not known, as of damped plates).
+Spectrum = tuple[TargetRun, DataFrame]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
@@ -69,51 +42,53 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
 
 def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
     """Group the runs by height, friction and mass of the plate."""
-    groups: dict[tuple, list[tuple[float, TargetRun]]] = {}
-    for run in runs:
-        plate = run.plate
-        if plate and run.displacement.argmax() < _TURNED * len(run.displacement):
-            kind = (run.layers, run.friction, plate.mass, plate.damping)
-            groups.setdefault(kind, []).append((period_of(plate), run))
+    rows = [
+        {
+            "layers": run.layers, "friction": run.friction, "mass": plate.mass, "damping": plate.damping or 0.0,
+            "run": run, "plate": plate, "period": period_of(plate), "displacement": run.displacement.max(),
+            "without": run.value("unprotected_ground_peak_force_N") / (math.nan if plate.damping else plate.stiffness),
+        }
+        for run in runs
+        if (plate := run.plate) and run.displacement.argmax() < _TURNED * len(run.displacement)
+    ]  # fmt: skip
     found = []
-    for (layers, friction, *_), group in sorted(groups.items()):
-        by_period = [run for _, run in sorted(group, key=lambda one: one[0])]
-        surface = group[0][1].case.boundary.bottom_material
-        alike = [run for run in runs if run.held and (run.layers, run.friction) == (layers, friction)]
-        held = [run for run in alike if run.case.boundary.bottom_material == surface]
+    for (layers, friction, *_), group in DataFrame(rows).groupby(
+        ["layers", "friction", "mass", "damping"] if rows else []
+    ):
+        like = layers, friction, group.run.iloc[0].case.boundary.bottom_material
+        held = [
+            one for one in runs if one.held and (one.layers, one.friction, one.case.boundary.bottom_material) == like
+        ]
         if held and len(group) >= _FEWEST:
-            found.append(Spectrum(by_period, held[0]))
+            found.append((held[0], group.sort_values("period", kind="stable")))
     return found
 
 
 def title(found: Sequence[Spectrum]) -> str:
     """Title with packing and impact."""
-    one_height = len({one.held.layers for one in found}) == 1
-    return f"Protected target, shock spectrum: {impact_title(found[0].held.case, height=one_height)}"
+    one_height = len({held.layers for held, _ in found}) == 1
+    return f"Protected target, shock spectrum: {impact_title(found[0][0].case, height=one_height)}"
 
 
 def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
     """The displacement of each plate."""
-    for one in found:
-        for run, plate, moved in zip(one.runs, one.plates, one.displacement, strict=True):
-            expected, theory = expected_displacement(one.held.reached, plate, run.reached.time[-1])
-            remark = "The plate gives way, and less force reaches it." if moved < _GIVES_WAY * expected else ""
-            what = f"Largest displacement of the plate, {plate.mass:g} kg, {time_label(period_of(plate))}"
-            yield Row(what, "µm", None, _MICRO * moved, theory, remark, _MICRO * expected)
+    for held, plates in found:
+        for run in plates.itertuples():
+            expected, theory = expected_displacement(held.reached, run.plate, run.run.reached.time[-1])
+            gives_way = run.displacement < _GIVES_WAY * expected
+            remark = "The plate gives way, and less force reaches it." if gives_way else ""
+            what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
+            yield Row(what, "µm", None, _MICRO * run.displacement, theory, remark, _MICRO * expected)
 
 
 def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
     """Say which plates the packing helps."""
-    for one in found:
-        ratio = one.without / one.displacement
+    for held, plates in found:
+        ratio = plates.without / plates.displacement
         if np.isfinite(ratio).all():
-            ends = (int(ratio.argmax()), int(ratio.argmin()))
-            most, least = (f"{number(ratio[n])} times at a period of {time_label(one.period[n])}" for n in ends)
-            yield (
-                f"{one.held.layers} layers make the largest displacement of a plate of {one.plates[0].mass:g} kg "
-                f"smaller by {most} and {least} (below 1: larger). A slow plate feels the impulse, which a packing "
-                "adds to."
-            )
+            what = f"Displacement of a plate of {plates.mass.iloc[0]:g} kg without {held.layers} layers over that below"
+            periods = map("a period of {}".format, map(time_label, plates.period))
+            yield span(what, dict(zip(periods, map(exactly, ratio), strict=True)))
 
 
 def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
@@ -121,30 +96,25 @@ def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
     figure, axes = panels(4.4, width=4.6)
     label(axes, "Period of the plate (µs)", "Largest displacement (µm)", log="xy")
     columns: dict[str, Array] = {}
-    for one, colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
-        friction = f", friction {one.held.friction:g}" if one.held.case.has_friction else ""
-        name = f"{one.plates[0].mass:g} kg, {one.held.layers} layers{friction}"
-        points: dict[str, Any] = {"color": colour, "markersize": 4}
-        axes.plot(_MICRO * one.period, _MICRO * one.displacement, marker, label=f"below the packing: {name}", **points)
-        axes.plot(
-            _MICRO * one.period, _MICRO * one.without, marker, markerfacecolor="none", label="without it", **points
-        )
-        period = np.geomspace(one.period.min(), one.period.max(), _CURVE)
-        theory = spectrum_curves(one.held.reached, one.plates[0], period)
-        for values, line, called in (
-            (theory.oscillator, "-", "oscillator"),
-            (theory.slow_force, ":", "slow force, F/k"),
-            (theory.short_impulse, "--", "short impulse, J/(Mω)"),
-        ):
-            axes.plot(_MICRO * period, _MICRO * values, line, label=called, color=colour, linewidth=0.9)
+    for (held, plates), colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
+        friction = f", friction {held.friction:g}" if held.case.has_friction else ""
+        name = f"{plates.mass.iloc[0]:g} kg, {held.layers} layers{friction}"
+        period = np.geomspace(plates.period.min(), plates.period.max(), _CURVE)
+        theory = spectrum_curves(held.reached, plates.plate.iloc[0], period)
         word = column_name(name)
-        columns |= {
-            f"{word}_period_s": one.period, f"{word}_displacement_m": one.displacement,
-            f"{word}_without_m": one.without, f"{word}_line_period_s": period,
-            f"{word}_oscillator_m": theory.oscillator, f"{word}_slow_force_m": theory.slow_force,
-            f"{word}_short_impulse_m": theory.short_impulse,
-        }  # fmt: skip
-    axes.set_ylim(0.3 * _MICRO * min(one.displacement.min() for one in found))
+        columns |= {f"{word}_period_s": plates.period, f"{word}_line_period_s": period}
+        for column, x, values, line, called in (
+            ("displacement", plates.period, plates.displacement, marker, f"below the packing: {name}"),
+            ("without", plates.period, plates.without, marker, "without it"),
+            ("oscillator", period, theory.oscillator, "-", "oscillator"),
+            ("slow_force", period, theory.slow_force, ":", "slow force, F/k"),
+            ("short_impulse", period, theory.short_impulse, "--", "short impulse, J/(Mω)"),
+        ):
+            full = "none" if column == "without" else colour
+            axes.plot(_MICRO * x, _MICRO * values, line, color=colour, label=called, markersize=4, linewidth=0.9,
+                      markerfacecolor=full)  # fmt: skip
+            columns[f"{word}_{column}_m"] = values
+    axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in found))
     legend_outside(figure, 2, fontsize=7)
     caption = (
         "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "

@@ -20,7 +20,7 @@ from granwave.analysis.measures.geometry import own_plane
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
-from granwave.analysis.studies.study import Row, Sketch
+from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
@@ -85,8 +85,8 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
         fails()
 
     def pictures(_):
-        yield Sketch("_first", "fails", fails)
-        yield Sketch("_second", "drawn", lambda: panels(1.0))
+        yield Picture("_first", "fails", fails)
+        yield Picture("_second", "drawn", lambda: panels(1.0)[0])
 
     module = SimpleNamespace(TITLE="t", TEXT="text", select=lambda runs: [runs], rows=rows, pictures=pictures)
     monkeypatch.setattr(studies.importlib, "import_module", lambda _: module)
@@ -101,15 +101,8 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
 
 def test_one_layer_is_reported(tmp_path, caplog):
     """Its plastic zone has no depth, so that there is nothing to draw on a logarithmic axis."""
-    common = [
-        "--set",
-        "packing.kind=square",
-        "--set",
-        "packing.size=[6,6]",
-        "--set",
-        "run.end_time=3e-5",
-        "--no-figures",
-    ]
+    settings = ["packing.kind=square", "packing.size=[6,6]", "run.end_time=3e-5"]
+    common = ["--no-figures", *(word for setting in settings for word in ("--set", setting))]
     changes = {"slow": ["load.velocity=5"], "fast": ["load.velocity=10"], "rough": ["contact.friction=0.2"]}
     runs = [str(tmp_path / name) for name in changes]
     for run, sets in zip(runs, changes.values(), strict=True):

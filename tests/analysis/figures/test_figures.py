@@ -21,6 +21,7 @@ MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
 PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "packing_3d", "directions"}
 PRESSED = {"peak_force_depth"}  # of packings with contacts
 LOST = {"dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size"}
+KINDS = ("fcc", "hcp", "bcc", "sc")
 LOST_PLANES = {"dissipation_principal", "dissipation_orthogonal", "packing_3d_dissipation"}
 
 
@@ -36,38 +37,23 @@ def makes_sense(directory, case):
         return {name for name, figure in FIGURES.items() if figure.draw(result) is not None}
 
 
-def drawn(directory, case, **options):
-    analyse(synthetic.write_run(directory, case, **options))
-    folder = directory / "figures"
-    names = {path.stem for path in folder.glob("*.png")}
-    for suffix in ("pdf", "csv"):
-        assert {path.stem for path in folder.glob(f"*.{suffix}")} == names
-    assert all(path.stat().st_size > 0 for path in folder.iterdir())
-    return names
-
-
 def render(centres, radius, colours, camera, width, axes=None):
     """Surface and pixels of spheres and cylinders."""
     surface = sphere_renderer.lit_surface(centres, radius, camera, width, axes)
     return surface, sphere_renderer.painted(surface, colours)
 
 
-@pytest.mark.parametrize("kind", ["fcc", "hcp", "bcc", "sc"])
-def test_figures_of_packings(tmp_path, kind):
-    assert makes_sense(tmp_path, synthetic.make_case(kind, (6, 6, 4))) == MOVING | PLANES | PRESSED | LOST | LOST_PLANES
-
-
-def test_figures_of_a_hertzian_packing(tmp_path):
-    assert makes_sense(tmp_path, synthetic.make_case(law="hertz")) == MOVING | PLANES | PRESSED
-
-
-@pytest.mark.parametrize("size", [2, 12])
-def test_figures_of_a_chain(tmp_path, size):
-    assert makes_sense(tmp_path, synthetic.make_case("chain", size)) == MOVING | PRESSED | LOST
-
-
-def test_figures_of_one_sphere(tmp_path):
-    assert drawn(tmp_path, synthetic.make_case(size=(1, 1, 1))) == MOVING
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        *(({"kind": kind, "size": (6, 6, 4)}, MOVING | PLANES | PRESSED | LOST | LOST_PLANES) for kind in KINDS),
+        ({"law": "hertz"}, MOVING | PLANES | PRESSED),
+        *(({"kind": "chain", "size": size}, MOVING | PRESSED | LOST) for size in (2, 12)),
+        ({"size": (1, 1, 1)}, MOVING),
+    ],
+)
+def test_figures_of_runs(tmp_path, options, expected):
+    assert makes_sense(tmp_path, synthetic.make_case(**options)) == expected
 
 
 def test_figures_of_a_square_packing(tmp_path):
@@ -94,8 +80,10 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
 
 
 def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
+    parts: list[str] = []
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
-    analyse(tmp_path)
+    analyse(tmp_path, parts.append)
+    assert parts == ["result.h5", "summary.json", *FIGURES]
     assert (tmp_path / "figures" / "bottom_force.png").exists()
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3, boundary={"bottom": "free"}))
     (tmp_path / "dumps" / "walls.txt").unlink(missing_ok=True)
@@ -103,17 +91,15 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
     assert not list((tmp_path / "figures").glob("bottom_force.*"))
 
 
-def test_progress_names_every_part(tmp_path):
-    parts: list[str] = []
-    analyse(synthetic.write_run(tmp_path, synthetic.make_case("chain", 3)), parts.append)
-    assert parts == ["result.h5", "summary.json", *FIGURES]
-
-
 def test_data_beside_a_figure(tmp_path):
     """The largest peak force of the plane is at the struck sphere; the law was exceeded there."""
     case = synthetic.make_case()
-    drawn(tmp_path, case, dent=450.0)
-    with open(tmp_path / "figures" / "peak_force_principal.csv") as file:
+    analyse(synthetic.write_run(tmp_path, case, dent=450.0))
+    folder = tmp_path / "figures"
+    names = {path.stem for path in folder.glob("*.png")}
+    assert all({path.stem for path in folder.glob(f"*.{suffix}")} == names for suffix in ("pdf", "csv"))
+    assert all(path.stat().st_size > 0 for path in folder.iterdir())
+    with open(folder / "peak_force_principal.csv") as file:
         rows = list(csv.DictReader(file))
     struck = struck_spheres(assemble(case).lattice, 1)[0]
     top = max(rows, key=lambda row: float(row["peak_force_over_yield_force"]))
@@ -136,12 +122,18 @@ def test_sphere_in_front_hides_the_one_behind():
     assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (apart from gloss, white)
 
 
-def test_picture_covers_the_discs():
-    camera = sphere_renderer.Camera.looking(30.0, 20.0, np.array([0.0, 0.0, -1.0]))
-    surface, pixels = render(np.zeros((1, 3)), 0.5, np.ones((1, 3)), camera, 200)
+@pytest.mark.parametrize("radii", [[0.5], [1.0, 0.5]])
+def test_picture_covers_the_discs(radii):
+    camera = sphere_renderer.Camera.looking(30.0, 90.0 if len(radii) > 1 else 20.0, np.array([0.0, 0.0, 1.0]))
+    centres = np.array([[0.0, 0, 0], [3, 0, 0]])[: len(radii)]
+    surface, pixels = render(centres, np.array(radii), np.ones((len(radii), 3)), camera, 300)
+    assert covered(surface, pixels) == pytest.approx(np.pi * np.square(radii).sum(), rel=1e-2)
+
+
+def covered(surface, pixels):
+    """Area that is not blank, m^2."""
     left, right, bottom, top = surface.extent
-    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
-    assert covered == pytest.approx(np.pi * 0.25, rel=5e-3)
+    return pixels[..., 3].mean() * (right - left) * (top - bottom)
 
 
 def test_both_ways_of_painting_agree():
@@ -152,15 +144,6 @@ def test_both_ways_of_painting_agree():
         paint(fronts[-1], place, np.full(40, 6.3))
     assert np.mean(fronts[0] != fronts[1]) < 1e-3  # single precision at the edges
     assert np.any(fronts[0] >= 0)
-
-
-def test_spheres_of_two_sizes_cover_their_discs():
-    camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
-    centres, radii = np.array([[0.0, 0, 0], [3, 0, 0]]), np.array([1.0, 0.5])
-    surface, pixels = render(centres, radii, np.ones((2, 3)), camera, 300)
-    left, right, bottom, top = surface.extent
-    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
-    assert covered == pytest.approx(np.pi * 1.25, rel=1e-2)
 
 
 def test_the_surface_of_a_packing_is_found_once(tmp_path, monkeypatch):
@@ -198,11 +181,11 @@ def test_a_cylinder_covers_its_outline(half):
     camera = sphere_renderer.Camera.looking(25.0, 35.0, np.array([0.0, 0.0, 1.0]))
     radius, axis = 0.5, np.array([half])
     surface, pixels = render(np.zeros((1, 3)), radius, np.ones((1, 3)), camera, 400, axis)
-    left, right, bottom, top = surface.extent
-    covered = pixels[..., 3].mean() * (right - left) * (top - bottom)
     length = np.linalg.norm(half)
     tilt = abs(camera.project(axis)[0, 2]) / length
-    assert covered == pytest.approx(4 * radius * length * np.sqrt(1 - tilt**2) + np.pi * radius**2 * tilt, rel=5e-3)
+    assert covered(surface, pixels) == pytest.approx(
+        4 * radius * length * np.sqrt(1 - tilt**2) + np.pi * radius**2 * tilt, rel=5e-3
+    )
 
 
 def test_cylinders_hide_spheres_and_each_other():

@@ -71,16 +71,6 @@ def test_saved_as_matplotlib_saves_it(saved, tmp_path):
         assert ours.info["Software"] == "granwave"
 
 
-def test_layout_of_the_pdf_is_that_of_the_png(tmp_path):
-    with style.style():
-        one = drawing()
-        style.save(one, tmp_path / "plot")
-        places = [axes.get_position().bounds for axes in one.figure.axes]
-        usual = usual_drawing()
-        usual.figure.savefig(tmp_path / "usual.png")
-    assert places == [axes.get_position().bounds for axes in usual.figure.axes]
-
-
 def test_fonts_of_a_pdf_are_truetype_without_further_tables(saved):
     pdf = saved.with_suffix(".pdf").read_bytes()
     assert b"/CIDFontType2" in pdf and b"/Type3" not in pdf

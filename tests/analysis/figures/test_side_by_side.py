@@ -8,10 +8,9 @@ import sys
 
 import h5py
 import matplotlib
-import numpy as np
 import pytest
 
-from granwave.analysis import MissingOutputError, draw_figures, write_result
+from granwave.analysis import draw_figures, write_result
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.run_figures import FIGURES, _shares
@@ -61,14 +60,18 @@ def damage(directory, change):
 
 
 def test_files_are_those_of_one_process(run, several, monkeypatch):
-    before = drawn_by_one(run, monkeypatch)
+    """In the order asked for, the two of a share among them; settings of matplotlib change nothing."""
+    names = ("energies", "packing_3d", "probes", "packing_3d_dissipation", "bottom_force")
+    before = drawn_by_one(run, monkeypatch, names)
     seen = []
-    written = draw_figures(run, seen.append, NAMES)
-    assert seen == list(NAMES)
-    drawn = [name for name in NAMES if name != "probes"]
-    assert written == [run / "figures" / f"{name}.png" for name in drawn]
+    foreign = {"text.usetex": True, "image.cmap": "no-such-map", "axes.facecolor": "#eeffee", "figure.dpi": 50}
+    with matplotlib.rc_context(foreign):
+        written = draw_figures(run, seen.append, names)
+        assert matplotlib.rcParams["image.cmap"] == "no-such-map"
+    assert seen == list(names)
+    assert written == [run / "figures" / f"{name}.png" for name in names if name != "probes"]
     assert files(run) == before
-    assert {name.split(".")[0] for name in before} == set(drawn)
+    assert {name.split(".")[0] for name in before} == set(names) - {"probes"}
 
 
 def test_helpers_draw(run, several, monkeypatch):
@@ -78,22 +81,6 @@ def test_helpers_draw(run, several, monkeypatch):
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
-
-
-def test_settings_of_matplotlib_change_no_figure(run, several, monkeypatch):
-    plain = drawn_by_one(run, monkeypatch)
-    foreign = {"text.usetex": True, "image.cmap": "no-such-map", "axes.facecolor": "#eeffee", "figure.dpi": 50}
-    with matplotlib.rc_context(foreign):
-        assert drawn_by_one(run, monkeypatch) == plain
-        draw_figures(run, names=NAMES)
-        assert files(run) == plain and matplotlib.rcParams["image.cmap"] == "no-such-map"
-
-
-def test_figures_that_no_longer_apply_are_removed(run, several):
-    draw_figures(run, names=("energies", "impactor_velocity"))
-    damage(run, lambda file: file["energy/struck_velocity"].write_direct(np.zeros(len(file["energy/time"]))))
-    draw_figures(run, names=("energies", "impactor_velocity"))
-    assert {path.stem for path in (run / "figures").iterdir()} == {"energies"}
 
 
 def test_an_error_comes_at_its_place(run, several):
@@ -109,7 +96,7 @@ def test_an_error_comes_at_its_place(run, several):
 def test_warnings_are_seen_here(run, several):
     def change(file):
         for name in ("kinetic", "input"):
-            file[f"energy/{name}"][3] = np.inf
+            file[f"energy/{name}"][3] = float("inf")
 
     damage(run, change)
     with pytest.warns(RuntimeWarning, match="invalid value"):
@@ -163,31 +150,21 @@ def test_helpers_draw_once(several):
             next(others.draw((), never, ()))
 
 
-def test_unknown_figure(run, several):
-    with pytest.raises(KeyError, match="nothing"):
-        draw_figures(run, names=("impactor_velocity", "nothing", "bottom_force"))
-
-
 @pytest.mark.parametrize(
-    ("cores", "most", "figures", "expected"),
-    [(1, None, 18, 1), (2, None, 18, 2), (64, None, 18, 4), (2, None, 5, 1), (8, "1", 18, 1), (8, "3", 18, 3)],
-)
-def test_number_of_processes(monkeypatch, cores, most, figures, expected):
+    ("cores", "most", "figures", "memory", "expected"),
+    [
+        (1, "", 18, 9e9, 1), (2, "", 18, 9e9, 2), (64, "", 18, 9e9, 4), (2, "", 5, 9e9, 1), (8, "1", 18, 9e9, 1),
+        (8, "3", 18, 9e9, 3), (8, "3", 18, 0.3e9, 1),
+    ],
+)  # fmt: skip
+def test_number_of_processes(monkeypatch, cores, most, figures, memory, expected):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)))
+    monkeypatch.setattr(side_by_side, "available_memory", lambda: memory)
     monkeypatch.delenv(PROCESSES, raising=False)
     if most:
         monkeypatch.setenv(PROCESSES, most)
     with side_by_side.helpers(figures) as others:
         assert len(others._processes) == expected - 1
-
-
-def test_number_of_processes_in_a_small_memory(several, monkeypatch):
-    monkeypatch.setattr(side_by_side, "available_memory", lambda: 0.3e9)
-    with side_by_side.helpers(18) as others:
-        assert not others._processes
-
-
-def test_no_number_of_processes(monkeypatch):
     monkeypatch.setenv(PROCESSES, "many")
     with pytest.raises(InputError, match="found 'many' in the environment"), side_by_side.helpers(18):
         pass
@@ -205,11 +182,6 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
     assert (directory / "figures" / "energies.csv").exists()
 
 
-def test_lost_result(tmp_path, several):
-    with pytest.raises(MissingOutputError):
-        draw_figures(tmp_path)
-
-
 def test_shares_hold_every_figure_once():
     """The long ones first, and the two that share their work together; others in their order."""
     names = tuple(FIGURES)
@@ -217,10 +189,3 @@ def test_shares_hold_every_figure_once():
     assert sorted(number for share in shares for number in share) == list(range(len(names)))
     assert [names[number] for number in shares[0]] == ["packing_3d", "packing_3d_dissipation"]
     assert _shares(("energies", "packing_3d_dissipation", "probes")) == [[1], [0], [2]]
-
-
-def test_shares_give_the_same_files(run, several, monkeypatch):
-    names = ("energies", "packing_3d", "bottom_force", "packing_3d_dissipation")
-    before = drawn_by_one(run, monkeypatch, names)
-    assert [path.stem for path in draw_figures(run, names=names)] == list(names)
-    assert files(run) == before

@@ -15,7 +15,7 @@ from PIL import Image
 
 from granwave.analysis import analyse
 from granwave.analysis.figures.style import style
-from granwave.analysis.films import VIEWS, scene, size_of, write_film
+from granwave.analysis.films import scene, size_of, write_film
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
@@ -133,6 +133,8 @@ def test_chain_shows_nothing_of_the_future(chain):
     with Result(chain) as result, style():
         film = scene(result, "force", None)
         figure = film.draw(5)
+        with pytest.raises(InputError, match=r"no orthogonal plane; take --view 3d or chain"):
+            scene(result, "force", "orthogonal")
         (mesh,) = [one for one in figure.axes[1].collections if one.get_array() is not None]
         shown = np.ma.filled(mesh.get_array(), np.nan)
         row = int(np.searchsorted(result["chain/time"], film.times[5]))
@@ -158,12 +160,6 @@ def test_wrong_options(packing, tmp_path, options, message):
     with pytest.raises(InputError, match=message):
         write_film(packing, path, **options)
     assert not list(tmp_path.iterdir())
-
-
-def test_view_that_a_packing_has_not(packing, chain):
-    assert "chain" in VIEWS
-    with Result(chain) as result, pytest.raises(InputError, match=r"no orthogonal plane; take --view 3d or chain"):
-        scene(result, "force", "orthogonal")
 
 
 @pytest.mark.validation

@@ -89,40 +89,23 @@ def test_hdf5_has_types_and_units(scan):
         assert all("unit" in column.attrs for column in file.values())
 
 
-@pytest.mark.parametrize(
-    ("name", "unit"),
-    [
-        ("energy_input_J", "J"),
-        ("peak_force_N", "N"),
-        ("peak_force_N.std", "N"),
-        ("peak_overlap_m", "m"),
-        ("plastic_zone_volume_m3", "m^3"),
-        ("wave_speed_m_s", "m/s"),
-        ("wall_impulse_Ns", "N s"),
-        ("wall_time_s", "s"),
-        ("sphere_steps_per_s", "1/s"),
-        ("n_steps", "1"),
-        ("versions.plugin_s", "1"),
-        ("material.youngs_modulus", "Pa"),
-        ("packing.diameter", "m"),
-        ("dissipated_fraction", "1"),
-    ],
-)
-def test_units(name, unit):
-    assert column_unit(name, {}) == unit
-
-
-def test_summary_values_do_not_displace_keys(tmp_path):
-    write_scan(tmp_path, [{"name": "one"}, {"name": "two"}])
-    table = scan_table(ScanResult(tmp_path))
-    assert table["name"] == table["summary.name"] == ["one", "two"]
+def test_units():
+    for unit, names in {
+        "J": "energy_input_J", "N": "peak_force_N peak_force_N.std", "m": "peak_overlap_m packing.diameter",
+        "m^3": "plastic_zone_volume_m3", "m/s": "wave_speed_m_s", "N s": "wall_impulse_Ns", "s": "wall_time_s",
+        "1/s": "sphere_steps_per_s", "Pa": "material.youngs_modulus", "1": "n_steps versions.plugin_s dissipated_fraction",
+    }.items():  # fmt: skip
+        assert {name: column_unit(name, {}) for name in names.split()} == dict.fromkeys(names.split(), unit)
 
 
 def test_a_scan_without_a_finished_point(tmp_path):
-    write_scan(tmp_path, grid(load__velocity=[1, 2]), missing=[1, 2])
-    assert [row["status"] for row in rows_of(write_scan_table(tmp_path))] == ["missing", "missing"]
-    assert draw_scan_figures(tmp_path) == []
-    assert read_scan(tmp_path).where("done").n_points == 0
+    """Keys keep their names where a summary has the same."""
+    write_scan(tmp_path, [{"name": "one"}, {"name": "two"}])
+    table = scan_table(ScanResult(tmp_path))
+    assert table["name"] == table["summary.name"] == ["one", "two"]
+    write_scan(tmp_path / "none", grid(load__velocity=[1, 2]), missing=[1, 2])
+    assert [row["status"] for row in rows_of(write_scan_table(tmp_path / "none"))] == ["missing", "missing"]
+    assert draw_scan_figures(tmp_path / "none") == [] and read_scan(tmp_path / "none").where("done").n_points == 0
 
 
 def test_replicates_have_means_and_deviations(tmp_path):
@@ -170,10 +153,7 @@ def test_reader(scan):
     assert np.all(np.isfinite(brass["peak_force_N"]))
     with pytest.raises(KeyError, match=r"no column peak; it has load\.velocity"):
         data["peak"]
-
-
-def test_reader_for_pandas(scan):
-    frame = read_scan(scan).to_pandas()
+    frame = data.to_pandas()
     assert frame.groupby("status").size().to_dict() == {"done": 4, "failed": 1, "missing": 1}
     assert frame.attrs["units"]["peak_force_N"] == "N" and frame.attrs["units"]["load.velocity"] == "m/s"
 
@@ -296,15 +276,7 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
     assert sorted(path.name for path in folder.iterdir()) == ["mine_vs_theirs.png", "own.png"]
 
 
-def test_wave_speed_of_known_arrivals(tmp_path):
-    """Contacts of the synthetic chain are first loaded at their distance divided by 1000 m/s."""
-    case = synthetic.make_case("chain", 20)
-    synthetic.write_run(tmp_path, case)
-    write_result(tmp_path)
-    assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(1000.0, rel=1e-9)
-
-
-def test_wave_speed_takes_the_first_arrival_of_deep_layers():
+def test_wave_speed_takes_the_first_arrival_of_deep_layers(tmp_path):
     """Packing with two spheres per layer; the upper layers, a later sphere and layers that were not reached are ignored."""
     layer = np.arange(16)
     depth = np.repeat(layer * 0.01, 2) + 1e-9 * np.tile([0, 1], 16)
@@ -313,11 +285,13 @@ def test_wave_speed_takes_the_first_arrival_of_deep_layers():
     arrival[:12] = 1e-9
     arrival[-4:] = np.nan
     assert wave_speed(*first_arrivals(depth, arrival, 0.01), 0.01) == pytest.approx(500.0, rel=1e-6)
-    assert (
-        wave_speed(*first_arrivals(depth[:16], arrival[:16], 0.01), 0.01) is None
-    )  # eight layers: three below the upper five
+    # eight layers: three below the upper five
+    assert wave_speed(*first_arrivals(depth[:16], arrival[:16], 0.01), 0.01) is None
     assert wave_speed(*first_arrivals(depth, np.full(32, 1e-6), 0.01), 0.01) is None
     assert wave_speed(*first_arrivals(np.zeros(9), arrival[:9], 0.01), 0.01) is None
+    # contacts of the synthetic chain are first loaded at their distance divided by 1000 m/s
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 20)))
+    assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(1000.0, rel=1e-9)
 
 
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
@@ -404,11 +378,8 @@ def test_vectors_along_one_axis_are_numbers():
     assert key.numeric and key.values == (0.5, 2.0, 0.0)
     assert key.naming.label == "Velocity of the striker along x" and key.naming.unit == "m/s"
     assert key.labels == ("[0.5, 0, 0]", "[2, 0, 0]", "[0, 0, 0]")  # tables of data keep them
-
-
-@pytest.mark.parametrize("labels", [["[0, 0, 1]", "[0, 1, 0]"], ["[0, 0, 0]"], ["[0, 1]", "[0, 2]"], ["a", "b"]])
-def test_other_vectors_are_words(labels):
-    assert not key_of("striker.2.velocity", labels).numeric
+    for labels in (["[0, 0, 1]", "[0, 1, 0]"], ["[0, 0, 0]"], ["[0, 1]", "[0, 2]"], ["a", "b"]):
+        assert not key_of("striker.2.velocity", labels).numeric
 
 
 def test_names_of_replaced_spheres():

@@ -175,7 +175,7 @@ def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
 def test_peak_forces_grow_about_as_the_impulse(impacts: Impacts) -> None:
     found = forces.linear(impacts.reference[impacts.reference.velocity_normalised >= 40])
     assert found is not None
-    assert np.median(found.exponent) == pytest.approx(1, abs=0.15)
+    assert found.contacts.exponent.median() == pytest.approx(1, abs=0.15)
     assert found.ray.shape[1] == len(found.velocity)
     assert np.all(np.diff(found.ray[0]) > 0)
 
@@ -202,9 +202,6 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
         assert one.energy == pytest.approx(one.energy_J / 2.630, rel=1e-3)  # J, of brass and 10 mm
     assert of_packings["mark"].iloc[-1] == zone.Mark.CUT
     assert not (of_blocks["mark"] == zone.Mark.CUT).any()
-
-
-def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
     third = impacts.reference[2:3]
     twin = third.assign(label="larger", n_spheres=800)
     found = zone.zones(Impacts(concat([impacts.granular, twin]), impacts.continuum[:0]))["packing"]
@@ -212,31 +209,19 @@ def test_zones_are_shown_in_the_largest_packing(impacts: Impacts) -> None:
     assert len(found) == len(impacts.reference)
 
 
-def test_suite_leaves_one_report_and_its_figures(suite: Path) -> None:
-    assert (suite / "granular" / "scan.csv").is_file()
+def test_suite_leaves_one_report_and_its_figures(suite: Path, tmp_path: Path, monkeypatch) -> None:
     page = (suite / "report.html").read_text(encoding="utf-8")
-    for text in ("Comparison", "Granular scaling", "Loading area", "modulus 230 GPa", "what holds 50, 90 and 99 %"):
-        assert text in page
+    expected = ("Report: small", "Comparison", "Granular scaling", "Loading area", "modulus 230 GPa", "50, 90 and 99 %")
+    assert (suite / "granular" / "scan.csv").is_file() and [text for text in expected if text not in page] == []
     names = {path.stem for path in (suite / "figures").glob("*.png")}
-    assert {
-        "dissipated_fraction",
-        "plastic_volume",
-        "plastic_zone",
-        "granular_scaling",
-        "loading_area",
-        "continuum_mass",
-    } <= names
+    assert names >= {
+        "dissipated_fraction", "plastic_volume", "plastic_zone", "granular_scaling", "loading_area", "continuum_mass",
+    }  # fmt: skip
     with (suite / "figures" / "dissipated_fraction.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert {row["curve"] for row in rows} >= {"granular, D = 10 mm", "continuum, m = 0.1 kg"}
-
-
-def test_suite_directory_stands_for_its_scans(suite: Path, tmp_path: Path) -> None:
-    first = (suite / "report.html").read_text(encoding="utf-8")
-    second = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(encoding="utf-8")
-    assert "Report: small" in first  # a suite has a name of its own
-    assert second.splitlines()[0] == "# Report: granular, continuum"
-    assert "Comparison" in first and "Comparison" in second
+        assert {row["curve"] for row in csv.DictReader(file)} >= {"granular, D = 10 mm", "continuum, m = 0.1 kg"}
+    monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())
+    other = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(encoding="utf-8")
+    assert other.startswith("# Report: granular, continuum\n") and "Comparison" in other
 
 
 def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -271,11 +256,6 @@ def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> No
     with pytest.raises(InputError) as caught:
         load_suite(tmp_path / "s.toml")
     assert message in "\n".join(caught.value.errors)
-
-
-def test_keys_of_a_suite_are_set_in_its_scans(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["scan", "protection", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
-    assert "is a suite of scans" in capfd.readouterr().err
     with pytest.raises(InputError, match="is a suite of scans"):
         load_scan("protection")
 

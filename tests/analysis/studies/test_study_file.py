@@ -147,26 +147,24 @@ def test_kind_follows_from_what_a_row_compares() -> None:
     rows = (SOURCE, THEORY, TESTS, ALONE, SILENT)
     assert [row.kind for row in rows] == ["source", "theory", "verification", "alone", "source"]
     assert [row.deviation for row in rows] == pytest.approx([0.5, -0.25, 0.0002, None, None], nan_ok=True)
-
-
-def test_no_difference_is_given_from_a_bound() -> None:
     assert dataclasses.replace(SOURCE, bound=True).deviation is None
 
 
-@pytest.mark.parametrize("missing", [{"source": 1.0}, {"theory": None}, {"ours": None}])
-def test_a_verification_has_its_two_values_and_no_source(missing: dict[str, float | None]) -> None:
-    with pytest.raises(ValueError, match="expected ours and theory, and no source"):
-        dataclasses.replace(TESTS, **missing)
+@pytest.mark.parametrize(
+    ("row", "missing", "says"),
+    [
+        *((TESTS, one, "expected ours and theory, and no source") for one in ({"source": 1.0}, {"theory": None}, {"ours": None})),
+        (ALONE, {"ours": None}, "found no value"),
+    ],
+)  # fmt: skip
+def test_a_row_has_the_values_of_its_kind(row: Row, missing: dict[str, float | None], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        dataclasses.replace(row, **missing)
 
 
 def test_numbers_of_numpy_can_be_stored() -> None:
     row = Row("waves", source=4.0, ours=np.int64(4), theory=np.float64(4.5))  # type: ignore[arg-type]
     assert json.dumps([row.ours, row.theory]) == "[4, 4.5]"
-
-
-def test_a_row_without_a_value_is_refused() -> None:
-    with pytest.raises(ValueError, match="found no value"):
-        dataclasses.replace(ALONE, ours=None)
 
 
 def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
@@ -238,37 +236,29 @@ def made(kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **se
 @pytest.mark.parametrize(
     ("kind", "size", "words", "of_any_height"),
     [
-        ("fcc", (6, 5, 4), "FCC packing of 6 x 5 x 4 brass spheres of 9.52 mm", "FCC packing of 6 x 5 brass spheres of 9.52 mm a layer"),
-        ("sc", (6, 5, 4), "Simple cubic packing of 6 x 5 x 4 brass spheres of 9.52 mm", "Simple cubic packing of 6 x 5 brass spheres of 9.52 mm a layer"),
-        ("square", (6, 5), "Square packing of 6 x 5 brass spheres of 9.52 mm", "Square packing of 6 x 5 brass spheres of 9.52 mm"),
-        ("chain", 20, "Chain of 20 brass spheres of 9.52 mm", "Chain of brass spheres of 9.52 mm"),
-        ("chain", 1, "Brass sphere of 9.52 mm", "Chain of brass spheres of 9.52 mm"),
+        ("fcc", (6, 5, 4), "FCC packing of 6 x 5 x 4 brass spheres", "FCC packing of 6 x 5 brass spheres of 9.52 mm a layer"),
+        ("square", (6, 5), "Square packing of 6 x 5 brass spheres", "Square packing of 6 x 5 brass spheres of 9.52 mm"),
+        ("chain", 20, "Chain of 20 brass spheres", "Chain of brass spheres of 9.52 mm"),
+        ("chain", 1, "Brass sphere", "Chain of brass spheres of 9.52 mm"),
     ],
 )  # fmt: skip
 def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
-    load = (
-        {"load": {"kind": "striker"}, "striker": [{"touches": 1, "velocity": [0.3, 0.4, 0]}]}
-        if kind == "square"
-        else {}
-    )
-    case = made(kind, size, **load)
-    assert packing_title(case) == words
+    striker = {"load": {"kind": "striker"}, "striker": [{"touches": 1, "velocity": [0.3, 0.4, 0]}]}
+    case = made(kind, size, **(striker if kind == "square" else {}))
+    assert packing_title(case) == f"{words} of 9.52 mm"
     assert packing_title(case, height=False) == of_any_height
 
 
-def test_a_material_without_a_name() -> None:
+def test_names_of_loads_and_of_a_material_without_one() -> None:
     own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
     assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
-    assert packing_title(made("chain", 1, own)) == "Sphere of 9.52 mm"
-
-
-def test_loads() -> None:
     assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(", elastic contacts, 2.5 m/s")
     assert load_label(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
     force = {"kind": "force", "shape": "half-sine", "amplitude": 100.0, "duration": 1e-5}
     assert load_label(made("chain", 3, load=force)) == "force on top"
     strikers = [{"touches": 1, "velocity": [0, 0, 0.6]}, {"touches": 2, "velocity": [0, 0.6, 0.8]}]
     assert load_label(made(load={"kind": "striker"}, striker=strikers)) == "1 m/s"
+    assert [time_label(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]
 
 
 @pytest.mark.parametrize(
@@ -288,7 +278,3 @@ def test_loads() -> None:
 )  # fmt: skip
 def test_bottoms(bottom: Any, words: str) -> None:
     assert bottom_label(made(boundary={"bottom": bottom})) == words
-
-
-def test_times() -> None:
-    assert [time_label(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]

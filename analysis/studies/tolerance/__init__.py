@@ -1,1 +1,0 @@
-"""Tolerances: performance of packings whose spheres scatter in size and have friction."""
