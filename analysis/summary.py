@@ -219,7 +219,7 @@ def _of_rows(result: Result, rows: slice) -> dict[str, float]:
 
     def column(name: str) -> Array:
         whole = rows == slice(None)  # is kept for what comes after
-        return result[f"contacts/{name}"] if whole else result.rows_read(f"contacts/{name}", rows)
+        return result[f"contacts/{name}"] if whole else result.read(f"contacts/{name}", rows)
 
     overlap, force, radius, least = (
         *(column(name) for name in ("peak_overlap", "peak_force", "effective_radius")),

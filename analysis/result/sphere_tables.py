@@ -17,16 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import (
-    WALL_COLUMNS,
-    contact_rows,
-    contacts_path,
-    initial_force_rows,
-    initial_forces_path,
-    read_contacts,
-    read_initial_forces,
-    read_initial_wall_forces,
-)
+from granwave.analysis.lammps_output import dumps
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.contacts import (
     Contacts,
@@ -45,7 +36,7 @@ from granwave.analysis.result.hdf5_file import (
     sorted_once,
     write_group,
 )
-from granwave.analysis.result.start import Dents, DentsOfPart, Start
+from granwave.analysis.result.start import Dents, Start
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
@@ -69,35 +60,17 @@ class AfterStaticStage(NamedTuple):
     folder: Path
 
 
-def dents_at_end(directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes) -> Dents:
-    """Read the contacts at the end of the run."""
-    path, dents = contacts_path(directory), Dents(start)
-    if start.n_parts > 1:
-        dents.add_rows(start, contact_rows(directory, start.at_once), scratch, processes)
-        return dents
-    for frame in read_contacts(directory):
-        start.check_ids(path, frame)
-        dents.add(frame)
-    return dents
-
-
 def after_static_stage(
     directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes
 ) -> AfterStaticStage | None:
     """Read the forces after the static stage; None if there was none, or an early version ran it."""
-    path = initial_forces_path(directory)
-    if path is None:
+    dump = dumps.contacts_after_static_stage(directory)
+    if dump is None:
         return None
-    pairs, planes = Dents(start), read_initial_wall_forces(directory)
-    if start.n_parts > 1:
-        pairs.add_rows(start, initial_force_rows(directory, path, start.at_once), scratch, processes)
-    else:
-        for frame in read_initial_forces(directory):
-            start.check_ids(path, frame)
-            pairs.add(frame)
+    folder, planes = dump.path.parent, dumps.read_wall_contacts(directory, after_static_stage=True)
     for name, frame in planes.items():
-        start.check_ids(path.with_name(INITIAL_WALL_FORCES_FILE.format(name)), frame)
-    return AfterStaticStage(pairs, planes, path.parent)
+        start.check_ids(folder / INITIAL_WALL_FORCES_FILE.format(name), frame)
+    return AfterStaticStage(Dents(start, dump, scratch, processes), planes, folder)
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
@@ -144,7 +117,7 @@ def write_tables(
     processes
         Processes that make the parts.
     """
-    wall_contacts = _wall_contacts(case, planes, dents.at_bars(), initial)
+    wall_contacts = _wall_contacts(case, planes, dents.at_bars, initial)
     write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
@@ -175,8 +148,8 @@ class _Part(NamedTuple):
     """Input of a process that makes the tables of a part."""
 
     number: int
-    dents: DentsOfPart
-    initial: DentsOfPart | None
+    dents: Callable[[], Frame]
+    initial: Callable[[], Frame] | None
     at_walls: NDArray[np.int64]  # rows of the spheres of wall contacts, in the part
     losses: dict[str, NDArray[np.float64]]  # dissipation in these spheres, J
 
@@ -201,7 +174,7 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     """Make the tables of the contacts and spheres of a part."""
     contacts, share = _contacts_of(case, start, part.number, part.dents)
     if part.initial is not None:
-        contacts[COLUMN] = _force_of_pairs(part.initial.read(), contacts)
+        contacts[COLUMN] = _force_of_pairs(part.initial(), contacts)
     rows = slice(*start.range(part.number))
     ids, spheres = start.ids(rows.start, rows.stop), start.read(rows)
     everyone = ids if start.n_parts == 1 else sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
@@ -222,10 +195,12 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     return contacts, columns
 
 
-def _contacts_of(case: Case, start: Start, part: int, dents: DentsOfPart) -> tuple[Contacts, NDArray[np.float64]]:
+def _contacts_of(
+    case: Case, start: Start, part: int, dents: Callable[[], Frame]
+) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
     tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
-    merged = merge_dents(dents.read())
+    merged = merge_dents(dents())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
 
@@ -277,7 +252,7 @@ def _wall_contacts(
     parts = [empty | {name: np.empty(0) for name in columns}]
     for wall, frame in planes.items():
         ids = frame["id"].astype(np.int64)
-        values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}
+        values: Contacts = {name: frame[name] for name in dumps.WALL_COLUMNS if name != "dissipated"}
         for name in values:
             if name.startswith("time"):
                 values[name] = np.where(values[name] < 0, np.nan, values[name])
@@ -294,7 +269,7 @@ def _wall_contacts(
         parts.append(values)
     merged = merge_dents(at_bars)
     if initial is not None:
-        merged[COLUMN] = _force_of_pairs(initial.pairs.at_bars(), merged)
+        merged[COLUMN] = _force_of_pairs(initial.pairs.at_bars, merged)
     for bar in assemble(case).bars:
         part = {name: column[merged["j"] == bar.face] for name, column in merged.items()}
         parts.append(part | {"wall": np.full(len(part["i"]), bar.name, dtype=object), "id": part["i"]})

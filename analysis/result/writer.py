@@ -28,13 +28,13 @@ import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import contacts_path, frames_path, read_frames, read_wall_contacts
+from granwave.analysis.lammps_output.dumps import contacts_at_end, frames_path, read_frames, read_wall_contacts
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
-from granwave.analysis.result.sphere_tables import after_static_stage, dents_at_end, periodic, write_tables
-from granwave.analysis.result.start import Start
+from granwave.analysis.result.sphere_tables import after_static_stage, periodic, write_tables
+from granwave.analysis.result.start import Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
@@ -102,7 +102,7 @@ def _write(
     text, case = path.read_text(encoding="utf-8"), case or load_case(path)
     resolved = tomllib.loads(text).get("resolved", {})
     ledger = read_energy(directory)
-    contacts_path(directory)  # the last file to be written: without it the run is not finished
+    contacts = contacts_at_end(directory)  # the last file to be written: without it the run is not finished
     start = Start(directory, at_once, scratch(), processes)
     record = read_record(directory)
     file.attrs["name"] = case.name
@@ -134,7 +134,7 @@ def _write(
     planes = read_wall_contacts(directory)
     for name, frame in planes.items():
         start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
-    dents = dents_at_end(directory, start, scratch, processes)
+    dents = Dents(start, contacts, scratch, processes)
     initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
     write_tables(file, case, start, dents, planes, initial, processes)
     write_group(file, "energy", ledger)

@@ -18,7 +18,7 @@ import pytest
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse, pipeline
 from granwave.analysis.exports.export import export
 from granwave.analysis.figures import run_figures
-from granwave.analysis.lammps_output.dumps import read_contacts, read_frames
+from granwave.analysis.lammps_output.dumps import contacts_at_end, read_frames
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
 from granwave.lammps_inputs import write_deck
@@ -230,7 +230,9 @@ def test_resumed_run(tmp_path, monkeypatch, caplog, form):
     whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
     assert len(whole) == 3 and [frame.step for frame in whole] == [frame.step for frame in cut]
     assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
-    assert len(next(read_contacts(tmp_path / "cut"))) == len(next(read_contacts(tmp_path / "whole")))
+    assert len(next(contacts_at_end(tmp_path / "cut").frames())) == len(
+        next(contacts_at_end(tmp_path / "whole").frames())
+    )
     again = run_case(case_of(output={"parts": False}, size=(4, 4, 3)), tmp_path / "cut", figures=False, force=True)
     assert again.state == "finished"
     assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list((tmp_path / "cut" / "dumps").glob("spheres-*"))
