@@ -127,6 +127,9 @@ class Result:
         """Return the message that the file is damaged."""
         return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.path, self.at_once)  # opened again, as open files cannot be sent to other processes
+
     def __enter__(self) -> Result:
         return self
 

@@ -333,7 +333,9 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
     analyse(run, at_once=50)
     assert "figures of the packing are left out" in caplog.text and "granwave figures" in caplog.text
     assert "energies" in drawn and not [name for name in drawn if "principal" in name or "3d" in name]
-    monkeypatch.setattr(Result, "read", lambda self, name, old=Result.read: read.append(name) or old(self, name))
+    monkeypatch.setattr(
+        Result, "read", lambda self, name, *rows, old=Result.read: read.append(name) or old(self, name, *rows)
+    )
     with Result(run, at_once=50) as result:
         drawings = [run_figures.FIGURES[name].draw(result) for name in drawn]
     assert sum(drawing is not None for drawing in drawings) >= 4
