@@ -18,10 +18,17 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, ContactDump, read_data, refuse_ids
 from granwave.analysis.lammps_output.frame import DAMAGED, Frame
 from granwave.analysis.result.hdf5_file import rows_of, rows_of_all, sorted_once
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
 _MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for rounding
+
+
+def periodic(case: Case) -> tuple[bool, bool, bool]:
+    """Return True for the periodic axes of a packing."""
+    sides = case.boundary.sides == "periodic"
+    return sides, sides, False
 
 
 class Start:
