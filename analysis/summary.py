@@ -168,16 +168,16 @@ def _energies(result: Result) -> Summary:
 
 def _transmission(result: Result) -> Summary:
     """Return what a row passes on of a load that oscillates."""
-    steady, swept = transmission_of(result), amplitude_sweep_of(result)
+    found, swept = transmission_of(result), amplitude_sweep_of(result)
+    steady = found if isinstance(found, SteadyMotion) else None
     given, absorbed = mean_power_of(result) or (None, None)
-    is_steady = isinstance(steady, SteadyMotion)
     return {
-        "transmission": steady.ratio if is_steady else None,
-        "driven_velocity_m_s": steady.driven if is_steady else None,
+        "transmission": steady.ratio if steady else None,
+        "driven_velocity_m_s": steady.driven if steady else None,
         "load_power_W": given,
         "absorbed_power_W": absorbed,
         "amplitude_hysteresis": None if swept is None else swept.apart,
-        "unsteady_part": steady.unsteady if is_steady else None,
+        "unsteady_part": steady.unsteady if steady else None,
     }
 
 

@@ -40,7 +40,7 @@ class _Bytes:
         n = self.check_room(struct.calcsize(f"={form}"))
         if not 0 <= self.place - self._from <= len(self._ahead) - n:
             self._ahead, self._from = np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place), self.place
-        values = struct.unpack_from(f"={form}", self._ahead, self.place - self._from)
+        values = struct.unpack_from(f"={form}", self._ahead.data, self.place - self._from)
         self.place += n
         return values
 

@@ -348,7 +348,6 @@ def test_ovito_does_not_join_parts(run, tmp_path):
 
 
 def test_check_tells_what_a_rank_holds():
-    assert case_of().output.parts == "auto"
     large = {"packing": {"vacancies": 0.01}, "size": (100, 100, 60), "output": {"parts": True}}
     case = case_of(**large)
     table = plan_table(case, plan(case, n_ranks=8))
@@ -380,3 +379,9 @@ def test_deck_of_several_processes_is_the_same(tmp_path, monkeypatch, name):
     with SeveralProcesses(3) as three:
         deck.write_data(assembly, tmp_path / "three", three)
     assert (tmp_path / "three").read_bytes() == (tmp_path / "one").read_bytes()
+
+
+def test_case_key(tmp_path):
+    assert case_of().output.parts == "auto"
+    with pytest.raises(InputError, match=r'output\.parts: .*true, false or "auto"'):
+        case_from_dict(case_of().to_dict() | {"output": {"parts": "yes"}})
